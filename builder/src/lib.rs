@@ -1,1 +1,15 @@
-//! Placeholder until the part lands.
+//! The offline half: pictures of hands in, one index file out.
+//!
+//! `grasp-builder` has a small library so that its parts can be read and tested by themselves:
+//!
+//! - [`build`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
+//!   from an existing index whatever has not changed;
+//! - [`cli`] is the command line, one file a subcommand;
+//! - [`progress`] shows how far long work has come, and [`interrupt`] lets it be stopped.
+//!
+//! What a hand looks like is `grasp-renders`' business; what an index is, `grasp-index`'.
+
+pub mod build;
+pub mod cli;
+pub mod interrupt;
+pub mod progress;

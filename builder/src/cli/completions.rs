@@ -1,0 +1,20 @@
+//! `grasp-builder completions SHELL`.
+
+use clap::CommandFactory as _;
+use clap_complete::Shell;
+
+/// Print a completion script for a shell.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Completions {
+    /// The shell to complete for, e.g. `grasp-builder completions bash > ~/.local/share/bash-completion/completions/grasp-builder`.
+    shell: Shell,
+}
+
+impl Completions {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut super::Arguments::command(), "grasp-builder", &mut script);
+        std::io::Write::write_all(&mut std::io::stdout().lock(), &script)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,122 @@
+//! The command line: one file a subcommand, global options and exit status here.
+
+mod build;
+mod completions;
+mod inspect;
+mod man;
+mod preset;
+mod render;
+mod verify;
+
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::interrupt::{self, Interrupted};
+use crate::progress::Progress;
+
+/// Everything went well.
+const SUCCESS: u8 = 0;
+/// Something failed; the message says what and what to do.
+const ERROR: u8 = 2;
+
+/// Renders views of grasping hands and builds the index that grasp-query searches.
+#[derive(Debug, Parser)]
+#[command(name = "grasp-builder", version, propagate_version = true, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  grasp-builder build --out grasp.idx                    render the paper's 6 x 900 views and index them
+  grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
+  grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
+  grasp-builder inspect grasp.idx                        what is in an index
+  grasp-builder verify grasp.idx                         read every byte and check it
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (run the same command to go on).";
+
+/// Options that every subcommand understands.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Global {
+    /// Worker threads; 0 takes one per core. The result is the same for any number.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Draw no progress bar, even on a terminal.
+    #[arg(long, global = true)]
+    no_progress: bool,
+}
+
+impl Global {
+    pub(crate) fn progress(&self) -> Progress {
+        Progress::new(!self.no_progress)
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(render::Render),
+    Build(build::Build),
+    Inspect(inspect::Inspect),
+    Verify(verify::Verify),
+    Completions(completions::Completions),
+    Man(man::Man),
+}
+
+/// Parses the command line, runs it and turns the outcome into an exit status.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // `--help` and `--version` come this way too, with exit code 0.
+            let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
+            return match message.print() {
+                Ok(()) => ExitCode::from(status),
+                Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
+                Err(_) => ExitCode::from(ERROR),
+            };
+        }
+    };
+    match run(&arguments) {
+        Ok(()) => ExitCode::from(SUCCESS),
+        Err(error) => report(&error),
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.global.threads > 0 {
+        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads).build_global()?;
+    }
+    match &arguments.command {
+        Command::Render(command) => command.run(&arguments.global),
+        Command::Build(command) => command.run(&arguments.global),
+        Command::Inspect(command) => command.run(),
+        Command::Verify(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
+    }
+}
+
+/// Says on standard error what went wrong, once, and picks the exit status.
+fn report(error: &anyhow::Error) -> ExitCode {
+    if is_closed_pipe(error) {
+        return ExitCode::from(SUCCESS);
+    }
+    // Standard error may be closed as well; there is nobody left to tell then.
+    let _ = writeln!(io::stderr(), "grasp-builder: {error:#}");
+    ExitCode::from(if error.chain().any(|cause| cause.is::<Interrupted>()) { interrupt::EXIT_STATUS } else { ERROR })
+}
+
+/// A reader that has seen enough (`| head`) is no failure of ours.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>())
+        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,42 @@
+//! Ctrl-C: long work looks at one flag between two pieces and stops cleanly.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+
+/// Set by the first SIGINT or SIGTERM.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The exit status of a program that a Ctrl-C ended, as shells count it (128 + SIGINT).
+pub const EXIT_STATUS: u8 = 130;
+
+/// The work was stopped by the user; what was finished is kept and the same command goes on from there.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped; nothing half-written is left, run the same command to go on")]
+pub struct Interrupted;
+
+/// Catches SIGINT and SIGTERM from now on. A second signal ends the program at once.
+///
+/// # Errors
+/// If the handler cannot be installed.
+pub fn catch() -> anyhow::Result<()> {
+    ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(EXIT_STATUS));
+        }
+    })
+    .context("cannot listen for Ctrl-C")
+}
+
+/// The flag itself, for work that takes a flag to look at.
+pub fn flag() -> &'static AtomicBool {
+    &INTERRUPTED
+}
+
+/// `Err(Interrupted)` once the user has asked to stop.
+///
+/// # Errors
+/// [`Interrupted`], and no other.
+pub fn check() -> Result<(), Interrupted> {
+    if INTERRUPTED.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+}

@@ -1,0 +1,91 @@
+//! `cargo demo`: the whole chain on a fresh clone, by the programs that a user would call.
+//!
+//! Every step is a command that is printed before it runs, so that the demo is also a first lesson. What it makes lies
+//! in `target/demo` and nowhere else.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+use grasp_tests::{pictures, programs, workspace};
+
+fn main() -> ExitCode {
+    match demo() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("\nThe demo stopped: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn demo() -> Result<(), String> {
+    eprintln!("Compiling grasp-builder and grasp-query (the first time this takes a minute or two) ...");
+    let steps = Steps { programs: programs(true) };
+    // Relative paths keep what is printed short, and let a reader repeat it from the checkout's root.
+    std::env::set_current_dir(workspace()).map_err(|error| format!("cannot enter the checkout: {error}"))?;
+    let out = Path::new("target/demo");
+    std::fs::create_dir_all(out).map_err(|error| format!("cannot make {}: {error}", out.display()))?;
+
+    let started = Instant::now();
+    steps.heading("Render 6 grasps x 900 views of a synthetic hand");
+    steps.run("grasp-builder", &["render", "--out", "target/demo/renders"])?;
+
+    steps.heading("Build the index: one file that a query maps into memory");
+    steps.run("grasp-builder", &["build", "target/demo/renders", "--out", "target/demo/grasp.idx"])?;
+
+    steps.heading("Recognise pictures of a hand that the database does not hold");
+    let samples = samples()?;
+    let mut arguments = vec!["recognise", "--index", "target/demo/grasp.idx", "--explain", "target/demo/explained"];
+    arguments.extend(samples.iter().map(String::as_str));
+    steps.run("grasp-query", &arguments)?;
+
+    steps.heading("Score the labelled ones among them");
+    steps.run("grasp-query", &["evaluate", "tests/pictures/labels.csv", "--index", "target/demo/grasp.idx"])?;
+
+    println!("\nDone in {:.1} s. Look at", started.elapsed().as_secs_f64());
+    println!("  target/demo/explained/  each picture with its mask, hand image, descriptor and nearest neighbours");
+    println!("  target/demo/renders/    the 5,400 renders, and manifest.csv that labels them");
+    println!("Try your own: target/release/grasp-query recognise PICTURE.jpg --index target/demo/grasp.idx");
+    Ok(())
+}
+
+/// The sample camera pictures, relative to the checkout's root, in the order of their names.
+fn samples() -> Result<Vec<String>, String> {
+    let folder = pictures();
+    let listing = std::fs::read_dir(&folder).map_err(|error| format!("cannot list {}: {error}", folder.display()))?;
+    let mut names: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    names.retain(|path| path.extension().is_some_and(|extension| extension == "jpg"));
+    names.sort();
+    Ok(names
+        .iter()
+        .filter_map(|path| path.strip_prefix(workspace()).ok())
+        .map(|path| path.display().to_string())
+        .collect())
+}
+
+struct Steps {
+    programs: &'static Path,
+}
+
+impl Steps {
+    #[allow(clippy::unused_self, reason = "reads as a step of the demo")]
+    fn heading(&self, text: &str) {
+        println!("\n== {text}");
+    }
+
+    /// Prints the command and runs it. Exit status 1 means that some picture was not recognised, which is an answer.
+    fn run(&self, program: &str, arguments: &[&str]) -> Result<(), String> {
+        println!("$ {program} {}", arguments.join(" "));
+        std::io::stdout().flush().map_err(|error| error.to_string())?;
+        let status = Command::new(self.programs.join(program))
+            .args(arguments)
+            .status()
+            .map_err(|error| format!("cannot run {program}: {error}"))?;
+        match status.code() {
+            Some(0 | 1) => Ok(()),
+            _ => Err(format!("{program} ended with {status}")),
+        }
+    }
+}
