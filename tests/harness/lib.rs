@@ -3,8 +3,9 @@
 //! `cargo test --workspace` builds this package, but not the programs of its neighbours; [`program`] asks cargo for
 //! them, so that a test can never run yesterday's binary.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 /// The two programs that the tests run.
@@ -68,4 +69,76 @@ fn target_folder() -> PathBuf {
         .find(|folder| folder.file_name().is_some_and(|name| name == "debug" || name == "release"))
         .and_then(Path::parent)
         .map_or_else(|| workspace().join("target"), Path::to_path_buf)
+}
+
+/// A small index (6 grasps, 30-degree steps) that the real builder made, shared by the tests of one program run.
+///
+/// # Panics
+/// If it cannot be built.
+pub fn small_index() -> &'static Path {
+    static INDEX: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    let (_, path) = INDEX.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("small.idx");
+        let built = run(program("grasp-builder").args(["build", "--step", "30", "--out"]).arg(&path));
+        assert_eq!(built.status, 0, "{}", built.stderr);
+        (folder, path)
+    });
+    path
+}
+
+/// What a program printed, and how it ended.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The exit status; -1 where a signal ended the program.
+    pub status: i32,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Outcome {
+    /// Standard output as JSON Lines.
+    ///
+    /// # Panics
+    /// If a line is no JSON.
+    #[must_use]
+    pub fn json_lines(&self) -> Vec<serde_json::Value> {
+        let parse = |line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error} in {line}"));
+        self.stdout.lines().map(parse).collect()
+    }
+}
+
+/// Runs a command to its end.
+///
+/// # Panics
+/// If it cannot be started, or does not print UTF-8.
+pub fn run(command: &mut Command) -> Outcome {
+    run_with_input(command, &[])
+}
+
+/// Runs a command to its end with `input` on its standard input.
+///
+/// # Panics
+/// As [`run`].
+pub fn run_with_input(command: &mut Command, input: &[u8]) -> Outcome {
+    let mut child = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
+    let mut stdin = child.stdin.take().expect("standard input is a pipe");
+    let input = input.to_vec();
+    // Written from a thread of its own: a program that answers before it has read everything must not block us, and
+    // one that stops reading early has closed the pipe, which is its right.
+    let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
+    let output = child.wait_with_output().expect("the program ends");
+    feeder.join().expect("the feeding thread ends");
+    Outcome {
+        status: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).expect("standard output is UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("standard error is UTF-8"),
+    }
 }

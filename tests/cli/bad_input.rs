@@ -1,0 +1,166 @@
+//! Bad input gets a clear error and the right exit status, and the good input beside it is answered all the same.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use grasp_tests::{Outcome, pictures, program, run, small_index};
+
+fn recognise(arguments: &[&Path]) -> Outcome {
+    run(program("grasp-query")
+        .args(["recognise", "--json", "--segmented", "--index"])
+        .arg(small_index())
+        .args(arguments))
+}
+
+fn good() -> PathBuf {
+    let mut labels = csv::Reader::from_path(pictures().join("labels.csv")).unwrap();
+    let row = labels.records().map(Result::unwrap).find(|row| &row[2] == "segmented").unwrap();
+    pictures().join(&row[0])
+}
+
+/// Recognises a bad file between two good ones and returns its error; the good ones must be answered.
+fn error_between_good_ones(bad: &Path, status: i32) -> String {
+    let outcome = recognise(&[&good(), bad, &good()]);
+    assert_eq!(outcome.status, status, "{}{}", outcome.stdout, outcome.stderr);
+    let records = outcome.json_lines();
+    assert_eq!(records.len(), 3);
+    assert!(records[0]["error"].is_null() && records[2]["error"].is_null(), "{records:?}");
+    assert_eq!(records[0]["grasp"], records[2]["grasp"]);
+    records[1]["error"]["message"].as_str().unwrap_or_else(|| panic!("no error in {}", records[1])).to_owned()
+}
+
+#[test]
+fn what_is_not_an_image_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = folder.path().join("notes.png");
+    fs::write(&text, "not a picture at all").unwrap();
+    assert!(error_between_good_ones(&text, 2).contains("not a picture"));
+    let missing = folder.path().join("missing.png");
+    assert!(error_between_good_ones(&missing, 2).to_lowercase().contains("no such file"));
+    let empty = folder.path().join("empty.png");
+    fs::write(&empty, "").unwrap();
+    error_between_good_ones(&empty, 2);
+}
+
+#[test]
+fn a_truncated_image_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = fs::read(good()).unwrap();
+    let truncated = folder.path().join("truncated.png");
+    fs::write(&truncated, &whole[..whole.len() / 2]).unwrap();
+    error_between_good_ones(&truncated, 2);
+}
+
+#[test]
+fn a_picture_without_a_hand_is_rejected_with_status_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let black = folder.path().join("black.png");
+    image::GrayImage::new(64, 64).save(&black).unwrap();
+    assert!(error_between_good_ones(&black, 1).contains("no hand found"));
+}
+
+#[test]
+fn a_gigantic_header_is_refused_before_decoding() {
+    let folder = tempfile::tempdir().unwrap();
+    let huge = folder.path().join("huge.ppm");
+    fs::write(&huge, "P6\n30000 30000\n255\n").unwrap();
+    let message = error_between_good_ones(&huge, 2);
+    assert!(message.contains("30000"), "{message}");
+}
+
+#[test]
+fn a_wrong_index_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = folder.path().join("wrong.idx");
+    fs::write(&wrong, fs::read(good()).unwrap()).unwrap();
+    for program_and_arguments in [["grasp-query", "recognise"], ["grasp-builder", "verify"], ["grasp-builder", "inspect"]] {
+        let [name, subcommand] = program_and_arguments;
+        let mut command = program(name);
+        command.arg(subcommand);
+        if name == "grasp-query" {
+            command.arg(good()).arg("--index");
+        }
+        let outcome = run(command.arg(&wrong));
+        assert_eq!(outcome.status, 2, "{program_and_arguments:?}");
+        assert!(outcome.stderr.contains("not a grasp index"), "{}", outcome.stderr);
+    }
+    let outcome = run(program("grasp-query").arg("recognise").arg(good()).current_dir(folder.path()));
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains("grasp-builder build"), "{}", outcome.stderr);
+}
+
+#[test]
+fn an_index_cut_or_flipped_anywhere_is_found_by_verify() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = fs::read(small_index()).unwrap();
+    let broken = folder.path().join("broken.idx");
+    // Every length and every byte is the index crate's own sweep; here a few, through the program.
+    for length in [0, 1, 63, 64, 4096, whole.len() / 2, whole.len() - 1] {
+        fs::write(&broken, &whole[..length]).unwrap();
+        let outcome = run(program("grasp-builder").arg("verify").arg(&broken));
+        assert_eq!(outcome.status, 2, "cut to {length}: {}", outcome.stdout);
+    }
+    for at in (0..whole.len()).step_by(whole.len() / 16) {
+        let mut flipped = whole.clone();
+        flipped[at] ^= 0x10;
+        fs::write(&broken, &flipped).unwrap();
+        let outcome = run(program("grasp-builder").arg("verify").arg(&broken));
+        assert_eq!(outcome.status, 2, "byte {at}: {}", outcome.stdout);
+    }
+    assert_eq!(run(program("grasp-builder").arg("verify").arg(small_index())).status, 0);
+}
+
+#[test]
+fn a_manifest_whose_file_is_missing_stops_the_build_and_keeps_the_old_index() {
+    let folder = tempfile::tempdir().unwrap();
+    let (set, index) = (folder.path().join("set"), folder.path().join("grasp.idx"));
+    let render = |set: &Path| run(program("grasp-builder").args(["render", "--step", "45", "--out"]).arg(set));
+    let build = || run(program("grasp-builder").arg("build").arg(&set).arg("--out").arg(&index));
+    assert_eq!(render(&set).status, 0);
+    assert_eq!(build().status, 0);
+    let before = fs::read(&index).unwrap();
+
+    let mut manifest = csv::Reader::from_path(set.join("manifest.csv")).unwrap();
+    let file = manifest.records().nth(3).unwrap().unwrap()[0].to_owned();
+    fs::remove_file(set.join(&file)).unwrap();
+    let outcome = build();
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains(file.rsplit('/').next().unwrap()), "{}", outcome.stderr);
+    assert!(fs::read(&index).unwrap() == before);
+
+    // `render` puts back what is missing, and nothing else.
+    assert_eq!(render(&set).status, 0);
+    assert_eq!(build().status, 0);
+    assert!(fs::read(&index).unwrap() == before);
+}
+
+#[test]
+fn build_does_not_overwrite_what_is_no_index() {
+    let folder = tempfile::tempdir().unwrap();
+    let thesis = folder.path().join("thesis.txt");
+    fs::write(&thesis, "three years of work").unwrap();
+    let outcome = run(program("grasp-builder").args(["build", "--step", "45", "--out"]).arg(&thesis));
+    assert_eq!(outcome.status, 2);
+    assert_eq!(fs::read_to_string(&thesis).unwrap(), "three years of work");
+    assert!(outcome.stderr.contains("not a grasp index"), "{}", outcome.stderr);
+}
+
+/// A limit on the size of a file stands in for a full disk: the write fails in the midst, on any machine.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_index_and_no_debris() {
+    let folder = tempfile::tempdir().unwrap();
+    let index = folder.path().join("grasp.idx");
+    fs::copy(small_index(), &index).unwrap();
+    let before = fs::read(&index).unwrap();
+    let builder = program("grasp-builder").get_program().to_owned();
+    let outcome = run(std::process::Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" build --step 45 --out \"$1\""])
+        .arg(builder)
+        .arg(&index));
+    assert_eq!(outcome.status, 2, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("grasp.idx"), "{}", outcome.stderr);
+    assert!(fs::read(&index).unwrap() == before);
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| name == "grasp.idx" || name.to_string_lossy().ends_with(".lock")), "{left:?}");
+}

@@ -1,0 +1,50 @@
+//! What a person reads: help texts, and the reports of `inspect` and `verify`, kept as snapshots.
+
+use grasp_tests::{program, run, small_index};
+
+fn help(name: &str, arguments: &[&str]) -> String {
+    let outcome = run(program(name).args(arguments).arg("--help").env("COLUMNS", "110"));
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    outcome.stdout
+}
+
+#[test]
+fn help_texts() {
+    insta::assert_snapshot!("builder", help("grasp-builder", &[]));
+    insta::assert_snapshot!("builder_build", help("grasp-builder", &["build"]));
+    insta::assert_snapshot!("query", help("grasp-query", &[]));
+    insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));
+    insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
+}
+
+#[test]
+fn inspect_says_what_is_in_an_index() {
+    let outcome = run(program("grasp-builder").arg("inspect").arg(small_index()));
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    insta::with_settings!({filters => vec![(r"/\S*/small.idx", "small.idx")]}, {
+        insta::assert_snapshot!("inspect", outcome.stdout);
+    });
+    let json = run(program("grasp-builder").args(["inspect", "--json"]).arg(small_index()));
+    let report = &json.json_lines()[0];
+    assert_eq!(report["classes"].as_array().unwrap().len(), 6);
+    assert_eq!(report["descriptor"]["dim"], 84);
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let builder = program("grasp-builder").get_program().to_owned();
+    let piped = run(std::process::Command::new("sh")
+        .args(["-c", "\"$0\" completions bash | head -n 1 >/dev/null; echo ${PIPESTATUS:-ok}"])
+        .arg(builder));
+    assert_eq!(piped.stderr, "");
+}
+
+#[test]
+fn completions_and_manual_pages_come_for_both_programs() {
+    for name in ["grasp-builder", "grasp-query"] {
+        let completions = run(program(name).args(["completions", "zsh"]));
+        assert!(completions.status == 0 && completions.stdout.contains(&format!("#compdef {name}")), "{name}");
+        let page = run(program(name).arg("man"));
+        assert!(page.status == 0 && page.stdout.contains(".TH"), "{name}");
+    }
+}
