@@ -1,1 +1,85 @@
-//! Placeholder until the part lands.
+//! Recognises the grasp of a hand in a picture by its nearest neighbours among many known pictures, over one
+//! memory-mapped file.
+//!
+//! The method is H. Kjellström, J. Romero and D. Kragić, *Visual Recognition of Grasps for Human-to-Robot Mapping*
+//! (IROS 2008), Sections IV and V. In order of the data:
+//!
+//! 1. [`HandImage`]: the hand, cut out of a grey picture.
+//! 2. [`DescriptorParams::describe`]: its descriptor, a pyramid of histograms of gradient orientation.
+//! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing.
+//! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours.
+//!
+//! [`IndexWriter`] makes the file, [`Index::open`] maps it.
+//!
+//! ```
+//! use grasp_index::*;
+//! use nalgebra::UnitQuaternion;
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("grasp.idx");
+//! // A "hand" that points up or sideways, a little differently each time.
+//! let picture = |class: u16, n: usize| {
+//!     let mut grey = vec![0u8; 64 * 64];
+//!     for (long, across) in (8..56).flat_map(|long| (26..36 + n % 7).map(move |across| (long, across))) {
+//!         let at = if class == 0 { long * 64 + across } else { across * 64 + long };
+//!         grey[at] = 90 + (long * n % 50) as u8;
+//!     }
+//!     HandImage::from_segmented(64, 64, &grey, 0).unwrap()
+//! };
+//!
+//! let class = |name: &str, cutkosky| ClassInfo { name: name.into(), cutkosky };
+//! let mut writer = IndexWriter::new(IndexParams {
+//!     classes: vec![class("large-diameter", 1), class("pinch", 9)],
+//!     hand_shapes: vec!["mean".into()],
+//!     stages: vec!["grasp".into()],
+//!     ..IndexParams::default()
+//! })?;
+//! let params = DescriptorParams::default();
+//! for n in 0..40 {
+//!     writer.push(NewEntry {
+//!         class: n as u16 % 2,
+//!         file: format!("{n}.png"),
+//!         descriptor: params.describe(&picture(n as u16 % 2, n)),
+//!         ..NewEntry::default()
+//!     })?;
+//! }
+//! writer.finish(&path, &|_phase, _share| std::ops::ControlFlow::Continue(()))?;
+//!
+//! let index = Index::open(&path)?;
+//! let query = index.describe(&picture(1, 100));
+//! let found = index.search(&query, &SearchOptions::default())?;
+//! let vote = index.vote(&found.neighbours, &VoteOptions::default());
+//! assert_eq!(vote.classes[0].name, "pinch");
+//! assert!(vote.orientation.rotation.angle_to(&UnitQuaternion::identity()) < 1e-6);
+//! println!("{} of {} entries were looked at", found.cost.candidates, index.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod descriptor;
+mod file;
+mod hand_image;
+mod index;
+mod resample;
+mod rotation;
+mod search;
+mod vote;
+
+pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
+pub use file::OpenError;
+pub use file::atomic::{AtomicFile, WriteError};
+pub use file::catalogue::{Calibration, Catalogue, ClassInfo, HashInfo};
+pub use file::sections::{ElementType, Section, SectionKind};
+pub use file::verify::{Problem, Verification};
+pub use file::write::{BuildError, IndexParams, IndexWriter, NewEntry, Phase, Summary};
+pub use hand_image::{HandImage, HandImageError, MIN_SIDE};
+pub use index::{Entry, EntryError, Index};
+pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
+pub use search::random::RandomHash;
+pub use search::tune::{EPS, HashParams, Measured};
+pub use search::{Neighbour, Search, SearchCost, SearchError, SearchOptions};
+pub use vote::{
+    ClassScore, OrientationEstimate, Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance,
+    mean_rotation,
+};
+
+/// The version of the index format that this crate writes, and the newest that it reads.
+pub const FORMAT_VERSION: u32 = file::header::VERSION;

@@ -1,0 +1,229 @@
+//! What determines a descriptor.
+
+use super::{Cell, Describer};
+use crate::hand_image::HandImage;
+use rkyv::{Archive, Deserialize, Serialize};
+use thiserror::Error;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// Counts changes of the code that change descriptors; part of [`DescriptorParams::fingerprint`].
+const REVISION: u8 = 1;
+
+/// How gradients are counted.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DescriptorKind {
+    /// The paper's form: every pixel with a gradient counts 1, in one bin of one cell; each cell's histogram sums to 1.
+    Paper,
+    /// A pixel counts by the magnitude of its gradient, shared linearly between the two nearest bins and the four
+    /// nearest cells; each level sums to 1; then the square root of every value, so that the Euclidean distance
+    /// becomes the Hellinger distance.
+    Default,
+}
+
+/// Where in the hand image the descriptor's picture is sampled.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// The hand image's own pixels; cells divide its box, whatever its aspect.
+    Native,
+    /// The box stretched to a square of `side` pixels.
+    Stretch {
+        /// Pixels a side, 8 to 1024.
+        side: u16,
+    },
+    /// The box scaled into a square of `side` pixels, aspect kept, centred.
+    KeepAspect {
+        /// Pixels a side, 8 to 1024.
+        side: u16,
+    },
+    /// A square of `side` pixels centred on the mask's centroid and scaled by the mask's spread: a speck that
+    /// stretches the box hardly moves it. What reaches far out is cut.
+    Moments {
+        /// Pixels a side, 8 to 1024.
+        side: u16,
+    },
+}
+
+/// What happens to the grey values inside the hand before gradients are taken.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+pub enum Tone {
+    /// Grey as it is: a bright hand has a strong silhouette.
+    AsIs,
+    /// Mean and contrast are made the same for every hand, dark or light, dimly or brightly lit.
+    Normalised {
+        /// The standard deviation of the grey inside the hand, relative to its mean: 0 leaves the silhouette alone, 0 to 1.
+        contrast: f32,
+    },
+}
+
+/// Everything that determines a descriptor. Recorded in the index.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+pub struct DescriptorParams {
+    /// How gradients are counted.
+    pub kind: DescriptorKind,
+    /// The paper's B: bins a histogram, 2 to 32.
+    pub bins: u32,
+    /// The paper's L: levels of the pyramid, 1 to 6.
+    pub levels: u32,
+    /// Where the picture is sampled.
+    pub sampling: Sampling,
+    /// How its grey is prepared.
+    pub tone: Tone,
+}
+
+/// Parameters that make no descriptor.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum ParamsError {
+    /// Too few or too many bins.
+    #[error("{0} bins asked for: 2 to 32 work, the paper has 4")]
+    Bins(u32),
+    /// Too few or too many levels.
+    #[error("{0} levels asked for: 1 to 6 work, the paper has 3")]
+    Levels(u32),
+    /// A picture too small or too large.
+    #[error("a descriptor picture of {0} pixels a side asked for: 8 to 1024 work")]
+    Side(u16),
+    /// A contrast that is no contrast.
+    #[error("a contrast of {0} asked for: 0 to 1 work")]
+    Contrast(f32),
+}
+
+impl Default for DescriptorParams {
+    fn default() -> Self {
+        Self {
+            kind: DescriptorKind::Default,
+            bins: 4,
+            levels: 3,
+            sampling: Sampling::KeepAspect { side: 48 },
+            tone: Tone::Normalised { contrast: 0.25 },
+        }
+    }
+}
+
+impl DescriptorParams {
+    /// The paper's descriptor: B = 4, L = 3, D = 84.
+    pub fn paper() -> Self {
+        Self { kind: DescriptorKind::Paper, bins: 4, levels: 3, sampling: Sampling::Native, tone: Tone::AsIs }
+    }
+
+    /// The parameters that a name stands for: `paper` or `default`.
+    pub fn by_name(name: &str) -> Option<Self> {
+        match name {
+            "paper" => Some(Self::paper()),
+            "default" => Some(Self::default()),
+            _ => None,
+        }
+    }
+
+    /// `paper` or `default`.
+    pub fn name(&self) -> &'static str {
+        match self.kind {
+            DescriptorKind::Paper => "paper",
+            DescriptorKind::Default => "default",
+        }
+    }
+
+    /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`, 84 for B = 4, L = 3.
+    pub fn dim(&self) -> usize {
+        let params = self.clamped();
+        let cells: usize = (0..params.levels).map(|level| 1 << (2 * level)).sum();
+        params.bins as usize * cells
+    }
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`ParamsError`], naming the value out of range and what would do.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        let clamped = self.clamped();
+        if self.bins != clamped.bins {
+            return Err(ParamsError::Bins(self.bins));
+        }
+        if self.levels != clamped.levels {
+            return Err(ParamsError::Levels(self.levels));
+        }
+        match self.sampling {
+            Sampling::Stretch { side } | Sampling::KeepAspect { side } | Sampling::Moments { side }
+                if self.sampling != clamped.sampling =>
+            {
+                Err(ParamsError::Side(side))
+            }
+            _ => match self.tone {
+                Tone::Normalised { contrast } if self.tone != clamped.tone => {
+                    Err(ParamsError::Contrast(contrast))
+                }
+                _ => Ok(()),
+            },
+        }
+    }
+
+    /// The parameters with every value brought into its range.
+    pub(super) fn clamped(&self) -> Self {
+        let fit = |side: u16| side.clamp(8, 1024);
+        Self {
+            kind: self.kind,
+            bins: self.bins.clamp(2, 32),
+            levels: self.levels.clamp(1, 6),
+            sampling: match self.sampling {
+                Sampling::Native => Sampling::Native,
+                Sampling::Stretch { side } => Sampling::Stretch { side: fit(side) },
+                Sampling::KeepAspect { side } => Sampling::KeepAspect { side: fit(side) },
+                Sampling::Moments { side } => Sampling::Moments { side: fit(side) },
+            },
+            tone: match self.tone {
+                Tone::AsIs => Tone::AsIs,
+                // A NaN becomes 0 too.
+                Tone::Normalised { contrast } => {
+                    Tone::Normalised { contrast: if contrast > 0.0 { contrast.min(1.0) } else { 0.0 } }
+                }
+            },
+        }
+    }
+
+    /// A number that differs wherever descriptors would: equal fingerprints mean that descriptors can be compared and reused.
+    pub fn fingerprint(&self) -> u64 {
+        let (sampling, side) = match self.sampling {
+            Sampling::Native => (0u8, 0),
+            Sampling::Stretch { side } => (1, side),
+            Sampling::KeepAspect { side } => (2, side),
+            Sampling::Moments { side } => (3, side),
+        };
+        let (tone, contrast) = match self.tone {
+            Tone::AsIs => (0u8, 0.0),
+            Tone::Normalised { contrast } => (1, contrast),
+        };
+        let kind = match self.kind {
+            DescriptorKind::Paper => 0u8,
+            DescriptorKind::Default => 1,
+        };
+        let mut bytes = vec![REVISION, kind, sampling, tone];
+        bytes.extend(self.bins.to_le_bytes());
+        bytes.extend(self.levels.to_le_bytes());
+        bytes.extend(side.to_le_bytes());
+        bytes.extend(contrast.to_le_bytes());
+        xxh3_64(&bytes)
+    }
+
+    /// The descriptor of a hand image: [`Self::dim`] values. [`Describer`] does the same faster for many pictures.
+    pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
+        Describer::new(self).describe(hand)
+    }
+
+    /// The cells of a descriptor, finest level first, each level row by row: what the paper's Figure 4 draws.
+    pub fn cells<'a>(&self, descriptor: &'a [f32]) -> impl Iterator<Item = Cell<'a>> {
+        let params = self.clamped();
+        let places = (1..=params.levels).flat_map(move |level| {
+            let cells_a_side = 1usize << (params.levels - level);
+            (0..cells_a_side * cells_a_side).map(move |cell| (level, cells_a_side, cell))
+        });
+        places.zip(descriptor.chunks_exact(params.bins as usize)).map(
+            |((level, cells_a_side, cell), histogram)| Cell {
+                level,
+                cells_a_side,
+                row: cell / cells_a_side,
+                column: cell % cells_a_side,
+                histogram,
+            },
+        )
+    }
+}

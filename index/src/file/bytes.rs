@@ -1,0 +1,85 @@
+//! The bytes of an index: mapped, or read into memory. The one place where a file is mapped.
+
+use super::{ALIGNMENT, OpenError};
+use memmap2::Mmap;
+use rkyv::util::AlignedVec;
+use std::fs::File;
+use std::io::Read;
+use std::ops::Deref;
+use std::path::Path;
+
+/// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
+pub(crate) enum Bytes {
+    Mapped(Mmap),
+    Held(AlignedVec<{ ALIGNMENT as usize }>),
+}
+
+impl std::fmt::Debug for Bytes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let how = match self {
+            Self::Mapped(_) => "mapped",
+            Self::Held(_) => "held",
+        };
+        write!(f, "{} bytes, {how}", self.len())
+    }
+}
+
+impl Deref for Bytes {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Mapped(map) => map,
+            Self::Held(bytes) => bytes,
+        }
+    }
+}
+
+impl Bytes {
+    /// Maps a file read-only.
+    pub(crate) fn map(path: &Path) -> Result<Self, OpenError> {
+        let file = open_regular(path)?;
+        // An empty file cannot be mapped; the header's check says what is wrong with it.
+        if file.metadata()?.len() == 0 {
+            return Ok(Self::copy(&[]));
+        }
+        // SAFETY: the mapping is read-only and private to this value. What a map cannot promise is that no other process
+        // changes or truncates the file meanwhile. Index files are never changed in place: this crate writes a new
+        // file and renames it over the old one, whose bytes live on as long as they are mapped (tested in
+        // tests/writing.rs). Every byte pattern is valid for the plain numbers that are read from it, and text is
+        // checked at each use, so bytes changed by a stranger can give wrong answers, but no undefined values; a file
+        // truncated by a stranger ends the process with SIGBUS. Where that may happen, use `Bytes::read`.
+        let map = unsafe { Mmap::map(&file)? };
+        Ok(Self::Mapped(map))
+    }
+
+    /// Reads a file into memory.
+    pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
+        let mut file = open_regular(path)?;
+        let length = usize::try_from(file.metadata()?.len())
+            .map_err(|_| OpenError::corrupt("it is larger than this machine's memory"))?;
+        let mut bytes = AlignedVec::with_capacity(length);
+        bytes.resize(length, 0);
+        file.read_exact(&mut bytes)?;
+        Ok(Self::Held(bytes))
+    }
+
+    /// Copies bytes that are in memory already, because those need not be aligned.
+    pub(crate) fn copy(bytes: &[u8]) -> Self {
+        let mut held = AlignedVec::with_capacity(bytes.len());
+        held.extend_from_slice(bytes);
+        Self::Held(held)
+    }
+}
+
+fn open_regular(path: &Path) -> Result<File, OpenError> {
+    // Asked before opening: opening a pipe waits for its other end.
+    let metadata = std::fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(OpenError::Folder);
+    }
+    if !metadata.is_file() {
+        return Err(OpenError::NotAFile);
+    }
+    Ok(File::open(path)?)
+}

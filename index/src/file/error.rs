@@ -1,0 +1,73 @@
+//! Why a file cannot be used as an index.
+
+use std::fmt;
+use thiserror::Error;
+
+/// Why a file cannot be used as an index. The messages do not name the file: the caller, who does, knows it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// The operating system refused.
+    #[error("cannot read it: {0}")]
+    Io(#[from] std::io::Error),
+    /// The path names a folder.
+    #[error("it is a folder: name the index file itself")]
+    Folder,
+    /// The path names a pipe or a device, which cannot be mapped.
+    #[error("it is not a regular file: copy it into one first")]
+    NotAFile,
+    /// The file holds nothing.
+    #[error("the file is empty: build the index again")]
+    Empty,
+    /// The file is something else.
+    #[error("not a grasp index: build one with `grasp-builder build --out FILE`")]
+    NotAnIndex,
+    /// The end of the file is missing.
+    #[error("truncated: {} expected, {} found: copy or build the file again", Size(*.expected), Size(*.found))]
+    Truncated {
+        /// The length that the header states, or that of a header, in bytes.
+        expected: u64,
+        /// The file's length in bytes.
+        found: u64,
+    },
+    /// There is more than the header tells of.
+    #[error("too long: {} expected, {} found: copy or build the file again", Size(*.expected), Size(*.found))]
+    TooLong {
+        /// The length that the header states, in bytes.
+        expected: u64,
+        /// The file's length in bytes.
+        found: u64,
+    },
+    /// The file needs a newer reader.
+    #[error(
+        "written for readers >= {needs}, this is {reader}: use a newer grasp-query, or build the file again with this grasp-builder"
+    )]
+    TooNew {
+        /// The least reader version that can read the file.
+        needs: u32,
+        /// This reader's version.
+        reader: u32,
+    },
+    /// A part of the file is not what it was when it was written.
+    #[error("corrupt: {0}: copy or build the file again")]
+    Corrupt(String),
+}
+
+impl OpenError {
+    pub(crate) fn corrupt(what: impl fmt::Display) -> Self {
+        Self::Corrupt(what.to_string())
+    }
+}
+
+/// A number of bytes for people.
+struct Size(u64);
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            bytes @ 0..100_000 => write!(f, "{bytes} bytes"),
+            bytes @ 100_000..10_000_000 => write!(f, "{} kB", bytes / 1_000),
+            bytes => write!(f, "{} MB", bytes / 1_000_000),
+        }
+    }
+}

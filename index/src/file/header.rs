@@ -1,0 +1,103 @@
+//! The first 64 bytes, the same in every version of the format. Little-endian.
+//!
+//! | bytes | |
+//! |---|---|
+//! | 0..8 | magic |
+//! | 8..12 | the least reader version that can read the file |
+//! | 12..16 | the version that wrote it |
+//! | 16..24 | the file's length in bytes |
+//! | 24..32 | the catalogue's offset |
+//! | 32..40 | the catalogue's length |
+//! | 40..48 | xxh3 of the catalogue |
+//! | 48..56 | 0 |
+//! | 56..64 | xxh3 of bytes 0..56 |
+
+use super::{ALIGNMENT, OpenError, align};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// No text, and broken by transfers that rewrite line ends.
+const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
+/// The header's length in bytes.
+pub(crate) const LENGTH: usize = 64;
+/// The version of the format that this crate reads and writes. It grows when older readers cannot read new files.
+pub(crate) const VERSION: u32 = 1;
+
+/// Where the catalogue lies, and the hash of its bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Header {
+    pub(crate) file_length: u64,
+    pub(crate) catalogue_offset: u64,
+    pub(crate) catalogue_length: u64,
+    pub(crate) catalogue_hash: u64,
+}
+
+impl Header {
+    pub(crate) fn to_bytes(self) -> [u8; LENGTH] {
+        let mut bytes = [0; LENGTH];
+        bytes[0..8].copy_from_slice(&MAGIC);
+        bytes[8..12].copy_from_slice(&VERSION.to_le_bytes());
+        bytes[12..16].copy_from_slice(&VERSION.to_le_bytes());
+        bytes[16..24].copy_from_slice(&self.file_length.to_le_bytes());
+        bytes[24..32].copy_from_slice(&self.catalogue_offset.to_le_bytes());
+        bytes[32..40].copy_from_slice(&self.catalogue_length.to_le_bytes());
+        bytes[40..48].copy_from_slice(&self.catalogue_hash.to_le_bytes());
+        let hash = xxh3_64(&bytes[..56]);
+        bytes[56..64].copy_from_slice(&hash.to_le_bytes());
+        bytes
+    }
+
+    /// Reads the header of a whole file and checks all that can be checked without the catalogue's bytes.
+    pub(crate) fn read(file: &[u8]) -> Result<Self, OpenError> {
+        let found = file.len() as u64;
+        if file.is_empty() {
+            return Err(OpenError::Empty);
+        }
+        if !file.starts_with(&MAGIC) {
+            let is_start_of_magic = MAGIC.starts_with(file);
+            let expected = LENGTH as u64;
+            return Err(if is_start_of_magic {
+                OpenError::Truncated { expected, found }
+            } else {
+                OpenError::NotAnIndex
+            });
+        }
+        let Some(bytes) = file.first_chunk::<LENGTH>() else {
+            return Err(OpenError::Truncated { expected: LENGTH as u64, found });
+        };
+        // Before the version: a version is believed only where the header is whole.
+        if xxh3_64(&bytes[..56]) != u64_at(bytes, 56) {
+            return Err(OpenError::corrupt("the header does not match its hash"));
+        }
+        let needs = (u64_at(bytes, 8) & u64::from(u32::MAX)) as u32;
+        if needs > VERSION {
+            return Err(OpenError::TooNew { needs, reader: VERSION });
+        }
+        let header = Self {
+            file_length: u64_at(bytes, 16),
+            catalogue_offset: u64_at(bytes, 24),
+            catalogue_length: u64_at(bytes, 32),
+            catalogue_hash: u64_at(bytes, 40),
+        };
+        if found < header.file_length {
+            return Err(OpenError::Truncated { expected: header.file_length, found });
+        }
+        if found > header.file_length {
+            return Err(OpenError::TooLong { expected: header.file_length, found });
+        }
+        let end = header.catalogue_offset.checked_add(header.catalogue_length);
+        let in_order = header.catalogue_offset >= LENGTH as u64
+            && align(header.catalogue_offset) == Some(header.catalogue_offset);
+        if end != Some(header.file_length) || !in_order {
+            return Err(OpenError::corrupt(format_args!(
+                "the catalogue should start at a multiple of {ALIGNMENT} and end with the file"
+            )));
+        }
+        Ok(header)
+    }
+}
+
+fn u64_at(bytes: &[u8; LENGTH], at: usize) -> u64 {
+    let mut value = [0; 8];
+    value.copy_from_slice(&bytes[at..at + 8]);
+    u64::from_le_bytes(value)
+}

@@ -1,0 +1,33 @@
+//! The index file: written once, mapped read-only, never changed in place.
+//!
+//! ```text
+//! header      64 bytes, little-endian: magic, versions, the file's length, where the catalogue lies, hashes   [header]
+//! sections    plain arrays, each at a multiple of 64 bytes, zeros between                                     [sections]
+//! catalogue   a small rkyv archive up to the end of the file: parameters, and where every section lies        [catalogue]
+//! ```
+//!
+//! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for [`verify`].
+
+pub(crate) mod atomic;
+pub(crate) mod bytes;
+pub(crate) mod catalogue;
+mod error;
+pub(crate) mod header;
+pub(crate) mod open;
+pub(crate) mod sections;
+pub(crate) mod verify;
+pub(crate) mod write;
+
+pub use error::OpenError;
+
+// Sections are read in place as they lie in memory, and they lie in the file in little-endian order.
+#[cfg(target_endian = "big")]
+compile_error!("an index file is little-endian and read in place: big-endian machines are not supported");
+
+/// Sections and the catalogue start at multiples of this.
+pub(crate) const ALIGNMENT: u64 = 64;
+
+/// The next multiple of [`ALIGNMENT`]; `None` past the end of `u64`.
+pub(crate) fn align(offset: u64) -> Option<u64> {
+    offset.checked_next_multiple_of(ALIGNMENT)
+}

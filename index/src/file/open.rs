@@ -1,0 +1,56 @@
+//! Opening: the header, the catalogue and every section's range are checked; no section's bytes are read.
+
+use super::OpenError;
+use super::bytes::Bytes;
+use super::catalogue::{ArchivedCatalogue, Catalogue};
+use super::header::Header;
+use super::sections::{Layout, SectionKind};
+use bytemuck::AnyBitPattern;
+use rkyv::rancor::Error as ArchiveError;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// A file whose catalogue has been read and whose sections lie where they should.
+#[derive(Debug)]
+pub(crate) struct Opened {
+    pub(crate) bytes: Bytes,
+    pub(crate) header: Header,
+    pub(crate) catalogue: Catalogue,
+    layout: Layout,
+}
+
+impl Opened {
+    pub(crate) fn new(bytes: Bytes) -> Result<Self, OpenError> {
+        let header = Header::read(&bytes)?;
+        // The header's check has found the catalogue inside the file, so inside usize.
+        let archive = bytes
+            .get(header.catalogue_offset as usize..)
+            .ok_or_else(|| OpenError::corrupt("the catalogue lies beyond the file"))?;
+        if xxh3_64(archive) != header.catalogue_hash {
+            return Err(OpenError::corrupt("the catalogue does not match its hash"));
+        }
+        let unreadable =
+            |error: ArchiveError| OpenError::corrupt(format_args!("the catalogue cannot be read ({error})"));
+        let archived = rkyv::access::<ArchivedCatalogue, ArchiveError>(archive).map_err(unreadable)?;
+        let catalogue = rkyv::deserialize::<Catalogue, ArchiveError>(archived).map_err(unreadable)?;
+        let layout = Layout::check(&catalogue, header.catalogue_offset)?;
+        Ok(Self { bytes, header, catalogue, layout })
+    }
+
+    /// The bytes of a section.
+    pub(crate) fn raw(&self, kind: SectionKind) -> &[u8] {
+        self.bytes.get(self.layout.range(kind)).unwrap_or(&[])
+    }
+
+    /// A section as the numbers it holds. `T` must be of the section's element type.
+    pub(crate) fn array<T: AnyBitPattern>(&self, kind: SectionKind) -> &[T] {
+        // Sections start at multiples of 64 and their lengths were checked: this cannot fail.
+        bytemuck::try_cast_slice(self.raw(kind)).unwrap_or(&[])
+    }
+
+    /// String `at` of a table of text; `None` where the bounds make no sense or the bytes are no text.
+    pub(crate) fn text(&self, offsets: SectionKind, text: SectionKind, at: usize) -> Option<&str> {
+        let offsets: &[u32] = self.array(offsets);
+        let (start, end) = (*offsets.get(at)?, *offsets.get(at.checked_add(1)?)?);
+        std::str::from_utf8(self.raw(text).get(start as usize..end as usize)?).ok()
+    }
+}

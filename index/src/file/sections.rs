@@ -1,0 +1,239 @@
+//! The sections: which there are, what they hold, and how long each must be.
+
+use super::catalogue::{Catalogue, HashInfo};
+use super::{OpenError, align, header};
+use crate::search::random::MAX_PLANES;
+use rkyv::{Archive, Deserialize, Serialize};
+use std::ops::Range;
+
+/// Where a section lies.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// What it holds.
+    pub kind: SectionKind,
+    /// The type of its elements.
+    pub element: ElementType,
+    /// Where it starts, in bytes from the start of the file: a multiple of 64.
+    pub offset: u64,
+    /// Its length in bytes.
+    pub length: u64,
+    /// xxh3 of its bytes.
+    pub xxh3: u64,
+}
+
+/// The type of a section's elements, little-endian.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementType {
+    /// Bytes.
+    U8,
+    /// 16-bit whole numbers.
+    U16,
+    /// 32-bit whole numbers.
+    U32,
+    /// 64-bit whole numbers.
+    U64,
+    /// 32-bit floating-point numbers.
+    F32,
+}
+
+impl ElementType {
+    fn size(self) -> u64 {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+            Self::U64 => 8,
+        }
+    }
+}
+
+/// What a section holds. N is the number of entries, D the length of a descriptor.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SectionKind {
+    /// N x D f32: the descriptors.
+    Descriptors,
+    /// N u16: the classes.
+    Labels,
+    /// N u8: the stages.
+    Stages,
+    /// N u16: the hand shapes.
+    HandShapes,
+    /// N x 4 f32: `camera_from_hand`, quaternions x, y, z, w.
+    Orientations,
+    /// N x 3 f32: azimuth, elevation and roll in degrees.
+    Views,
+    /// N u64: hashes of what the descriptors were made from.
+    SourceHashes,
+    /// N + 1 u32: where each entry's file name starts and ends.
+    FileOffsets,
+    /// UTF-8: the file names.
+    FileText,
+    /// N u32: the objects.
+    Objects,
+    /// objects + 1 u32: where each object's name starts and ends.
+    ObjectOffsets,
+    /// UTF-8: the objects' names.
+    ObjectText,
+    /// N x side x side u8, or nothing: thumbnails, all 0 where an entry has none.
+    Thumbnails,
+    /// T x K x D f32: the hyperplanes' normals.
+    PlaneNormals,
+    /// T x K f32: the hyperplanes' offsets.
+    PlaneOffsets,
+    /// T x H + 1 u32: where each bucket starts and ends.
+    BucketDirectory,
+    /// T x N u32: the ids in the buckets.
+    BucketIds,
+}
+
+impl SectionKind {
+    /// All sections, in the order of the file: what every search touches lies last, together.
+    pub(crate) const ALL: [Self; 17] = [
+        Self::Thumbnails,
+        Self::FileOffsets,
+        Self::FileText,
+        Self::ObjectOffsets,
+        Self::ObjectText,
+        Self::Objects,
+        Self::SourceHashes,
+        Self::Views,
+        Self::Stages,
+        Self::HandShapes,
+        Self::Labels,
+        Self::Orientations,
+        Self::Descriptors,
+        Self::BucketIds,
+        Self::BucketDirectory,
+        Self::PlaneOffsets,
+        Self::PlaneNormals,
+    ];
+
+    pub(crate) fn element(self) -> ElementType {
+        match self {
+            Self::Stages | Self::FileText | Self::ObjectText | Self::Thumbnails => ElementType::U8,
+            Self::Labels | Self::HandShapes => ElementType::U16,
+            Self::FileOffsets
+            | Self::Objects
+            | Self::ObjectOffsets
+            | Self::BucketDirectory
+            | Self::BucketIds => ElementType::U32,
+            Self::SourceHashes => ElementType::U64,
+            Self::Descriptors
+            | Self::Orientations
+            | Self::Views
+            | Self::PlaneNormals
+            | Self::PlaneOffsets => ElementType::F32,
+        }
+    }
+
+    /// How many elements the section must have, by the rest of the catalogue. Outer `None`: more than a `u64` counts;
+    /// inner `None`: text, of any length.
+    fn elements(self, catalogue: &Catalogue) -> Option<Option<u64>> {
+        let n = catalogue.entries;
+        let dim = u64::from(catalogue.dim);
+        let HashInfo::Random(hash) = catalogue.hash;
+        let (tables, planes, buckets) =
+            (u64::from(hash.tables), u64::from(hash.planes), u64::from(hash.buckets));
+        let count = match self {
+            Self::Descriptors => n.checked_mul(dim)?,
+            Self::Labels | Self::Stages | Self::HandShapes | Self::SourceHashes | Self::Objects => n,
+            Self::Orientations => n.checked_mul(4)?,
+            Self::Views => n.checked_mul(3)?,
+            Self::FileOffsets => n.checked_add(1)?,
+            Self::ObjectOffsets => u64::from(catalogue.objects) + 1,
+            Self::FileText | Self::ObjectText => return Some(None),
+            Self::Thumbnails => n.checked_mul(u64::from(catalogue.thumbnail_side).pow(2))?,
+            Self::PlaneNormals => tables.checked_mul(planes)?.checked_mul(dim)?,
+            Self::PlaneOffsets => tables.checked_mul(planes)?,
+            Self::BucketDirectory => tables.checked_mul(buckets)?.checked_add(1)?,
+            Self::BucketIds => tables.checked_mul(n)?,
+        };
+        Some(Some(count))
+    }
+}
+
+/// Where the sections of an opened file lie: every range is inside the file and fits its section's element type.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    ranges: [Range<usize>; SectionKind::ALL.len()],
+}
+
+impl Layout {
+    /// The section's bytes in the file.
+    pub(crate) fn range(&self, kind: SectionKind) -> Range<usize> {
+        self.ranges[kind as usize].clone()
+    }
+
+    /// Checks the catalogue against itself and against the file: `sections_end` is where the catalogue starts.
+    pub(crate) fn check(catalogue: &Catalogue, sections_end: u64) -> Result<Self, OpenError> {
+        check_numbers(catalogue)?;
+        let mut ranges = std::array::from_fn(|_| 0..0);
+        let mut end = header::LENGTH as u64;
+        if catalogue.sections.len() != SectionKind::ALL.len() {
+            return Err(OpenError::corrupt("the catalogue lists another number of sections than there are"));
+        }
+        for (section, kind) in catalogue.sections.iter().zip(SectionKind::ALL) {
+            let corrupt = |what| OpenError::corrupt(format_args!("the section {kind:?} {what}"));
+            if section.kind != kind || section.element != kind.element() {
+                return Err(corrupt("is not where it should be"));
+            }
+            // Sections follow each other: none overlaps another, and between them there is padding alone.
+            if align(end) != Some(section.offset) {
+                return Err(corrupt("does not start where the one before ends"));
+            }
+            let elements = kind.elements(catalogue).ok_or_else(|| corrupt("is too long"))?;
+            let expected = elements.map(|count| count.checked_mul(kind.element().size()));
+            if expected.is_some_and(|expected| expected != Some(section.length)) {
+                return Err(corrupt("has another length than the catalogue's numbers give"));
+            }
+            end = section.offset.checked_add(section.length).ok_or_else(|| corrupt("is too long"))?;
+            if end > sections_end {
+                return Err(corrupt("reaches beyond the catalogue"));
+            }
+            // Within the file, so within usize.
+            ranges[kind as usize] = section.offset as usize..end as usize;
+        }
+        if align(end) != Some(sections_end) {
+            return Err(OpenError::corrupt("the catalogue does not start where the last section ends"));
+        }
+        Ok(Self { ranges })
+    }
+}
+
+/// The catalogue's numbers against each other.
+fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
+    let corrupt = |what: &str| Err(OpenError::corrupt(format_args!("the catalogue {what}")));
+    if let Err(error) = catalogue.descriptor.validate() {
+        return Err(OpenError::corrupt(error));
+    }
+    if catalogue.descriptor.dim() as u64 != u64::from(catalogue.dim) {
+        return corrupt("states a descriptor length that its parameters do not give");
+    }
+    if catalogue.entries == 0 || catalogue.entries > u64::from(u32::MAX) {
+        return corrupt("states an impossible number of entries");
+    }
+    if catalogue.classes.is_empty() || catalogue.hand_shapes.is_empty() || catalogue.stages.is_empty() {
+        return corrupt("lacks classes, hand shapes or stages");
+    }
+    let HashInfo::Random(hash) = catalogue.hash;
+    if hash.tables == 0
+        || hash.planes == 0
+        || hash.planes > MAX_PLANES
+        || hash.buckets == 0
+        || hash.probes == 0
+    {
+        return corrupt("states an impossible hash");
+    }
+    // Bucket numbers are u32.
+    if hash.tables.checked_mul(hash.buckets).is_none() {
+        return corrupt("states more buckets than can be numbered");
+    }
+    let positive = |value: f64| value.is_finite() && value >= 0.0;
+    if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
+        return corrupt("states an impossible sigma");
+    }
+    if !(positive(catalogue.calibration.sigma_scale) && catalogue.calibration.sigma_scale > 0.0) {
+        return corrupt("states an impossible calibration");
+    }
+    Ok(())
+}

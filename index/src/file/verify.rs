@@ -1,0 +1,135 @@
+//! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
+
+use super::header::LENGTH;
+use super::open::Opened;
+use super::sections::SectionKind;
+use bytemuck::AnyBitPattern;
+use rayon::prelude::*;
+use thiserror::Error;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// What verifying an index found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verification {
+    /// How many bytes were checked: all of the file.
+    pub bytes: u64,
+    /// What is wrong; nothing where the index is sound.
+    pub problems: Vec<Problem>,
+}
+
+impl Verification {
+    /// Whether the index is sound.
+    pub fn is_sound(&self) -> bool {
+        self.problems.is_empty()
+    }
+}
+
+/// Something wrong in an index.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// Bytes have changed since the index was written.
+    #[error("corrupt: the section {0:?} does not match its hash: copy or build the file again")]
+    Hash(SectionKind),
+    /// Bytes between two sections have changed.
+    #[error(
+        "corrupt: bytes {start} to {end}, between two sections, are not zero: copy or build the file again"
+    )]
+    Padding {
+        /// The first byte of the gap.
+        start: u64,
+        /// The byte after its last.
+        end: u64,
+    },
+    /// An element makes no sense, although the hash is right: the file was written by something else.
+    #[error("element {at} of the section {kind:?} {what}: build the file again")]
+    Element {
+        /// The section.
+        kind: SectionKind,
+        /// Which element, counted from 0.
+        at: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+}
+
+/// Checks all that opening did not.
+pub(crate) fn verify(file: &Opened) -> Verification {
+    let mut problems = padding(file);
+    let sections = file.catalogue.sections.par_iter();
+    let changed = sections.filter(|section| xxh3_64(file.raw(section.kind)) != section.xxh3);
+    problems.extend(changed.map(|section| Problem::Hash(section.kind)).collect::<Vec<_>>());
+    if problems.is_empty() {
+        problems.extend(elements(file));
+    }
+    Verification { bytes: file.bytes.len() as u64, problems }
+}
+
+/// The gaps between the header, the sections and the catalogue.
+fn padding(file: &Opened) -> Vec<Problem> {
+    let starts = file.catalogue.sections.iter().map(|section| section.offset);
+    let starts = starts.chain([file.header.catalogue_offset]);
+    let ends = file.catalogue.sections.iter().map(|section| section.offset + section.length);
+    let gaps = [LENGTH as u64].into_iter().chain(ends).zip(starts);
+    let is_clean = |&(start, end): &(u64, u64)| {
+        file.bytes.get(start as usize..end as usize).is_some_and(|gap| gap.iter().all(|&byte| byte == 0))
+    };
+    gaps.filter(|gap| !is_clean(gap)).map(|(start, end)| Problem::Padding { start, end }).collect()
+}
+
+/// The first senseless element of each section.
+fn elements(file: &Opened) -> Vec<Problem> {
+    use SectionKind::*;
+    let catalogue = &file.catalogue;
+    let below = |limit: usize| move |value: usize| value < limit;
+    let entries = catalogue.entries as usize;
+    let finite = |value: &f32| value.is_finite();
+    let found = [
+        first(file, Descriptors, "is not a finite number", finite),
+        first(file, Views, "is not a finite number", finite),
+        first(file, PlaneNormals, "is not a finite number", finite),
+        first(file, PlaneOffsets, "is not a finite number", finite),
+        first(file, Labels, "is no class", |&class: &u16| below(catalogue.classes.len())(class.into())),
+        first(file, Stages, "is no stage", |&stage: &u8| below(catalogue.stages.len())(stage.into())),
+        first(file, HandShapes, "is no hand shape", |&hand: &u16| {
+            below(catalogue.hand_shapes.len())(hand.into())
+        }),
+        first(file, Objects, "is no object", |&object: &u32| object < catalogue.objects),
+        first(file, BucketIds, "is no entry", |&id: &u32| below(entries)(id as usize)),
+        first(file, Orientations, "is no unit quaternion", |q: &[f32; 4]| {
+            (q.iter().map(|value| value * value).sum::<f32>() - 1.0).abs() < 1e-3
+        }),
+        ascending(file, BucketDirectory, file.array::<u32>(BucketIds).len()),
+        ascending(file, FileOffsets, file.raw(FileText).len()),
+        ascending(file, ObjectOffsets, file.raw(ObjectText).len()),
+        texts(file, FileOffsets, FileText, entries),
+        texts(file, ObjectOffsets, ObjectText, catalogue.objects as usize),
+    ];
+    found.into_iter().flatten().collect()
+}
+
+fn first<T: AnyBitPattern>(
+    file: &Opened,
+    kind: SectionKind,
+    what: &'static str,
+    is_good: impl Fn(&T) -> bool,
+) -> Option<Problem> {
+    let at = file.array::<T>(kind).iter().position(|element| !is_good(element))?;
+    Some(Problem::Element { kind, at, what })
+}
+
+/// Offsets start at 0, never fall, and end at `end`.
+fn ascending(file: &Opened, kind: SectionKind, end: usize) -> Option<Problem> {
+    let offsets: &[u32] = file.array(kind);
+    let falls = offsets.windows(2).position(|pair| matches!(pair, [a, b] if a > b)).map(|at| at + 1);
+    let starts = offsets.first() == Some(&0);
+    let ends = offsets.last().is_some_and(|&last| last as usize == end);
+    let last = offsets.len().saturating_sub(1);
+    let at = falls.or((!starts).then_some(0)).or((!ends).then_some(last))?;
+    Some(Problem::Element { kind, at, what: "is no offset in ascending order" })
+}
+
+fn texts(file: &Opened, offsets: SectionKind, text: SectionKind, count: usize) -> Option<Problem> {
+    let at = (0..count).find(|&at| file.text(offsets, text, at).is_none())?;
+    Some(Problem::Element { kind: text, at, what: "is no text" })
+}

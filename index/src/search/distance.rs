@@ -1,0 +1,56 @@
+//! The Euclidean distance between descriptors.
+
+/// Partial sums kept apart: enough for the widest vector registers, and a fixed order of summation on every machine.
+const LANES: usize = 16;
+
+/// The squared distance between two vectors of equal length (of unequal ones, over the shorter). The order of
+/// summation is fixed, so that every machine and every caller gets the same bits.
+#[inline]
+pub(crate) fn squared(a: &[f32], b: &[f32]) -> f32 {
+    accumulate(a, b, |x, y| (x - y) * (x - y))
+}
+
+/// The dot product of two vectors of equal length (of unequal ones, over the shorter), summed as [`squared`] does.
+#[inline]
+pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
+    accumulate(a, b, |x, y| x * y)
+}
+
+#[inline]
+fn accumulate(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
+    let (a, b) = (&a[..a.len().min(b.len())], &b[..a.len().min(b.len())]);
+    let mut lanes = [0.0f32; LANES];
+    let (whole_a, whole_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = whole_a.remainder().iter().zip(whole_b.remainder());
+    let tail: f32 = rest.map(|(&x, &y)| term(x, y)).sum();
+    for (x, y) in whole_a.zip(whole_b) {
+        for lane in 0..LANES {
+            lanes[lane] += term(x[lane], y[lane]);
+        }
+    }
+    let mut width = LANES / 2;
+    while width > 0 {
+        for lane in 0..width {
+            lanes[lane] += lanes[lane + width];
+        }
+        width /= 2;
+    }
+    lanes[0] + tail
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_definition(pairs in prop::collection::vec((-2.0..2.0f32, -2.0..2.0f32), 0..200)) {
+            let (a, b): (Vec<f32>, Vec<f32>) = pairs.iter().copied().unzip();
+            let exact: f64 = pairs.iter().map(|(x, y)| f64::from(x - y).powi(2)).sum();
+            prop_assert!((f64::from(squared(&a, &b)) - exact).abs() <= 1e-5 * (1.0 + exact));
+            let product: f64 = pairs.iter().map(|(x, y)| f64::from(*x) * f64::from(*y)).sum();
+            prop_assert!((f64::from(dot(&a, &b)) - product).abs() <= 1e-4 * (1.0 + product.abs()));
+        }
+    }
+}

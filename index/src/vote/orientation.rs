@@ -1,0 +1,150 @@
+//! Equation 4: the mean orientation of the neighbours of the chosen class, weighted as in Equation 3.
+//!
+//! The mean is one of rotations: F. L. Markley, Y. Cheng, J. L. Crassidis, Y. Oshman, *Averaging Quaternions*,
+//! Journal of Guidance, Control, and Dynamics 30(4), 2007. A mean of Euler angles breaks near the poles; it is kept
+//! as an option, so that the paper's own figures can be repeated.
+
+use super::Ballot;
+use super::class::relative_weights;
+use crate::rotation::{euler_deg, from_euler_deg};
+use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector4};
+
+/// An orientation with its spread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrientationEstimate {
+    /// `camera_from_hand`.
+    pub rotation: UnitQuaternion<f64>,
+    /// The same as [`euler_deg`] gives it: degrees about the fixed axes x, y, z.
+    pub euler_deg: [f64; 3],
+    /// The weighted root mean square angle between the neighbours and the estimate, in degrees: 0 where they agree, 180 where nothing is known.
+    pub spread_deg: f64,
+}
+
+/// The orientation of class `class`. Without ballots for the class: the identity, with a spread of 180 degrees.
+pub(crate) fn estimate(ballots: &[Ballot], class: u16, sigma: f64, euler_mean: bool) -> OrientationEstimate {
+    let same: Vec<Ballot> = ballots.iter().filter(|ballot| ballot.class == class).copied().collect();
+    let weights = relative_weights(&same, sigma);
+    let rotations: Vec<_> = same.iter().map(|ballot| ballot.orientation).zip(weights).collect();
+    let mean = if euler_mean { cyclic_euler_mean(&rotations) } else { mean_rotation(&rotations) };
+    let Some(rotation) = mean else {
+        return OrientationEstimate {
+            rotation: UnitQuaternion::identity(),
+            euler_deg: [0.0; 3],
+            spread_deg: 180.0,
+        };
+    };
+    let (mut squares, mut sum) = (0.0, 0.0);
+    for (neighbour, weight) in &rotations {
+        squares += weight * neighbour.angle_to(&rotation).powi(2);
+        sum += weight;
+    }
+    OrientationEstimate {
+        rotation,
+        euler_deg: euler_deg(&rotation),
+        spread_deg: (squares / sum).sqrt().to_degrees(),
+    }
+}
+
+/// The weighted mean of rotations: the eigenvector of `sum w q q^T` with the greatest eigenvalue. q and -q, the same
+/// rotation, count the same. Its sign is chosen so that w >= 0. `None` where the weights sum to nothing.
+pub fn mean_rotation(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<UnitQuaternion<f64>> {
+    let mut sum = Matrix4::zeros();
+    for (rotation, weight) in rotations {
+        let q: Vector4<f64> = rotation.coords;
+        sum += *weight * q * q.transpose();
+    }
+    if !(sum.trace() > 0.0 && sum.trace().is_finite()) {
+        return None;
+    }
+    let eigen = (sum / sum.trace()).try_symmetric_eigen(f64::EPSILON, 1000)?;
+    let (greatest, _) = eigen.eigenvalues.argmax();
+    let q = Quaternion::from(eigen.eigenvectors.column(greatest).into_owned());
+    Some(UnitQuaternion::new_normalize(if q.w < 0.0 { -q } else { q }))
+}
+
+/// Equation 4 as printed: the weighted mean of each Euler angle by itself, on the circle. `None` where the weights sum to nothing.
+pub fn cyclic_euler_mean(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<UnitQuaternion<f64>> {
+    let sum: f64 = rotations.iter().map(|(_, weight)| weight).sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return None;
+    }
+    let mut circles = [(0.0, 0.0); 3];
+    for (rotation, weight) in rotations {
+        for (circle, angle) in circles.iter_mut().zip(euler_deg(rotation)) {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            circle.0 += weight * sin;
+            circle.1 += weight * cos;
+        }
+    }
+    Some(from_euler_deg(circles.map(|(sin, cos)| sin.atan2(cos).to_degrees())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    fn turn(axis: Vector3<f64>, degrees: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_scaled_axis(axis.normalize() * degrees.to_radians())
+    }
+
+    #[test]
+    fn two_turns_about_one_axis_average_to_the_turn_between() {
+        let mean = mean_rotation(&[(turn(Vector3::z(), 10.0), 1.0), (turn(Vector3::z(), 50.0), 1.0)]);
+        assert!(mean.unwrap().angle_to(&turn(Vector3::z(), 30.0)) < 1e-9);
+    }
+
+    #[test]
+    fn the_mean_crosses_the_half_turn() {
+        let rotations = [(turn(Vector3::z(), 170.0), 1.0), (turn(Vector3::z(), -170.0), 1.0)];
+        let half = turn(Vector3::z(), 180.0);
+        assert!(mean_rotation(&rotations).unwrap().angle_to(&half) < 1e-9);
+        assert!(cyclic_euler_mean(&rotations).unwrap().angle_to(&half) < 1e-9);
+    }
+
+    #[test]
+    fn near_a_pole_the_literal_form_breaks_and_the_mean_does_not() {
+        // 3 degrees apart, on both sides of the pole. The angles' own means are 89.5 and -89.5, half a turn off.
+        let rotations =
+            [(from_euler_deg([0.0, 89.0, 0.0]), 1.0), (from_euler_deg([179.0, 89.0, -179.0]), 1.0)];
+        let pole = from_euler_deg([0.0, 90.0, 1.0]);
+        let off = |mean: Option<UnitQuaternion<f64>>| mean.unwrap().angle_to(&pole).to_degrees();
+        assert!(off(mean_rotation(&rotations)) < 1.0);
+        assert!(off(cyclic_euler_mean(&rotations)) > 90.0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_sign_of_a_quaternion_does_not_matter(
+            turns in prop::collection::vec(([-1.0..1.0f64, -1.0..1.0, -1.0..1.0], 0.1..1.0f64, any::<bool>()), 1..8)
+        ) {
+            let rotations: Vec<_> = turns
+                .iter()
+                .map(|(v, w, _)| (UnitQuaternion::from_scaled_axis(Vector3::from(*v)), *w))
+                .collect();
+            let flipped: Vec<_> = rotations
+                .iter()
+                .zip(&turns)
+                .map(|((q, w), (_, _, flip))| (if *flip { UnitQuaternion::new_unchecked(-q.into_inner()) } else { *q }, *w))
+                .collect();
+            let (mean, same) = (mean_rotation(&rotations).unwrap(), mean_rotation(&flipped).unwrap());
+            prop_assert!(mean.angle_to(&same) < 1e-7);
+            prop_assert!(mean.w >= 0.0);
+        }
+
+        #[test]
+        fn the_mean_of_one_rotation_is_itself(v in [-3.0..3.0f64, -3.0..3.0, -3.0..3.0], w in 1e-9..1.0f64) {
+            let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(v));
+            prop_assert!(mean_rotation(&[(rotation, w)]).unwrap().angle_to(&rotation) < 1e-7);
+        }
+    }
+
+    #[test]
+    fn nothing_has_no_mean() {
+        assert_eq!(mean_rotation(&[]), None);
+        assert_eq!(cyclic_euler_mean(&[(UnitQuaternion::identity(), 0.0)]), None);
+        let estimate = estimate(&[], 0, 1.0, false);
+        assert_eq!(estimate.spread_deg, 180.0);
+    }
+}
