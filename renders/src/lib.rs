@@ -1,1 +1,44 @@
-//! Placeholder until the part lands.
+//! A hand shape, a grasp, an object and a view become a picture.
+//!
+//! A [`HandShape`] holds the measures of one person's hand. A [`Grasp`] says, as data, how a hand opens and
+//! closes and on what. [`RenderPlan`] lists which renders to make; each [`SceneSpec`] of it is posed (the
+//! fingers close by themselves until they touch the object), meshed once, and then seen from many views by a
+//! small z-buffer rasteriser. [`render_set`] writes and reads folders of renders.
+//!
+//! ```
+//! use grasp_renders::{Preset, RenderPlan};
+//!
+//! let plan = RenderPlan::preset(Preset::Paper);
+//! let scene = plan.scenes()[0].build()?;
+//! let render = scene.render(&plan.views()[450]);
+//! assert_eq!(render.grey.len(), 48 * 48);
+//! assert!(render.grey.iter().any(|&grey| grey > 0));
+//! # Ok::<(), grasp_renders::SceneError>(())
+//! ```
+//!
+//! Frames, for all parts of the project: `hand` has its origin at the wrist's centre, x toward the middle
+//! knuckle, z out of the back of the hand, y toward the thumb; `camera` is an optical frame with z forward,
+//! x right, y down; `world` has z up. Metres; degrees only where a name says so.
+
+mod grasp;
+mod hand;
+mod mesh;
+mod plan;
+mod raster;
+mod scene;
+mod view;
+
+pub mod render_set;
+
+pub use grasp::{
+    Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
+    Stage, StagePose, UnknownStage,
+};
+pub use hand::{
+    Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton,
+    joint_limits,
+};
+pub use plan::{Preset, RenderPlan, UnknownPreset};
+pub use raster::HAND_FLOOR;
+pub use scene::{Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};
+pub use view::{View, ViewGrid, world_from_hand};

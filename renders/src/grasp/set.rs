@@ -1,0 +1,353 @@
+//! Reading grasps from TOML.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use super::{Grasp, ObjectKind, ObjectRange, Placement, StagePose};
+use crate::hand::{Digit, HandPose, JOINT_NAMES, Joints, joint_limits};
+
+const BUILTIN: &str = include_str!("../../data/grasps.toml");
+
+/// What is wrong with a file of grasps.
+#[derive(Debug, thiserror::Error)]
+pub enum GraspSetError {
+    /// The file cannot be read.
+    #[error("cannot read the grasps in {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Not TOML, or a key that is missing, unknown or of the wrong kind.
+    #[error("the grasps are not understood: {0}")]
+    Syntax(#[from] toml::de::Error),
+    /// A value that cannot be.
+    #[error("grasp `{grasp}`: {what}")]
+    Value {
+        /// The grasp's name.
+        grasp: String,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// A set without a grasp.
+    #[error("there is no [[grasp]] in the file")]
+    Empty,
+}
+
+/// A set of grasps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GraspSet {
+    grasps: Vec<Grasp>,
+}
+
+impl GraspSet {
+    /// The six grasps of the method, in the order of Cutkosky's numbers.
+    pub fn builtin() -> GraspSet {
+        GraspSet::parse(BUILTIN).expect("data/grasps.toml is checked by a test")
+    }
+
+    /// Reads a set from a file.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be read or says something that cannot be.
+    pub fn load(path: impl AsRef<Path>) -> Result<GraspSet, GraspSetError> {
+        let path = path.as_ref();
+        let text = fs::read_to_string(path).map_err(|source| GraspSetError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        GraspSet::parse(&text)
+    }
+
+    /// Reads a set from TOML text; `data/grasps.toml` documents the keys.
+    ///
+    /// # Errors
+    ///
+    /// When the text is not TOML, has an unknown or missing key, or a value that cannot be: an angle out of
+    /// the joint's limits, an empty range, a name given twice.
+    pub fn parse(text: &str) -> Result<GraspSet, GraspSetError> {
+        let file: File = toml::from_str(text)?;
+        let mut grasps: Vec<Grasp> = Vec::new();
+        for raw in file.grasp {
+            let fail = |what: String| GraspSetError::Value {
+                grasp: raw.name.clone(),
+                what,
+            };
+            if grasps
+                .iter()
+                .any(|g| g.name == raw.name || g.cutkosky == raw.cutkosky)
+            {
+                return Err(fail(
+                    "its name or its number is taken by another grasp".to_owned(),
+                ));
+            }
+            let grasp = raw.check(file.stages).map_err(fail)?;
+            grasps.push(grasp);
+        }
+        if grasps.is_empty() {
+            return Err(GraspSetError::Empty);
+        }
+        Ok(GraspSet { grasps })
+    }
+
+    /// The grasp of this name.
+    pub fn get(&self, name: &str) -> Option<&Grasp> {
+        self.grasps.iter().find(|grasp| grasp.name == name)
+    }
+
+    /// All grasps.
+    pub fn iter(&self) -> std::slice::Iter<'_, Grasp> {
+        self.grasps.iter()
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.grasps.len()
+    }
+
+    /// Whether there is none; never true for a set that was read.
+    pub fn is_empty(&self) -> bool {
+        self.grasps.is_empty()
+    }
+}
+
+impl<'a> IntoIterator for &'a GraspSet {
+    type Item = &'a Grasp;
+    type IntoIter = std::slice::Iter<'a, Grasp>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    stages: Stages,
+    grasp: Vec<RawGrasp>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+struct Stages {
+    reach: StagePose,
+    close: StagePose,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGrasp {
+    name: String,
+    cutkosky: u8,
+    about: String,
+    up: [f64; 3],
+    touch: Vec<Digit>,
+    object: RawObject,
+    open: RawPose,
+    closed: RawPose,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawObject {
+    kind: ObjectKind,
+    radius: [f64; 2],
+    length: Option<[f64; 2]>,
+    axis: [f64; 3],
+    place: RawPlace,
+    anchor: Option<[f64; 2]>,
+    push: Option<[f64; 3]>,
+    between: Option<Vec<Digit>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum RawPlace {
+    Palm,
+    Tips,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPose {
+    thumb: [f64; 5],
+    index: [f64; 4],
+    middle: [f64; 4],
+    ring: [f64; 4],
+    little: [f64; 4],
+}
+
+impl RawGrasp {
+    fn check(&self, stages: Stages) -> Result<Grasp, String> {
+        let fit = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        if self.name.is_empty() || !self.name.chars().all(fit) {
+            return Err("its name becomes a folder's: use a-z, 0-9 and -".to_owned());
+        }
+        for (name, stage) in [("reach", stages.reach), ("close", stages.close)] {
+            if !(0.0..=1.0).contains(&stage.closure) || !(0.0..=0.5).contains(&stage.away) {
+                return Err(format!(
+                    "stage {name}: closure must lie in 0..1 and away in 0..0.5 m"
+                ));
+            }
+        }
+        if self.touch.is_empty() {
+            return Err("touch names no digit".to_owned());
+        }
+        Ok(Grasp {
+            name: self.name.clone(),
+            cutkosky: self.cutkosky,
+            about: self.about.clone(),
+            up: unit("up", self.up)?,
+            touch: self.touch.clone(),
+            object: self.object.check()?,
+            open: self.open.check("open")?,
+            closed: self.closed.check("closed")?,
+            stages: [stages.reach, stages.close],
+        })
+    }
+}
+
+impl RawObject {
+    fn check(&self) -> Result<ObjectRange, String> {
+        let length = match (self.kind, self.length) {
+            (ObjectKind::Sphere, None) => [0.0, 0.0],
+            (ObjectKind::Sphere, Some(_)) => return Err("a sphere has no length".to_owned()),
+            (_, Some(length)) => range("length", length)?,
+            (_, None) => return Err("the object's length is missing".to_owned()),
+        };
+        let placement = match (self.place, self.anchor, self.push, &self.between) {
+            (RawPlace::Palm, Some(anchor), Some(push), None) => {
+                if !anchor.iter().all(|a| (-2.0..=2.0).contains(a)) {
+                    return Err("anchor is given in shares of the palm: -2 to 2".to_owned());
+                }
+                Placement::Palm {
+                    anchor,
+                    push: unit("push", push)?,
+                }
+            }
+            (RawPlace::Palm, ..) => {
+                return Err("place = \"palm\" needs anchor and push and nothing else".to_owned());
+            }
+            (RawPlace::Tips, None, None, Some(between)) => {
+                if between.is_empty() || between.contains(&Digit::Thumb) {
+                    return Err("between names the fingers opposite to the thumb".to_owned());
+                }
+                Placement::Tips {
+                    between: between.clone(),
+                }
+            }
+            (RawPlace::Tips, ..) => {
+                return Err("place = \"tips\" needs between and nothing else".to_owned());
+            }
+        };
+        Ok(ObjectRange {
+            kind: self.kind,
+            radius: range("radius", self.radius)?,
+            length,
+            axis: unit("axis", self.axis)?,
+            placement,
+        })
+    }
+}
+
+impl RawPose {
+    fn check(&self, pose: &str) -> Result<HandPose, String> {
+        let four = |[a, b, c, d]: [f64; 4]| [a, b, c, d, 0.0];
+        let raw = [
+            self.thumb,
+            four(self.index),
+            four(self.middle),
+            four(self.ring),
+            four(self.little),
+        ];
+        let mut digits: [Joints; 5] = [[0.0; 5]; 5];
+        for (digit, (degrees, radians)) in Digit::ALL.into_iter().zip(raw.iter().zip(&mut digits)) {
+            let names = JOINT_NAMES[usize::from(digit == Digit::Thumb)];
+            let limits = joint_limits(digit);
+            for joint in 0..names.len() {
+                let [low, high] = limits[joint];
+                let angle = degrees[joint].to_radians();
+                if !(low - 1e-9..=high + 1e-9).contains(&angle) {
+                    return Err(format!(
+                        "{pose}.{}: {} is {} degrees, but that joint goes from {:.0} to {:.0}",
+                        digit.name(),
+                        names[joint],
+                        degrees[joint],
+                        low.to_degrees(),
+                        high.to_degrees(),
+                    ));
+                }
+                radians[joint] = angle;
+            }
+        }
+        Ok(HandPose { digits })
+    }
+}
+
+fn unit(key: &str, v: [f64; 3]) -> Result<Vector3<f64>, String> {
+    Vector3::from(v)
+        .try_normalize(1e-6)
+        .filter(|v| v.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| format!("{key} has no direction: it needs three numbers that are not all 0"))
+}
+
+fn range(key: &str, [low, high]: [f64; 2]) -> Result<[f64; 2], String> {
+    if low > 0.001 && low <= high && high <= 0.5 {
+        Ok([low, high])
+    } else {
+        Err(format!(
+            "{key} must be [smallest, largest] in metres, from 0.001 to 0.5; it is [{low}, {high}]"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn broken(from: &str, to: &str) -> String {
+        assert!(BUILTIN.contains(from));
+        GraspSet::parse(&BUILTIN.replacen(from, to, 1))
+            .expect_err("broken")
+            .to_string()
+    }
+
+    #[test]
+    fn the_six_grasps_are_there() {
+        let numbers: Vec<u8> = GraspSet::builtin().iter().map(|g| g.cutkosky).collect();
+        assert_eq!(numbers, [1, 2, 4, 9, 10, 12]);
+    }
+
+    #[test]
+    fn mistakes_are_told_plainly() {
+        insta::assert_snapshot!(broken("touch = [", "tuoch = ["), @r#"
+the grasps are not understood: TOML parse error at line 30, column 1
+   |
+30 | tuoch = ["thumb", "index", "middle", "ring", "little"]
+   | ^^^^^
+unknown field `tuoch`, expected one of `name`, `cutkosky`, `about`, `up`, `touch`, `object`, `open`, `closed`
+"#);
+        insta::assert_snapshot!(broken("index = [3, 12, 18, 10]", "index = [3, 12, 180, 10]"), @"grasp `large-diameter`: open.index: middle is 180 degrees, but that joint goes from -5 to 112");
+        insta::assert_snapshot!(broken("radius = [0.027, 0.042]", "radius = [0.042, 0.027]"), @"grasp `large-diameter`: radius must be [smallest, largest] in metres, from 0.001 to 0.5; it is [0.042, 0.027]");
+        insta::assert_snapshot!(broken("cutkosky = 2", "cutkosky = 1"), @"grasp `small-diameter`: its name or its number is taken by another grasp");
+        insta::assert_snapshot!(broken("\nplace = \"palm\"", "\nplace = \"tips\""), @r#"grasp `large-diameter`: place = "tips" needs between and nothing else"#);
+        insta::assert_snapshot!(broken("up = [0.0, 1.0, 0.0]", "up = [0.0, 0.0, 0.0]"), @"grasp `large-diameter`: up has no direction: it needs three numbers that are not all 0");
+        insta::assert_snapshot!(broken("name = \"large-diameter\"", "name = \"../up\""), @"grasp `../up`: its name becomes a folder's: use a-z, 0-9 and -");
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let error = GraspSet::load("/nowhere/grasps.toml").expect_err("missing");
+        assert!(
+            error
+                .to_string()
+                .starts_with("cannot read the grasps in /nowhere/grasps.toml")
+        );
+    }
+}

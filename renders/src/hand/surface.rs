@@ -1,0 +1,262 @@
+//! The skin: a signed distance built of round cones around the bones.
+//!
+//! Only parts that are neighbours on a real hand are blended (bone to next bone, finger to palm, thumb to
+//! palm); everything else is a plain union, so that fingers that touch do not grow together.
+
+use nalgebra::Vector3;
+
+use super::{Chain, Digit, HandPose, Skeleton};
+use crate::mesh::{round_cone, round_triangle, smooth_union};
+
+/// How wide the creases are filled, in metres.
+const PALM_BLEND: f64 = 0.010;
+const FINGER_ROOT_BLEND: f64 = 0.007;
+const JOINT_BLEND: f64 = 0.003;
+const THUMB_BLEND: f64 = 0.012;
+
+/// Where the hand is cut when it has no forearm: this far behind the wrist's centre, in metres.
+const WRIST_CUT: f64 = 0.004;
+
+type V = Vector3<f64>;
+
+#[derive(Debug, Clone, Copy)]
+struct Cone {
+    a: V,
+    b: V,
+    ra: f64,
+    rb: f64,
+}
+
+impl Cone {
+    fn distance(&self, p: &V) -> f64 {
+        round_cone(p, &self.a, &self.b, self.ra, self.rb)
+    }
+}
+
+/// A posed hand's skin.
+#[derive(Debug, Clone)]
+pub(crate) struct HandSurface {
+    palm: Vec<Cone>,
+    webs: Vec<([V; 3], f64)>,
+    digits: [[Cone; 3]; 5],
+    cut: f64,
+}
+
+impl HandSurface {
+    /// The skin of a hand in a pose, cut `forearm` metres behind the wrist.
+    pub(crate) fn new(skeleton: &Skeleton, pose: &HandPose, forearm: f64) -> HandSurface {
+        let chains = skeleton.chains(pose);
+        let digits = chains.map(|chain| {
+            std::array::from_fn(|i| Cone {
+                a: chain.points[i],
+                b: chain.points[i + 1],
+                ra: chain.radii[i],
+                rb: chain.radii[i + 1],
+            })
+        });
+        let cut = WRIST_CUT + forearm.max(0.0);
+        HandSurface {
+            palm: palm(skeleton, &chains, cut),
+            webs: webs(skeleton, &chains),
+            digits,
+            cut,
+        }
+    }
+
+    /// Signed distance to the skin in metres (at most that far near blends), negative inside.
+    pub(crate) fn distance(&self, p: &V) -> f64 {
+        let mut palm = f64::INFINITY;
+        for cone in &self.palm {
+            palm = smooth_union(palm, cone.distance(p), PALM_BLEND);
+        }
+        for (corners, radius) in &self.webs {
+            let [a, b, c] = corners;
+            palm = smooth_union(palm, round_triangle(p, a, b, c, *radius), FINGER_ROOT_BLEND);
+        }
+        let mut skin = f64::INFINITY;
+        for (i, bones) in self.digits.iter().enumerate() {
+            let [first, second, third] = bones.map(|bone| bone.distance(p));
+            let root = if i == Digit::Thumb as usize {
+                THUMB_BLEND
+            } else {
+                FINGER_ROOT_BLEND
+            };
+            skin = skin
+                .min(smooth_union(palm, first, root))
+                .min(smooth_union(first, second, JOINT_BLEND))
+                .min(smooth_union(second, third, JOINT_BLEND));
+        }
+        skin.max(-self.cut - p.x)
+    }
+
+    /// The x coordinate of the cut, in metres.
+    pub(crate) fn cut_x(&self) -> f64 {
+        -self.cut
+    }
+
+    /// A box around the skin: lowest and highest corner.
+    pub(crate) fn bounds(&self) -> (V, V) {
+        let mut low = V::repeat(f64::INFINITY);
+        let mut high = V::repeat(f64::NEG_INFINITY);
+        for cone in self.palm.iter().chain(self.digits.iter().flatten()) {
+            for (c, r) in [(cone.a, cone.ra), (cone.b, cone.rb)] {
+                low = low.inf(&(c - V::repeat(r + PALM_BLEND)));
+                high = high.sup(&(c + V::repeat(r + PALM_BLEND)));
+            }
+        }
+        low.x = low.x.max(-self.cut - 0.005);
+        (low, high)
+    }
+}
+
+/// Bodies of the palm: the four metacarpals, the pad under the knuckles, the two balls of the hand, the wrist.
+fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
+    let shape = skeleton.shape();
+    let thick = shape.palm_thickness;
+    let wrist = shape.wrist_thickness * 0.5;
+    // The carpal row: as wide as the wrist once the flesh is added.
+    let spread = (shape.wrist_breadth * 0.5 - wrist * 0.86).max(0.004);
+    let carpal = |side: f64| V::new(0.10 * shape.palm_length, spread * side, -0.10 * thick);
+    let mut cones = Vec::new();
+    for (finger, side) in Digit::FINGERS.into_iter().zip([1.0, 0.35, -0.35, -1.0]) {
+        let knuckle = chains[finger as usize].points[0];
+        cones.push(Cone {
+            a: carpal(side),
+            b: knuckle,
+            ra: wrist * 0.80,
+            rb: 0.375 * thick,
+        });
+        // The pad on the palm's side.
+        let pad = V::new(-0.06 * shape.palm_length, 0.0, -0.22 * thick);
+        cones.push(Cone {
+            a: carpal(side) + V::new(0.25 * shape.palm_length, 0.0, -0.10 * thick),
+            b: knuckle + pad,
+            ra: 0.40 * thick,
+            rb: 0.34 * thick,
+        });
+    }
+    // The ball of the little finger.
+    cones.push(Cone {
+        a: skeleton.palm_point([0.18, -0.24, -0.36]),
+        b: skeleton.palm_point([0.62, -0.38, -0.34]),
+        ra: 0.46 * thick,
+        rb: 0.38 * thick,
+    });
+    // The ball of the thumb follows its metacarpal.
+    let thumb = &chains[0];
+    let belly = thumb.points[0] + (thumb.points[1] - thumb.points[0]) * 0.72;
+    cones.push(Cone {
+        a: skeleton.palm_point([0.20, 0.10, -0.34]),
+        b: belly - thumb_side(thumb) * 0.12 * thick,
+        ra: 0.46 * thick,
+        rb: 0.44 * thick,
+    });
+    // The wrist and, behind it, the forearm.
+    for side in [-1.0, 1.0] {
+        cones.push(Cone {
+            a: carpal(side * 0.9),
+            b: V::new(-cut - wrist, spread * side, -0.06 * thick),
+            ra: wrist * 0.84,
+            rb: wrist * 0.86 * (1.0 + cut * 1.2),
+        });
+    }
+    cones
+}
+
+/// Out of the thumb's back at its metacarpal.
+fn thumb_side(thumb: &Chain) -> V {
+    let along = (thumb.points[1] - thumb.points[0]).normalize();
+    (thumb.nail - along * along.dot(&thumb.nail))
+        .try_normalize(1e-9)
+        .unwrap_or_else(V::zeros)
+}
+
+/// Skin between neighbouring fingers, and between thumb and index finger.
+fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
+    let thick = skeleton.shape().palm_thickness;
+    let along = |chain: &Chain, bone: usize, t: f64| {
+        chain.points[bone] + (chain.points[bone + 1] - chain.points[bone]) * t
+    };
+    let mut webs = Vec::new();
+    for pair in chains[1..].windows(2) {
+        let (a, b) = (&pair[0], &pair[1]);
+        let low = V::new(0.0, 0.0, -0.10 * thick);
+        webs.push((
+            [
+                along(a, 0, 0.24) + low,
+                along(b, 0, 0.30) + low,
+                (a.points[0] + b.points[0]) * 0.5 + low,
+            ],
+            0.20 * thick,
+        ));
+    }
+    let thumb = &chains[0];
+    let index = chains[1].points[0];
+    let heel = skeleton.palm_point([0.35, 0.16, -0.15]);
+    webs.push((
+        [along(thumb, 0, 0.88), heel + (index - heel) * 0.80, heel],
+        0.24 * thick,
+    ));
+    webs.push(([thumb.points[0], along(thumb, 0, 0.88), heel], 0.28 * thick));
+    webs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hand::HandShape;
+
+    #[test]
+    fn bones_lie_inside_and_the_air_outside() {
+        let skeleton = Skeleton::new(&HandShape::mean());
+        let pose = HandPose {
+            digits: [
+                [0.7, 0.5, 1.2, 0.2, 0.2],
+                [0.1, 0.3, 0.4, 0.2, 0.0],
+                [0.0; 5],
+                [0.0; 5],
+                [0.0; 5],
+            ],
+        };
+        let skin = HandSurface::new(&skeleton, &pose, 0.0);
+        for chain in skeleton.chains(&pose) {
+            for p in &chain.points {
+                assert!(skin.distance(p) < -0.004);
+            }
+        }
+        assert!(skin.distance(&V::new(0.05, 0.0, 0.05)) > 0.02);
+        assert!(
+            skin.distance(&V::new(-0.01, 0.0, 0.0)) > 0.0,
+            "cut at the wrist"
+        );
+        let long = HandSurface::new(&skeleton, &pose, 0.1);
+        assert!(
+            long.distance(&V::new(-0.08, 0.0, 0.0)) < 0.0,
+            "a forearm where one is asked for"
+        );
+    }
+
+    #[test]
+    fn touching_fingers_do_not_grow_together() {
+        let skeleton = Skeleton::new(&HandShape::mean());
+        let straight = |spread: f64| [spread, 0.0, 0.0, 0.0, 0.0];
+        let pose = HandPose {
+            digits: [
+                [0.7, 0.5, 1.2, 0.2, 0.2],
+                straight(-0.02),
+                straight(0.0),
+                straight(0.0),
+                straight(0.0),
+            ],
+        };
+        let chains = skeleton.chains(&pose);
+        let skin = HandSurface::new(&skeleton, &pose, 0.0);
+        // Half way between the end joints of the index and middle finger, and above: no fillet there.
+        let between = (chains[1].points[2] + chains[2].points[2]) * 0.5 + V::new(0.0, 0.0, 0.006);
+        let naive = chains
+            .iter()
+            .map(|c| c.distance(&between, 0))
+            .fold(f64::INFINITY, f64::min);
+        assert!((skin.distance(&between) - naive).abs() < 5e-4);
+    }
+}

@@ -1,0 +1,75 @@
+//! PNG files that say which parameters made them.
+
+use std::fs::File;
+use std::io::{self, BufReader, Write};
+use std::path::Path;
+
+use crate::scene::Render;
+
+/// Keyword of the text chunk that holds the scene's parameter hash and the view.
+const KEYWORD: &str = "grasp-renders";
+
+/// What identifies a render's pixels: the scene's parameters and the view.
+pub(super) fn stamp(params_hash: u64, render: &crate::View) -> String {
+    format!(
+        "{params_hash:016x} {} {} {}",
+        render.azimuth_deg, render.elevation_deg, render.roll_deg
+    )
+}
+
+/// The PNG file of a render; the same render gives the same bytes.
+pub(super) fn encode(render: &Render, stamp: &str) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let side = u32::try_from(render.side).map_err(io::Error::other)?;
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.add_text_chunk(KEYWORD.to_owned(), stamp.to_owned())?;
+    encoder.write_header()?.write_image_data(&render.grey)?;
+    Ok(bytes)
+}
+
+/// Whether a whole, readable picture with this stamp already lies at `path`.
+pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
+    let Ok(file) = File::open(path) else {
+        return false;
+    };
+    let Ok(mut reader) = png::Decoder::new(BufReader::new(file)).read_info() else {
+        return false;
+    };
+    let matches =
+        |chunk: &png::text_metadata::TEXtChunk| chunk.keyword == KEYWORD && chunk.text == stamp;
+    if !reader.info().uncompressed_latin1_text.iter().any(matches) {
+        return false;
+    }
+    let Some(size) = reader.output_buffer_size() else {
+        return false;
+    };
+    let mut pixels = vec![0; size];
+    reader.next_frame(&mut pixels).is_ok() && reader.finish().is_ok()
+}
+
+/// Writes a file so that a reader finds either the whole of it or what was there before.
+pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new()
+        .prefix(".part-")
+        .tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    set_default_permissions(file.as_file())?;
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Temporary files are private; a render set is for everyone who may read its folder.
+#[cfg(unix)]
+fn set_default_permissions(file: &File) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn set_default_permissions(_: &File) -> io::Result<()> {
+    Ok(())
+}

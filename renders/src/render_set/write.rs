@@ -1,0 +1,216 @@
+//! Writing a render set: in parallel, resumable, the manifest last.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::manifest::{self, ManifestRow};
+use super::picture;
+use crate::plan::RenderPlan;
+use crate::scene::{SceneError, SceneSpec};
+use crate::view::{View, world_from_hand};
+
+/// Name of the manifest in a render set's folder.
+pub const MANIFEST: &str = "manifest.csv";
+
+/// Why a render set was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderSetError {
+    /// The caller asked to stop. What was written is whole and is kept when writing is started again.
+    #[error("stopped after {done} of {total} renders; start it again to go on from there")]
+    Cancelled {
+        /// Renders that are whole.
+        done: usize,
+        /// Renders of the plan.
+        total: usize,
+    },
+    /// The plan has no scene or no view.
+    #[error("the plan makes no render: it needs a hand shape, a stage, an object size and a view")]
+    Empty,
+    /// A file or folder could not be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// What.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A scene could not be built.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// What writing a render set came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Summary {
+    /// The manifest.
+    pub manifest: PathBuf,
+    /// Renders made now.
+    pub rendered: usize,
+    /// Renders that were there already, made of the same parameters.
+    pub kept: usize,
+}
+
+/// The path of a render inside its set:
+/// `HAND/GRASP/STAGE_OBJECT_azAAA_elEE_rRRR.png`, angles in degrees.
+pub fn render_file(scene: &SceneSpec, view: &View) -> String {
+    // Fractions appear only where a step has them; a negative elevation keeps its sign.
+    let angle = |degrees: f64, digits: usize| {
+        let text = format!("{:.3}", degrees.abs());
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+        let sign = if degrees < 0.0 { "-" } else { "" };
+        let dot = if fraction.is_empty() { "" } else { "." };
+        format!("{sign}{whole:0>digits$}{dot}{fraction}")
+    };
+    format!(
+        "{}/{}/{}_{}_az{}_el{}_r{}.png",
+        scene.hand_shape.name,
+        scene.grasp.name,
+        scene.stage,
+        scene.object.name(),
+        angle(view.azimuth_deg, 3),
+        angle(view.elevation_deg, 2),
+        angle(view.roll_deg, 3),
+    )
+}
+
+/// Writes all renders of a plan into a folder, which is made if need be, and the manifest last.
+///
+/// Renders that are there already and were made of the same parameters (each PNG file carries them) are
+/// kept. Every file appears whole or not at all; the manifest lists the plan's renders only. `progress` is
+/// called from any thread with the renders done and the plan's total. The same plan and seed give the same
+/// bytes at any thread count.
+///
+/// # Errors
+///
+/// When a file cannot be written, when the plan is empty, and [`RenderSetError::Cancelled`] soon after
+/// `cancel` becomes true.
+pub fn write_set(
+    folder: &Path,
+    plan: &RenderPlan,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    cancel: &AtomicBool,
+) -> Result<Summary, RenderSetError> {
+    let scenes = plan.scenes();
+    let views = plan.views();
+    let total = scenes.len() * views.len();
+    if total == 0 {
+        return Err(RenderSetError::Empty);
+    }
+    for scene in &scenes {
+        let path = folder.join(&scene.hand_shape.name).join(&scene.grasp.name);
+        fs::create_dir_all(&path).map_err(|source| RenderSetError::Write { path, source })?;
+    }
+    let counts = Counts::default();
+    let job = Job {
+        folder,
+        views: &views,
+        total,
+        counts: &counts,
+        progress,
+        cancel,
+    };
+    scenes
+        .par_iter()
+        .try_for_each(|spec| job.write_scene(spec))?;
+
+    let rows = scenes
+        .iter()
+        .flat_map(|spec| views.iter().map(move |view| row(spec, view)));
+    let path = folder.join(MANIFEST);
+    let failed = |source| RenderSetError::Write {
+        path: path.clone(),
+        source,
+    };
+    let bytes = manifest::to_csv(rows).map_err(failed)?;
+    picture::write_whole(&path, &bytes).map_err(failed)?;
+    let kept = counts.kept.into_inner();
+    Ok(Summary {
+        manifest: path,
+        rendered: counts.done.into_inner() - kept,
+        kept,
+    })
+}
+
+#[derive(Default)]
+struct Counts {
+    done: AtomicUsize,
+    kept: AtomicUsize,
+}
+
+struct Job<'a> {
+    folder: &'a Path,
+    views: &'a [View],
+    total: usize,
+    counts: &'a Counts,
+    progress: &'a (dyn Fn(usize, usize) + Sync),
+    cancel: &'a AtomicBool,
+}
+
+impl Job<'_> {
+    fn write_scene(&self, spec: &SceneSpec) -> Result<(), RenderSetError> {
+        let hash = spec.params_hash();
+        self.go_on()?;
+        // Only a scene that lacks a picture is worth building.
+        let missing: Vec<&View> = self
+            .views
+            .par_iter()
+            .filter(|view| {
+                let path = self.folder.join(render_file(spec, view));
+                let current = picture::is_current(&path, &picture::stamp(hash, view));
+                if current {
+                    self.counts.kept.fetch_add(1, Ordering::Relaxed);
+                    self.count();
+                }
+                !current
+            })
+            .collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let scene = spec.build()?;
+        missing.into_par_iter().try_for_each(|view| {
+            self.go_on()?;
+            let path = self.folder.join(render_file(spec, view));
+            picture::encode(&scene.render(view), &picture::stamp(hash, view))
+                .and_then(|bytes| picture::write_whole(&path, &bytes))
+                .map_err(|source| RenderSetError::Write { path, source })?;
+            self.count();
+            Ok(())
+        })
+    }
+
+    fn go_on(&self) -> Result<(), RenderSetError> {
+        if self.cancel.load(Ordering::Relaxed) {
+            let done = self.counts.done.load(Ordering::Relaxed);
+            return Err(RenderSetError::Cancelled {
+                done,
+                total: self.total,
+            });
+        }
+        Ok(())
+    }
+
+    fn count(&self) {
+        let done = self.counts.done.fetch_add(1, Ordering::Relaxed) + 1;
+        (self.progress)(done, self.total);
+    }
+}
+
+fn row(spec: &SceneSpec, view: &View) -> ManifestRow {
+    ManifestRow {
+        file: render_file(spec, view),
+        hand_shape: spec.hand_shape.name.clone(),
+        grasp: spec.grasp.name.clone(),
+        cutkosky: spec.grasp.cutkosky,
+        stage: spec.stage,
+        view: *view,
+        camera_from_hand: view.camera_from_world() * world_from_hand(&spec.grasp.up),
+        object: spec.object.name(),
+        seed: spec.seed,
+    }
+}

@@ -1,0 +1,427 @@
+//! One hand shape in one grasp at one stage with one object: built once, seen from many sides.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::grasp::{Grasp, Object, Stage, grip};
+use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
+use crate::mesh::{Mesh, surface_nets};
+use crate::raster::{self, Drawing, Light};
+use crate::view::{View, world_from_hand};
+
+/// Changes whenever the same parameters give other pixels than before.
+pub const RENDERER_VERSION: u32 = 1;
+
+/// How a picture is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// Side of the square picture in pixels.
+    pub side: usize,
+    /// Length of the forearm behind the wrist in metres; 0 cuts the hand at the wrist.
+    pub forearm: f64,
+    /// Distance of the camera from the hand's centre, in hand lengths.
+    pub distance: f64,
+    /// How far that distance may vary from view to view, as a share of it: 0 to 0.5.
+    pub distance_variation: f64,
+    /// How far the light may move from view to view: 0 (fixed) to 1 (anywhere on the camera's side).
+    pub light_variation: f64,
+    /// Side of the mesh's cells in metres.
+    pub cell: f64,
+}
+
+impl Default for Look {
+    fn default() -> Look {
+        Look {
+            side: 48,
+            forearm: 0.0,
+            distance: 4.0,
+            distance_variation: 0.0,
+            light_variation: 0.0,
+            cell: 0.003,
+        }
+    }
+}
+
+/// What a scene is made of. Cheap to copy; [`SceneSpec::build`] does the work.
+#[derive(Debug, Clone)]
+pub struct SceneSpec {
+    /// Whose hand.
+    pub hand_shape: Arc<HandShape>,
+    /// In which grasp.
+    pub grasp: Arc<Grasp>,
+    /// How far closed.
+    pub stage: Stage,
+    /// Holding what.
+    pub object: Object,
+    /// Seen how.
+    pub look: Look,
+    /// Seed of the variations of light and distance.
+    pub seed: u64,
+}
+
+/// Why a scene cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A parameter of the look that cannot be.
+    #[error("{what} is {value}: it must lie in {range}")]
+    Look {
+        /// The parameter.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        range: &'static str,
+    },
+}
+
+/// A posed and meshed hand with its object.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    drawing: Drawing,
+    centre: Vector3<f64>,
+    world_from_hand: UnitQuaternion<f64>,
+    hand_length: f64,
+    look: Look,
+    noise: u64,
+}
+
+/// One synthetic picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Render {
+    /// Width and height in pixels.
+    pub side: usize,
+    /// Row by row; 0 outside the hand, at least [`crate::HAND_FLOOR`] on it.
+    pub grey: Vec<u8>,
+    /// The rotation from the hand's frame into the camera's.
+    pub camera_from_hand: UnitQuaternion<f64>,
+    /// From where.
+    pub view: View,
+}
+
+impl SceneSpec {
+    /// A hash of all that the scene's pixels follow from, the renderer's version included.
+    pub fn params_hash(&self) -> u64 {
+        // Debug prints every field, and floats so that they read back exactly.
+        xxh3_64(format!("{RENDERER_VERSION} {self:?}").as_bytes())
+    }
+
+    /// Poses the hand, closes it on the object and meshes it.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Look`] when a parameter of the look is out of its range.
+    pub fn build(&self) -> Result<Scene, SceneError> {
+        self.look.check()?;
+        let skeleton = Skeleton::new(&self.hand_shape);
+        let (pose, object) = self.pose(&skeleton);
+        let surface = HandSurface::new(&skeleton, &pose, self.look.forearm);
+        let (low, high) = surface.bounds();
+        // A margin of two cells: the surface must not touch the grid's border.
+        let margin = Vector3::repeat(2.0 * self.look.cell);
+        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| {
+            surface.distance(p)
+        });
+        let (drawing, centre) = assemble(hand, object, surface.cut_x());
+        Ok(Scene {
+            drawing,
+            centre,
+            world_from_hand: world_from_hand(&self.grasp.up),
+            hand_length: self.hand_shape.length(),
+            look: self.look.clone(),
+            noise: self.params_hash(),
+        })
+    }
+
+    /// The hand's joint angles and the object's mesh at this stage.
+    fn pose(&self, skeleton: &Skeleton) -> (HandPose, Mesh) {
+        let held = grip(skeleton, &self.grasp, self.object);
+        let stage = self.grasp.stage(self.stage);
+        let mut object = held.object;
+        object.centre += held.away * stage.away;
+        (
+            self.grasp.open.toward(&held.pose, stage.closure),
+            object.mesh(),
+        )
+    }
+}
+
+impl Look {
+    fn check(&self) -> Result<(), SceneError> {
+        let side = self.side as f64;
+        let rules = [
+            (
+                "the picture's side in pixels",
+                side,
+                8.0,
+                1024.0,
+                "8 to 1024",
+            ),
+            (
+                "the forearm's length in metres",
+                self.forearm,
+                0.0,
+                0.4,
+                "0 to 0.4",
+            ),
+            (
+                "the camera's distance in hand lengths",
+                self.distance,
+                1.5,
+                1000.0,
+                "1.5 to 1000",
+            ),
+            (
+                "the variation of distance",
+                self.distance_variation,
+                0.0,
+                0.5,
+                "0 to 0.5",
+            ),
+            (
+                "the variation of light",
+                self.light_variation,
+                0.0,
+                1.0,
+                "0 to 1",
+            ),
+            (
+                "the mesh's cell in metres",
+                self.cell,
+                0.0005,
+                0.01,
+                "0.0005 to 0.01",
+            ),
+        ];
+        for (what, value, low, high, range) in rules {
+            if !(low..=high).contains(&value) {
+                return Err(SceneError::Look { what, value, range });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Puts hand and black things into one list, the hand first, around the hand's centre (given back).
+fn assemble(hand: Mesh, object: Mesh, cut_x: f64) -> (Drawing, Vector3<f64>) {
+    let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
+    for v in &hand.vertices {
+        low = low.inf(v);
+        high = high.sup(v);
+    }
+    let centre = (low + high) * 0.5;
+    // The cut through the wrist is black: where the arm goes on there is no hand.
+    let rim = cut_x as f32 + 5e-4;
+    let on_cut = |t: &[u32; 3]| t.iter().all(|&v| hand.vertices[v as usize].x < rim);
+    let (cap, skin): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
+        hand.triangles.iter().partition(|t| on_cut(t));
+    let offset = hand.vertices.len() as u32;
+    let drawing = Drawing {
+        hand_vertices: hand.vertices.len(),
+        hand_triangles: skin.len(),
+        vertices: hand
+            .vertices
+            .iter()
+            .chain(&object.vertices)
+            .map(|v| v - centre)
+            .collect(),
+        normals: hand
+            .normals
+            .iter()
+            .chain(&object.normals)
+            .copied()
+            .collect(),
+        triangles: skin
+            .into_iter()
+            .chain(cap)
+            .chain(object.triangles.iter().map(|t| t.map(|v| v + offset)))
+            .collect(),
+    };
+    (drawing, centre.cast())
+}
+
+impl Scene {
+    /// Takes a picture.
+    pub fn render(&self, view: &View) -> Render {
+        let camera_from_hand = view.camera_from_world() * self.world_from_hand;
+        let turn: Matrix3<f32> = camera_from_hand.to_rotation_matrix().matrix().cast();
+        let (light, distance) = self.light_and_distance(view);
+        let metres = distance * self.hand_length;
+        let grey = raster::draw(&self.drawing, &turn, metres as f32, &light, self.look.side);
+        Render {
+            side: self.look.side,
+            grey,
+            camera_from_hand,
+            view: *view,
+        }
+    }
+
+    /// The point that the camera looks at, in the hand frame: the middle of the hand's box.
+    pub fn centre(&self) -> Vector3<f64> {
+        self.centre
+    }
+
+    /// Light and distance (in hand lengths) of a view; they follow from the parameters and the view alone,
+    /// not from the order in which views are rendered.
+    fn light_and_distance(&self, view: &View) -> (Light, f64) {
+        // From the upper left, from behind the camera.
+        let mut toward = Vector3::new(-0.30, -0.55, -0.78);
+        let mut ambient = 0.30;
+        let mut distance = self.look.distance;
+        if self.look.light_variation > 0.0 || self.look.distance_variation > 0.0 {
+            let angles = [view.azimuth_deg, view.elevation_deg, view.roll_deg];
+            let bytes: Vec<u8> = angles
+                .iter()
+                .flat_map(|a| a.to_bits().to_le_bytes())
+                .collect();
+            let mut rng = ChaCha8Rng::seed_from_u64(self.noise ^ xxh3_64(&bytes));
+            let mut either = || (rng.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+            distance *= 1.0 + self.look.distance_variation * either();
+            let v = self.look.light_variation;
+            toward += Vector3::new(either(), either(), 0.3 * either()) * v;
+            ambient += 0.2 * v * either();
+        }
+        let light = Light {
+            toward: toward.normalize().cast(),
+            ambient: ambient as f32,
+        };
+        (light, distance)
+    }
+
+    /// How many triangles the hand has.
+    pub fn triangles(&self) -> usize {
+        self.drawing.hand_triangles
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grasp::GraspSet;
+    use crate::plan::{Preset, RenderPlan};
+    use crate::raster::HAND_FLOOR;
+    use crate::view::ViewGrid;
+
+    fn spec(shape: HandShape, grasp: &str, stage: Stage) -> SceneSpec {
+        let set = GraspSet::builtin();
+        let grasp = set.get(grasp).expect("a grasp").clone();
+        SceneSpec {
+            hand_shape: Arc::new(shape),
+            object: grasp.object.object(0.5),
+            grasp: Arc::new(grasp),
+            stage,
+            look: Look::default(),
+            seed: 1,
+        }
+    }
+
+    #[test]
+    fn every_shape_grasp_and_stage_is_whole_and_seen_from_all_sides() {
+        let plan = RenderPlan {
+            hand_shapes: HandShape::presets(),
+            stages: Stage::ALL.to_vec(),
+            look: Look {
+                cell: 0.004,
+                ..Look::default()
+            },
+            ..RenderPlan::preset(Preset::Paper)
+        };
+        let grid = ViewGrid {
+            step_deg: 30.0,
+            elevation_deg: [-90.0, 90.0],
+            rolls_deg: vec![0.0],
+        };
+        for spec in plan.scenes() {
+            let name = format!(
+                "{} {} {}",
+                spec.hand_shape.name, spec.grasp.name, spec.stage
+            );
+            let skeleton = Skeleton::new(&spec.hand_shape);
+            let (pose, _) = spec.pose(&skeleton);
+            let surface = HandSurface::new(&skeleton, &pose, 0.0);
+            let (low, high) = surface.bounds();
+            let mesh = surface_nets(low.add_scalar(-0.008), high.add_scalar(0.008), 0.004, |p| {
+                surface.distance(p)
+            });
+            assert!(mesh.is_closed(), "{name} has a hole");
+            // A hand has 250 to 600 ml.
+            assert!(
+                (1.8e-4..8e-4).contains(&mesh.volume()),
+                "{name}: {} m3",
+                mesh.volume()
+            );
+            let scene = spec.build().expect("a scene");
+            for view in grid.views() {
+                let seen = scene
+                    .render(&view)
+                    .grey
+                    .iter()
+                    .filter(|g| **g >= HAND_FLOOR)
+                    .count();
+                assert!(seen > 30, "{name} from {view:?}: {seen} pixels");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_of_the_hand_is_seen_where_the_quaternion_says() {
+        // The index fingertip of an almost flat hand is the picture's uppermost part when x points up.
+        let scene = spec(HandShape::mean(), "pinch", Stage::Reach)
+            .build()
+            .expect("a scene");
+        let view = View {
+            azimuth_deg: 180.0,
+            elevation_deg: 84.0,
+            roll_deg: 0.0,
+        };
+        let render = scene.render(&view);
+        let forward = render.camera_from_hand * Vector3::x();
+        assert!(
+            forward.y < -0.9,
+            "the fingers point up in the picture: {forward:?}"
+        );
+        let width = |row: usize| {
+            render.grey[row * 48..(row + 1) * 48]
+                .iter()
+                .filter(|g| **g > 0)
+                .count()
+        };
+        let (tips, wrist) = (width(3), width(44));
+        assert!(tips > 0 && tips < wrist, "fingertips {tips}, wrist {wrist}");
+        // The thumb is on the right: the right hand seen from the back, fingers up, has it on the left.
+        assert!((render.camera_from_hand * Vector3::y()).x < -0.9);
+    }
+
+    #[test]
+    fn variations_follow_from_the_seed_alone() {
+        let varied = |seed| SceneSpec {
+            look: Look {
+                light_variation: 0.5,
+                distance_variation: 0.2,
+                ..Look::default()
+            },
+            seed,
+            ..spec(HandShape::mean(), "pinch", Stage::Grasp)
+        };
+        let view = View {
+            azimuth_deg: 30.0,
+            elevation_deg: 30.0,
+            roll_deg: 0.0,
+        };
+        let picture = |seed| varied(seed).build().expect("a scene").render(&view).grey;
+        assert_eq!(picture(1), picture(1));
+        assert_ne!(picture(1), picture(2));
+        assert_ne!(varied(1).params_hash(), varied(2).params_hash());
+    }
+
+    #[test]
+    fn a_look_out_of_range_is_refused() {
+        let mut wrong = spec(HandShape::mean(), "pinch", Stage::Grasp);
+        wrong.look.distance = 0.2;
+        let error = wrong.build().expect_err("too near");
+        insta::assert_snapshot!(error, @"the camera's distance in hand lengths is 0.2: it must lie in 1.5 to 1000");
+    }
+}
