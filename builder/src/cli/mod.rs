@@ -4,7 +4,7 @@ mod build;
 mod completions;
 mod inspect;
 mod man;
-mod preset;
+mod plan;
 mod render;
 mod verify;
 

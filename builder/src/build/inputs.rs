@@ -1,0 +1,62 @@
+//! One number for all that an index is made from, kept in its provenance: equal numbers mean equal bytes.
+
+use grasp_index::{IndexParams, NewEntry};
+use xxhash_rust::xxh3::Xxh3;
+
+use super::Source;
+
+/// Where the number stands in the provenance.
+const KEY: &str = "inputs";
+
+/// The running hash of the parameters and entries of an index.
+pub(super) struct Inputs {
+    hash: Xxh3,
+    provenance: Vec<(String, String)>,
+}
+
+impl Inputs {
+    pub(super) fn new(source: &Source, params: &IndexParams) -> Self {
+        let mut provenance = vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
+        match source {
+            Source::Plan(plan) => {
+                let (hands, grasps, views) = (plan.hand_shapes.len(), plan.grasps.len(), plan.views().len());
+                let scenes = plan.renders() / views.max(1);
+                let text = format!(
+                    "rendered: {hands} hand shapes, {grasps} grasps, {scenes} scenes of {views} views, seed {}",
+                    plan.seed
+                );
+                provenance.push(("source".to_owned(), text));
+            }
+            Source::Sets(sets) => provenance.extend(sets.iter().map(|set| {
+                let text = format!("{}, {} pictures, manifest xxh3 {:016x}", set.name(), set.len(), set.manifest_hash());
+                ("render set".to_owned(), text)
+            })),
+        }
+        let mut hash = Xxh3::new();
+        // Debug prints every field, and floats so that they read back exactly.
+        hash.update(format!("{} {params:?} {provenance:?}", grasp_index::FORMAT_VERSION).as_bytes());
+        Self { hash, provenance }
+    }
+
+    /// Adds an entry. Its descriptor and thumbnail follow from the source hash and the parameters.
+    pub(super) fn add(&mut self, entry: &NewEntry) {
+        for text in [&entry.object, &entry.file] {
+            self.hash.update(&(text.len() as u64).to_le_bytes());
+            self.hash.update(text.as_bytes());
+        }
+        let view = [entry.azimuth_deg, entry.elevation_deg, entry.roll_deg];
+        view.iter().for_each(|angle| self.hash.update(&angle.to_le_bytes()));
+        entry.orientation.coords.iter().for_each(|value| self.hash.update(&value.to_le_bytes()));
+        self.hash.update(&entry.class.to_le_bytes());
+        self.hash.update(&[entry.stage]);
+        self.hash.update(&entry.hand_shape.to_le_bytes());
+        self.hash.update(&entry.source_hash.to_le_bytes());
+    }
+
+    /// What the index says of its origin, this number included.
+    pub(super) fn provenance(&self) -> Vec<(String, String)> {
+        let mut provenance = self.provenance.clone();
+        provenance.push((KEY.to_owned(), format!("{:016x}", self.hash.digest())));
+        provenance
+    }
+}

@@ -1,0 +1,100 @@
+//! Entries rendered on the fly.
+
+use anyhow::Context as _;
+use grasp_index::{ClassInfo, NewEntry};
+use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
+use rayon::prelude::*;
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::{Described, Grey, Known, Names, Recipe, complete};
+
+/// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
+const SCENES_AT_ONCE: usize = 16;
+
+pub(super) fn names(plan: &RenderPlan) -> Names {
+    Names {
+        classes: classes(plan),
+        hand_shapes: plan.hand_shapes.iter().map(|shape| shape.name.clone()).collect(),
+        stages: plan.stages.iter().map(|stage| stage.name().to_owned()).collect(),
+    }
+}
+
+/// The plan's grasps in the order of their Cutkosky numbers.
+fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
+    let mut classes: Vec<ClassInfo> =
+        plan.grasps.iter().map(|grasp| ClassInfo { name: grasp.name.clone(), cutkosky: grasp.cutkosky }).collect();
+    classes.sort_by_key(|class| class.cutkosky);
+    classes
+}
+
+/// Describes every render of the plan, scene by scene, and hands the results to `take` in order.
+pub(super) fn describe(
+    plan: &RenderPlan,
+    recipe: &Recipe,
+    known: &Known,
+    take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let views = plan.views();
+    let names = names(plan);
+    for specs in plan.scenes().chunks(SCENES_AT_ONCE) {
+        // A scene all of whose views are known need not be built.
+        let scenes: Vec<Option<Scene>> = specs
+            .par_iter()
+            .map(|spec| {
+                let hash = spec.params_hash();
+                let all_known = views.iter().all(|view| known.contains(source_hash(hash, view)));
+                if all_known { Ok(None) } else { spec.build().map(Some) }
+            })
+            .collect::<Result<_, _>>()
+            .context("cannot render")?;
+        for (spec, scene) in specs.iter().zip(&scenes) {
+            let template = template(spec, &names).context("the plan names what it does not list")?;
+            let hash = spec.params_hash();
+            let described = views
+                .par_iter()
+                .map(|view| {
+                    let entry = NewEntry {
+                        file: spec.file_name(view),
+                        azimuth_deg: view.azimuth_deg as f32,
+                        elevation_deg: view.elevation_deg as f32,
+                        roll_deg: view.roll_deg as f32,
+                        orientation: view.camera_from_world() * world_from_hand(&spec.grasp.up),
+                        source_hash: source_hash(hash, view),
+                        ..template.clone()
+                    };
+                    complete(entry, recipe, known, || {
+                        let scene = scene.as_ref().context("a scene that is needed was not built")?;
+                        let render = scene.render(view);
+                        Ok(Grey { width: render.side, height: render.side, pixels: render.grey })
+                    })
+                })
+                .collect::<anyhow::Result<Vec<Described>>>()?;
+            take(described)?;
+        }
+    }
+    Ok(())
+}
+
+/// What all entries of a scene share.
+fn template(spec: &SceneSpec, names: &Names) -> Option<NewEntry> {
+    Some(NewEntry {
+        class: position(&names.classes, |class| class.name == spec.grasp.name)?,
+        stage: position(&names.stages, |stage| stage == spec.stage.name())?,
+        hand_shape: position(&names.hand_shapes, |shape| *shape == spec.hand_shape.name)?,
+        object: spec.object.name(),
+        ..NewEntry::default()
+    })
+}
+
+fn position<T, N: TryFrom<usize>>(list: &[T], is_it: impl Fn(&T) -> bool) -> Option<N> {
+    N::try_from(list.iter().position(is_it)?).ok()
+}
+
+/// What a render's pixels follow from: the scene's parameters and the view.
+fn source_hash(scene: u64, view: &View) -> u64 {
+    let mut bytes = scene.to_le_bytes().to_vec();
+    for angle in [view.azimuth_deg, view.elevation_deg, view.roll_deg] {
+        bytes.extend(angle.to_bits().to_le_bytes());
+    }
+    xxh3_64(&bytes)
+}

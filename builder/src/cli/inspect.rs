@@ -1,0 +1,174 @@
+//! `grasp-builder inspect`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use grasp_index::{Catalogue, HashInfo, Index};
+use serde_json::{Value, json};
+
+/// Show what is in an index: its entries, parameters, origin, and how well its search does.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Inspect {
+    /// The index.
+    #[arg(value_name = "FILE")]
+    index: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Inspect {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        let name = self.index.display();
+        let index = Index::open(&self.index).with_context(|| format!("cannot inspect {name}"))?;
+        let mut stdout = std::io::stdout().lock();
+        if self.json {
+            writeln!(stdout, "{}", as_json(&name.to_string(), &index))?;
+        } else {
+            write!(stdout, "{}", as_text(&name.to_string(), &index))?;
+        }
+        Ok(())
+    }
+}
+
+/// How many entries each class has.
+fn counts(index: &Index) -> Vec<usize> {
+    let mut counts = vec![0; index.catalogue().classes.len()];
+    for &label in index.labels() {
+        if let Some(count) = counts.get_mut(label as usize) {
+            *count += 1;
+        }
+    }
+    counts
+}
+
+fn as_text(name: &str, index: &Index) -> String {
+    let catalogue = index.catalogue();
+    let mut lines = vec![format!("{name}: {} entries, {} bytes", index.len(), index.byte_len())];
+    let mut line = |label: &str, text: String| lines.push(format!("  {label:<12} {text}"));
+    line(
+        "descriptor",
+        format!(
+            "{}, D = {} (B = {}, L = {}), {:?}, {:?}",
+            catalogue.descriptor.name(),
+            index.dim(),
+            catalogue.descriptor.bins,
+            catalogue.descriptor.levels,
+            catalogue.descriptor.sampling,
+            catalogue.descriptor.tone,
+        ),
+    );
+    for (class, count) in catalogue.classes.iter().zip(counts(index)) {
+        line("class", format!("{:>2} {}: {count}", class.cutkosky, class.name));
+    }
+    line("hand shapes", list(&catalogue.hand_shapes));
+    line("stages", list(&catalogue.stages));
+    line(
+        "sigma",
+        format!("{:.4} (Equation 5 as printed: {:.1})", catalogue.sigma.mean_distance, catalogue.sigma.literal),
+    );
+    line("vote", format!("k = {}, sigma x {}", catalogue.calibration.k, catalogue.calibration.sigma_scale));
+    line("hash", hash_text(catalogue));
+    let measured = &catalogue.measured;
+    line(
+        "measured",
+        format!(
+            "{} queries, noise {} sigma: eps-success {:.3} at eps {}, recall@10 {:.3}, {:.1} % of the database",
+            measured.queries,
+            measured.noise,
+            measured.eps_success,
+            measured.eps,
+            measured.recall_at_10,
+            measured.share_of_database * 100.0
+        ),
+    );
+    line("thumbnails", format!("{} pixels a side", catalogue.thumbnail_side));
+    line("seed", catalogue.seed.to_string());
+    for (key, value) in &catalogue.provenance {
+        line(key, value.clone());
+    }
+    for section in &catalogue.sections {
+        line(
+            "section",
+            format!(
+                "{:<16} {:>12} bytes at {:>10}, {:?}, xxh3 {:016x}",
+                format!("{:?}", section.kind),
+                section.length,
+                section.offset,
+                section.element,
+                section.xxh3
+            ),
+        );
+    }
+    lines.join("\n") + "\n"
+}
+
+fn hash_text(catalogue: &Catalogue) -> String {
+    match catalogue.hash {
+        HashInfo::Random(hash) => format!(
+            "random, T = {} tables of K = {} hyperplanes, H = {} buckets, {} probes a table",
+            hash.tables, hash.planes, hash.buckets, hash.probes
+        ),
+        _ => "of a kind that this version does not know".to_owned(),
+    }
+}
+
+/// The first names of a list, and how many more there are.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+fn as_json(name: &str, index: &Index) -> Value {
+    let catalogue = index.catalogue();
+    let measured = &catalogue.measured;
+    let classes: Vec<Value> = catalogue
+        .classes
+        .iter()
+        .zip(counts(index))
+        .map(|(class, entries)| json!({"name": class.name, "cutkosky": class.cutkosky, "entries": entries}))
+        .collect();
+    let sections: Vec<Value> = catalogue
+        .sections
+        .iter()
+        .map(|section| {
+            json!({
+                "kind": format!("{:?}", section.kind), "element": format!("{:?}", section.element),
+                "offset": section.offset, "bytes": section.length, "xxh3": format!("{:016x}", section.xxh3),
+            })
+        })
+        .collect();
+    let hash = match catalogue.hash {
+        HashInfo::Random(hash) => json!({
+            "kind": "random", "tables": hash.tables, "planes": hash.planes, "buckets": hash.buckets,
+            "probes": hash.probes,
+        }),
+        _ => Value::Null,
+    };
+    let provenance: Vec<Value> =
+        catalogue.provenance.iter().map(|(name, value)| json!({"name": name, "value": value})).collect();
+    json!({
+        "file": name, "entries": index.len(), "bytes": index.byte_len(),
+        "descriptor": {
+            "name": catalogue.descriptor.name(), "dim": index.dim(),
+            "bins": catalogue.descriptor.bins, "levels": catalogue.descriptor.levels,
+            "sampling": format!("{:?}", catalogue.descriptor.sampling), "tone": format!("{:?}", catalogue.descriptor.tone),
+        },
+        "classes": classes, "hand_shapes": catalogue.hand_shapes, "stages": catalogue.stages,
+        "sigma": {"mean_distance": catalogue.sigma.mean_distance, "literal": catalogue.sigma.literal},
+        "vote": {"k": catalogue.calibration.k, "sigma_scale": catalogue.calibration.sigma_scale},
+        "hash": hash,
+        "measured": {
+            "queries": measured.queries, "noise": measured.noise, "eps": measured.eps,
+            "eps_success": measured.eps_success, "recall_at_10": measured.recall_at_10,
+            "share_of_database": measured.share_of_database,
+        },
+        "thumbnail_side": catalogue.thumbnail_side, "seed": catalogue.seed,
+        "provenance": provenance, "sections": sections,
+    })
+}

@@ -1,0 +1,103 @@
+//! Which hands, objects and views to render: the options that `render` and `build` share.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use grasp_renders::{GraspSet, HandShape, Preset, RenderPlan, Stage};
+
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "What to render")]
+pub(super) struct PlanOptions {
+    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` adds hand shapes, object sizes,
+    /// the lower half-sphere and rolls. The options below change it.
+    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
+    preset: Preset,
+    /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range.
+    #[arg(long, value_name = "N", conflicts_with = "hand_shape", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    hands: Option<u32>,
+    /// Render this hand shape (may be repeated): mean, small, large, slender, broad, long-fingered, short-fingered,
+    /// or hand-SEED for a sampled one.
+    #[arg(long, value_name = "NAME")]
+    hand_shape: Vec<String>,
+    /// Render this stage (may be repeated): reach, close, grasp.
+    #[arg(long, value_name = "NAME")]
+    stage: Vec<Stage>,
+    /// Read the grasps from a file in the form of renders/data/grasps.toml.
+    #[arg(long, value_name = "FILE")]
+    grasps: Option<PathBuf>,
+    /// Step between views in degrees, in azimuth and elevation.
+    #[arg(long, value_name = "DEG")]
+    step: Option<f64>,
+    /// Elevations in degrees, e.g. 0..84, or -84..84 for both half-spheres.
+    #[arg(long, value_name = "LOW..HIGH", value_parser = elevations, allow_hyphen_values = true)]
+    elevations: Option<[f64; 2]>,
+    /// Rolls about the optical axis, evenly spaced over the full turn.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360))]
+    rolls: Option<u32>,
+    /// Distance of the camera, in hand lengths.
+    #[arg(long, value_name = "LENGTHS")]
+    distance: Option<f64>,
+    /// Length of the forearm behind the wrist in millimetres; 0 cuts at the wrist.
+    #[arg(long, value_name = "MM")]
+    forearm: Option<f64>,
+    /// How far the light may move from view to view, 0 to 1.
+    #[arg(long, value_name = "SHARE")]
+    light_variation: Option<f64>,
+    /// How far the distance may vary from view to view, 0 to 0.5.
+    #[arg(long, value_name = "SHARE")]
+    distance_variation: Option<f64>,
+}
+
+impl PlanOptions {
+    /// The plan that the options describe.
+    pub(super) fn plan(&self, seed: u64) -> anyhow::Result<RenderPlan> {
+        let mut plan = RenderPlan::preset(self.preset);
+        plan.seed = seed;
+        if let Some(hands) = self.hands {
+            plan = plan.with_hands(hands as usize);
+        }
+        if !self.hand_shape.is_empty() {
+            plan.hand_shapes =
+                self.hand_shape.iter().map(|name| HandShape::preset(name)).collect::<Result<_, _>>()?;
+        }
+        if !self.stage.is_empty() {
+            plan.stages.clone_from(&self.stage);
+        }
+        if let Some(path) = &self.grasps {
+            plan.grasps = GraspSet::load(path).with_context(|| format!("cannot use the grasps of {}", path.display()))?;
+        }
+        if let Some(step) = self.step {
+            plan.grid.step_deg = step;
+        }
+        if let Some(elevations) = self.elevations {
+            plan.grid.elevation_deg = elevations;
+        }
+        if let Some(rolls) = self.rolls {
+            plan.grid.rolls_deg = (0..rolls).map(|i| f64::from(i) * 360.0 / f64::from(rolls)).collect();
+        }
+        let look = &mut plan.look;
+        look.distance = self.distance.unwrap_or(look.distance);
+        look.forearm = self.forearm.map_or(look.forearm, |millimetres| millimetres / 1000.0);
+        look.light_variation = self.light_variation.unwrap_or(look.light_variation);
+        look.distance_variation = self.distance_variation.unwrap_or(look.distance_variation);
+        // A grid so fine that only listing it would take minutes is a slip of the keyboard.
+        if !(0.5..=180.0).contains(&plan.grid.step_deg) {
+            bail!("--step {}: a step lies between 0.5 and 180 degrees", plan.grid.step_deg);
+        }
+        if plan.renders() == 0 {
+            bail!("these options leave no view to render: widen --elevations");
+        }
+        Ok(plan)
+    }
+}
+
+fn elevations(text: &str) -> Result<[f64; 2], String> {
+    let form = || format!("`{text}` is no range of elevations: write LOW..HIGH, e.g. -84..84");
+    let (low, high) = text.split_once("..").ok_or_else(form)?;
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
+    let range = [number(low)?, number(high)?];
+    if range[0] < -90.0 || range[1] > 90.0 || range[0] > range[1] {
+        return Err(format!("`{text}`: elevations rise from -90 at least to 90 at most"));
+    }
+    Ok(range)
+}

@@ -1,0 +1,32 @@
+//! `grasp-builder verify`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use grasp_index::Index;
+
+/// Read every byte of an index and check it.
+///
+/// Opening an index checks its header and catalogue only, so that it takes no time; this checks the rest: every section
+/// against its hash, and what the numbers in it refer to.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Verify {
+    /// The index.
+    #[arg(value_name = "FILE")]
+    index: PathBuf,
+}
+
+impl Verify {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        let name = self.index.display();
+        let index = Index::open(&self.index).with_context(|| format!("{name} is unsound"))?;
+        let found = index.verify();
+        if found.is_sound() {
+            writeln!(std::io::stdout().lock(), "{name}: sound, {} bytes checked", found.bytes)?;
+            return Ok(());
+        }
+        let problems: Vec<String> = found.problems.iter().map(ToString::to_string).collect();
+        bail!("{name} is unsound:\n  {}", problems.join("\n  "))
+    }
+}
