@@ -16,7 +16,8 @@ pub(super) struct Inputs {
 
 impl Inputs {
     pub(super) fn new(source: &Source, params: &IndexParams) -> Self {
-        let mut provenance = vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
+        let mut provenance =
+            vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
         match source {
             Source::Plan(plan) => {
                 let (hands, grasps, views) = (plan.hand_shapes.len(), plan.grasps.len(), plan.views().len());
@@ -28,7 +29,12 @@ impl Inputs {
                 provenance.push(("source".to_owned(), text));
             }
             Source::Sets(sets) => provenance.extend(sets.iter().map(|set| {
-                let text = format!("{}, {} pictures, manifest xxh3 {:016x}", set.name(), set.len(), set.manifest_hash());
+                let text = format!(
+                    "{}, {} pictures, manifest xxh3 {:016x}",
+                    set.name(),
+                    set.len(),
+                    set.manifest_hash()
+                );
                 ("render set".to_owned(), text)
             })),
         }

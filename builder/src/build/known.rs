@@ -28,16 +28,23 @@ impl Known {
             Err(OpenError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => {
                 return Ok(Self::NOTHING());
             }
-            Err(error @ (OpenError::NotAnIndex | OpenError::NotAFile | OpenError::Folder | OpenError::Io(_))) => {
-                return Err(error).with_context(|| {
-                    format!("{} exists: choose another --out", path.display())
-                });
+            Err(
+                error @ (OpenError::NotAnIndex | OpenError::NotAFile | OpenError::Folder | OpenError::Io(_)),
+            ) => {
+                return Err(error)
+                    .with_context(|| format!("{} exists: choose another --out", path.display()));
             }
             Err(OpenError::TooNew { .. }) => {
-                bail!("{} was written by a newer grasp-builder: use that one, or another --out", path.display())
+                bail!(
+                    "{} was written by a newer grasp-builder: use that one, or another --out",
+                    path.display()
+                )
             }
             Err(error) => {
-                eprintln!("grasp-builder: the existing {} is of no use and will be replaced: {error}", path.display());
+                eprintln!(
+                    "grasp-builder: the existing {} is of no use and will be replaced: {error}",
+                    path.display()
+                );
                 return Ok(Self::NOTHING());
             }
         };

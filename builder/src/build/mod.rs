@@ -156,7 +156,7 @@ impl Collector {
     fn new(source: &Source, recipe: &Recipe) -> anyhow::Result<Self> {
         let Names { classes, hand_shapes, stages } = match source {
             Source::Plan(plan) => planned::names(plan),
-            Source::Sets(sets) => sets::names(sets)?,
+            Source::Sets(sets) => sets::names(sets),
         };
         let params = IndexParams {
             descriptor: recipe.descriptor,
@@ -194,6 +194,27 @@ struct Names {
     classes: Vec<ClassInfo>,
     hand_shapes: Vec<String>,
     stages: Vec<String>,
+}
+
+impl Names {
+    fn class(&self, name: &str) -> anyhow::Result<u16> {
+        number(self.classes.iter().position(|class| class.name == name), name)
+    }
+
+    fn hand_shape(&self, name: &str) -> anyhow::Result<u16> {
+        number(self.hand_shapes.iter().rposition(|shape| shape == name), name)
+    }
+
+    fn stage(&self, name: &str) -> anyhow::Result<u8> {
+        number(self.stages.iter().position(|stage| stage == name), name)
+    }
+}
+
+/// A position as the number that stands for it in the file.
+fn number<N: TryFrom<usize>>(position: Option<usize>, name: &str) -> anyhow::Result<N> {
+    position
+        .and_then(|position| N::try_from(position).ok())
+        .with_context(|| format!("more names than an index can number, or an unlisted one: {name}"))
 }
 
 /// Puts descriptor and thumbnail of a grey picture into `entry`: taken over from the existing index where it knows

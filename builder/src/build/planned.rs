@@ -2,6 +2,7 @@
 
 use anyhow::Context as _;
 use grasp_index::{ClassInfo, NewEntry};
+use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
@@ -21,8 +22,11 @@ pub(super) fn names(plan: &RenderPlan) -> Names {
 
 /// The plan's grasps in the order of their Cutkosky numbers.
 fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
-    let mut classes: Vec<ClassInfo> =
-        plan.grasps.iter().map(|grasp| ClassInfo { name: grasp.name.clone(), cutkosky: grasp.cutkosky }).collect();
+    let mut classes: Vec<ClassInfo> = plan
+        .grasps
+        .iter()
+        .map(|grasp| ClassInfo { name: grasp.name.clone(), cutkosky: grasp.cutkosky })
+        .collect();
     classes.sort_by_key(|class| class.cutkosky);
     classes
 }
@@ -48,13 +52,13 @@ pub(super) fn describe(
             .collect::<Result<_, _>>()
             .context("cannot render")?;
         for (spec, scene) in specs.iter().zip(&scenes) {
-            let template = template(spec, &names).context("the plan names what it does not list")?;
+            let template = template(spec, &names)?;
             let hash = spec.params_hash();
             let described = views
                 .par_iter()
                 .map(|view| {
                     let entry = NewEntry {
-                        file: spec.file_name(view),
+                        file: render_file(spec, view),
                         azimuth_deg: view.azimuth_deg as f32,
                         elevation_deg: view.elevation_deg as f32,
                         roll_deg: view.roll_deg as f32,
@@ -76,18 +80,14 @@ pub(super) fn describe(
 }
 
 /// What all entries of a scene share.
-fn template(spec: &SceneSpec, names: &Names) -> Option<NewEntry> {
-    Some(NewEntry {
-        class: position(&names.classes, |class| class.name == spec.grasp.name)?,
-        stage: position(&names.stages, |stage| stage == spec.stage.name())?,
-        hand_shape: position(&names.hand_shapes, |shape| *shape == spec.hand_shape.name)?,
+fn template(spec: &SceneSpec, names: &Names) -> anyhow::Result<NewEntry> {
+    Ok(NewEntry {
+        class: names.class(&spec.grasp.name)?,
+        stage: names.stage(spec.stage.name())?,
+        hand_shape: names.hand_shape(&spec.hand_shape.name)?,
         object: spec.object.name(),
         ..NewEntry::default()
     })
-}
-
-fn position<T, N: TryFrom<usize>>(list: &[T], is_it: impl Fn(&T) -> bool) -> Option<N> {
-    N::try_from(list.iter().position(is_it)?).ok()
 }
 
 /// What a render's pixels follow from: the scene's parameters and the view.

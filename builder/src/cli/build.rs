@@ -24,7 +24,7 @@ Examples:
   grasp-builder build renders blender-renders --out grasp.idx --descriptor paper")]
 pub(crate) struct Build {
     /// Render sets to index; none renders on the fly.
-    #[arg(value_name = "RENDERS", conflicts_with_all = ["preset", "hands", "hand_shape", "stage", "grasps", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
+    #[arg(value_name = "RENDERS", conflicts_with_all = ["preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
     renders: Vec<PathBuf>,
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
@@ -80,7 +80,13 @@ impl Build {
         let source = if self.renders.is_empty() {
             Source::Plan(Box::new(self.plan.plan(self.seed)?))
         } else {
-            Source::Sets(self.renders.iter().map(|folder| RenderSet::open(folder)).collect::<Result<_, _>>()?)
+            let grasps = self.plan.grasps()?;
+            Source::Sets(
+                self.renders
+                    .iter()
+                    .map(|folder| RenderSet::open(folder, &grasps))
+                    .collect::<Result<_, _>>()?,
+            )
         };
         if source.is_empty() {
             bail!("the render sets hold no picture");

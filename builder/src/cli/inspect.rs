@@ -66,7 +66,10 @@ fn as_text(name: &str, index: &Index) -> String {
     line("stages", list(&catalogue.stages));
     line(
         "sigma",
-        format!("{:.4} (Equation 5 as printed: {:.1})", catalogue.sigma.mean_distance, catalogue.sigma.literal),
+        format!(
+            "{:.4} (Equation 5 as printed: {:.1})",
+            catalogue.sigma.mean_distance, catalogue.sigma.literal
+        ),
     );
     line("vote", format!("k = {}, sigma x {}", catalogue.calibration.k, catalogue.calibration.sigma_scale));
     line("hash", hash_text(catalogue));

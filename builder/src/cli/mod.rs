@@ -110,7 +110,11 @@ fn report(error: &anyhow::Error) -> ExitCode {
     }
     // Standard error may be closed as well; there is nobody left to tell then.
     let _ = writeln!(io::stderr(), "grasp-builder: {error:#}");
-    ExitCode::from(if error.chain().any(|cause| cause.is::<Interrupted>()) { interrupt::EXIT_STATUS } else { ERROR })
+    ExitCode::from(if error.chain().any(|cause| cause.is::<Interrupted>()) {
+        interrupt::EXIT_STATUS
+    } else {
+        ERROR
+    })
 }
 
 /// A reader that has seen enough (`| head`) is no failure of ours.

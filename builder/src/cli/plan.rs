@@ -49,6 +49,16 @@ pub(super) struct PlanOptions {
 }
 
 impl PlanOptions {
+    /// The grasps, which are also the classes of a render set.
+    pub(super) fn grasps(&self) -> anyhow::Result<GraspSet> {
+        match &self.grasps {
+            None => Ok(GraspSet::builtin()),
+            Some(path) => {
+                GraspSet::load(path).with_context(|| format!("cannot use the grasps of {}", path.display()))
+            }
+        }
+    }
+
     /// The plan that the options describe.
     pub(super) fn plan(&self, seed: u64) -> anyhow::Result<RenderPlan> {
         let mut plan = RenderPlan::preset(self.preset);
@@ -63,9 +73,7 @@ impl PlanOptions {
         if !self.stage.is_empty() {
             plan.stages.clone_from(&self.stage);
         }
-        if let Some(path) = &self.grasps {
-            plan.grasps = GraspSet::load(path).with_context(|| format!("cannot use the grasps of {}", path.display()))?;
-        }
+        plan.grasps = self.grasps()?;
         if let Some(step) = self.step {
             plan.grid.step_deg = step;
         }

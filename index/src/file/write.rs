@@ -222,6 +222,11 @@ impl IndexWriter {
         })
     }
 
+    /// Adds to [`IndexParams::provenance`] what is known only when all entries are in.
+    pub fn add_provenance(&mut self, provenance: impl IntoIterator<Item = (String, String)>) {
+        self.params.provenance.extend(provenance);
+    }
+
     /// How many entries have been added.
     pub fn len(&self) -> usize {
         self.labels.len()

@@ -1,0 +1,175 @@
+//! Entries read from render sets on disk.
+
+use std::fs;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use grasp_index::{ClassInfo, NewEntry};
+use grasp_renders::GraspSet;
+use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
+use image::{ImageReader, Limits};
+use rayon::prelude::*;
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::{Described, Grey, Known, Names, Recipe, complete};
+
+/// Pictures that are read and held at a time.
+const PICTURES_AT_ONCE: usize = 1024;
+
+/// The longest side of a render that is accepted, in pixels: far beyond any use, far below what would fill the memory.
+const MOST_PIXELS_A_SIDE: u32 = 8192;
+
+/// A render set whose manifest has been read and checked.
+#[derive(Debug)]
+pub struct RenderSet {
+    name: String,
+    manifest: Manifest,
+    manifest_hash: u64,
+}
+
+/// Why a render set cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SetError {
+    /// The folder has no manifest, or cannot be read.
+    #[error(
+        "{path} is no render set: {source}; a render set is a folder with a {MANIFEST}, as `grasp-builder render` writes it"
+    )]
+    NoManifest {
+        /// The manifest that was looked for.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The manifest is wrong.
+    #[error(transparent)]
+    Manifest(#[from] ManifestError),
+}
+
+impl RenderSet {
+    /// Reads the manifest of the set in `folder`, whose classes are those of `grasps`. The pictures are looked for, but
+    /// not read yet.
+    ///
+    /// # Errors
+    /// [`SetError`], with the line of the manifest where there is one to name.
+    pub fn open(folder: &Path, grasps: &GraspSet) -> Result<Self, SetError> {
+        let path = folder.join(MANIFEST);
+        let bytes = fs::read(&path).map_err(|source| SetError::NoManifest { path, source })?;
+        let manifest = Manifest::read_with(folder, grasps)?;
+        // `.` and `..` have no name of their own.
+        let absolute = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+        let name =
+            absolute.file_name().map_or_else(|| "renders".into(), |name| name.to_string_lossy().into_owned());
+        Ok(Self { name, manifest, manifest_hash: xxh3_64(&bytes) })
+    }
+
+    /// The name of the set's folder; the files of its entries begin with it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// How many pictures it lists.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.manifest.rows.len()
+    }
+
+    /// Whether it lists none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.manifest.rows.is_empty()
+    }
+
+    /// A hash of the manifest's bytes.
+    #[must_use]
+    pub fn manifest_hash(&self) -> u64 {
+        self.manifest_hash
+    }
+
+    fn rows(&self) -> impl Iterator<Item = (&Self, &ManifestRow)> {
+        self.manifest.rows.iter().map(move |row| (self, row))
+    }
+}
+
+/// The names that the sets' rows use: classes by number, the others in the order of their first use.
+pub(super) fn names(sets: &[RenderSet]) -> Names {
+    let mut names = Names { classes: Vec::new(), hand_shapes: Vec::new(), stages: Vec::new() };
+    for (_, row) in sets.iter().flat_map(RenderSet::rows) {
+        let class = ClassInfo { name: row.grasp.clone(), cutkosky: row.cutkosky };
+        add(&mut names.classes, class);
+        add(&mut names.hand_shapes, row.hand_shape.clone());
+        add(&mut names.stages, row.stage.name().to_owned());
+    }
+    names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
+    names
+}
+
+fn add<T: PartialEq>(list: &mut Vec<T>, item: T) {
+    // Rows come in runs of the same hand shape, grasp and stage: the newest name is the likeliest.
+    if !list.iter().rev().any(|known| *known == item) {
+        list.push(item);
+    }
+}
+
+/// Describes every picture of the sets and hands the results to `take` in order.
+pub(super) fn describe(
+    sets: &[RenderSet],
+    recipe: &Recipe,
+    known: &Known,
+    take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let names = names(sets);
+    let rows: Vec<(&RenderSet, &ManifestRow)> = sets.iter().flat_map(RenderSet::rows).collect();
+    for batch in rows.chunks(PICTURES_AT_ONCE) {
+        take(
+            batch
+                .par_iter()
+                .map(|(set, row)| entry(set, row, &names, recipe, known))
+                .collect::<Result<_, _>>()?,
+        )?;
+    }
+    Ok(())
+}
+
+fn entry(
+    set: &RenderSet,
+    row: &ManifestRow,
+    names: &Names,
+    recipe: &Recipe,
+    known: &Known,
+) -> anyhow::Result<Described> {
+    let path = set.manifest.folder.join(&row.file);
+    let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let entry = NewEntry {
+        class: names.class(&row.grasp)?,
+        stage: names.stage(row.stage.name())?,
+        hand_shape: names.hand_shape(&row.hand_shape)?,
+        object: row.object.clone(),
+        file: format!("{}/{}", set.name, row.file),
+        azimuth_deg: row.view.azimuth_deg as f32,
+        elevation_deg: row.view.elevation_deg as f32,
+        roll_deg: row.view.roll_deg as f32,
+        orientation: row.camera_from_hand,
+        source_hash: xxh3_64(&bytes),
+        ..NewEntry::default()
+    };
+    complete(entry, recipe, known, || {
+        decode(&bytes).with_context(|| format!("cannot use {}", path.display()))
+    })
+}
+
+/// Decodes a picture of any supported format into grey values.
+fn decode(bytes: &[u8]) -> anyhow::Result<Grey> {
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_PIXELS_A_SIDE);
+    limits.max_image_height = Some(MOST_PIXELS_A_SIDE);
+    reader.limits(limits);
+    let picture = reader.decode()?.into_luma8();
+    Ok(Grey {
+        width: picture.width() as usize,
+        height: picture.height() as usize,
+        pixels: picture.into_raw(),
+    })
+}

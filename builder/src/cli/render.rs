@@ -1,0 +1,62 @@
+//! `grasp-builder render`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Context as _;
+use grasp_renders::render_set::{RenderSetError, write_set};
+
+use super::Global;
+use super::plan::PlanOptions;
+use crate::interrupt::{self, Interrupted};
+
+/// Render views of grasping hands into a folder: a render set.
+///
+/// Pictures lie in folders by hand shape and grasp, 48 x 48 grey, the hand on black; manifest.csv labels them. Pictures
+/// that are there already and were made of the same parameters are kept, so that a stopped run goes on where it was.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder render --out renders                        the paper's 6 x 900 views of one hand
+  grasp-builder render --out many --hands 10 --step 12      fewer views of more hands
+  grasp-builder render --out one --hand-shape slender --stage close --stage grasp")]
+pub(crate) struct Render {
+    /// The render set's folder; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What all randomness comes from.
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    seed: u64,
+    #[command(flatten)]
+    plan: PlanOptions,
+}
+
+impl Render {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let plan = self.plan.plan(self.seed)?;
+        let started = Instant::now();
+        let bar = global.progress().bar(plan.renders() as u64, "rendering", "views");
+        let written =
+            write_set(&self.out, &plan, &|done, _| bar.set_position(done as u64), interrupt::flag());
+        bar.finish_and_clear();
+        let summary = match written {
+            Err(error @ RenderSetError::Cancelled { .. }) => {
+                return Err(Interrupted).with_context(|| error.to_string());
+            }
+            other => other.with_context(|| format!("{} is not complete", self.out.display()))?,
+        };
+        writeln!(
+            std::io::stdout().lock(),
+            "{}: {} renders, {} made and {} kept, in {:.2} s\n  seed {}",
+            summary.manifest.display(),
+            summary.rendered + summary.kept,
+            summary.rendered,
+            summary.kept,
+            started.elapsed().as_secs_f64(),
+            self.seed
+        )?;
+        Ok(())
+    }
+}
