@@ -165,8 +165,10 @@ impl HandImage {
     pub fn rotated(&self, radians: f64) -> Self {
         let (sin, cos) = radians.sin_cos();
         let (w, h) = (self.width as f64, self.height as f64);
-        let out_width = (w * cos.abs() + h * sin.abs()).ceil().max(1.0) as usize;
-        let out_height = (w * sin.abs() + h * cos.abs()).ceil().max(1.0) as usize;
+        // The last digits of a quarter turn's sine must not add a pixel.
+        let pixels_of = |length: f64| (length - 1e-6).ceil().max(1.0) as usize;
+        let out_width = pixels_of(w * cos.abs() + h * sin.abs());
+        let out_height = pixels_of(w * sin.abs() + h * cos.abs());
         let mut pixels = vec![0u8; out_width * out_height];
         let mut mask = vec![0u8; out_width * out_height];
         for y in 0..out_height {
@@ -274,3 +276,6 @@ fn to_floats(values: &[u8], row: &mut [f32]) {
         *float = f32::from(*value);
     }
 }
+
+#[cfg(test)]
+mod tests;

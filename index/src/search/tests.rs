@@ -1,1 +1,135 @@
+//! The search against brute force.
 
+use super::random::{RandomHash, RandomHyperplanes};
+use super::tables::Tables;
+use super::*;
+use proptest::prelude::*;
+
+const DIM: usize = 5;
+
+/// Rows on a coarse grid, so that equal distances are frequent.
+fn rows() -> impl Strategy<Value = Vec<f32>> {
+    prop::collection::vec((0..4u8).prop_map(f32::from), DIM..60 * DIM).prop_map(|mut values| {
+        values.truncate(values.len() / DIM * DIM);
+        values
+    })
+}
+
+fn brute_force(rows: Rows<'_>, query: &[f32]) -> Vec<Neighbour> {
+    let measure = |id: u32| {
+        let row = &rows.values[id as usize * DIM..][..DIM];
+        let squared: f32 = row.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
+        Neighbour { id, distance: squared.sqrt() }
+    };
+    let mut all: Vec<Neighbour> = (0..rows.len() as u32).map(measure).collect();
+    all.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.id.cmp(&b.id)));
+    all
+}
+
+fn hashed(rows: Rows<'_>, size: RandomHash, query: &[f32], options: &SearchOptions) -> Search {
+    let (normals, offsets) = random::draw(rows, size.tables, size.planes, 3);
+    let hash = RandomHyperplanes { size, dim: DIM, normals: &normals, offsets: &offsets };
+    let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
+    search(rows, &hash, tables.as_buckets(), query, options, size.probes)
+}
+
+proptest! {
+    #[test]
+    fn exact_search_is_brute_force(values in rows(), query in prop::array::uniform5(0.0..4.0f32), k in 1..70usize) {
+        let rows = Rows { values: &values, dim: DIM };
+        let size = RandomHash { planes: 2, tables: 2, buckets: 8, probes: 1 };
+        let options = SearchOptions { k, exact: true, ..SearchOptions::default() };
+        let found = hashed(rows, size, &query, &options);
+        let mut expected = brute_force(rows, &query);
+        expected.truncate(k);
+        prop_assert_eq!(found.neighbours.len(), expected.len());
+        for (found, expected) in found.neighbours.iter().zip(&expected) {
+            prop_assert!((found.distance - expected.distance).abs() < 1e-5);
+        }
+        prop_assert!(found.cost.exact && !found.cost.fell_back);
+    }
+
+    #[test]
+    fn equal_distances_are_ordered_by_id(values in rows(), query in prop::array::uniform5(0..4u8), k in 1..70usize) {
+        // On whole numbers distances are exact, so that the order is one of ids wherever they are equal.
+        let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
+        let mut expected = brute_force(rows, &query);
+        expected.truncate(k);
+        prop_assert_eq!(exact::nearest(rows, &query, k, None), expected);
+    }
+
+    #[test]
+    fn hashed_search_finds_the_nearest_of_its_candidates(
+        values in rows(), query in prop::array::uniform5(0..4u8), k in 1..20usize, planes in 1..9u32, tables in 1..6u32, probes in 1..5u32
+    ) {
+        let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
+        let size = RandomHash { planes, tables, buckets: 16, probes };
+        let found = hashed(rows, size, &query, &SearchOptions { k, ..SearchOptions::default() });
+        let all = brute_force(rows, &query);
+        prop_assert_eq!(found.neighbours.len(), k.min(rows.len()));
+        // In order, each once, at their true distances.
+        let places: Vec<_> = found.neighbours.iter().map(|n| all.iter().position(|a| a == n)).collect();
+        prop_assert!(places.iter().all(Option::is_some));
+        prop_assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
+        if found.cost.fell_back {
+            prop_assert!((found.cost.candidates as usize) < k);
+            prop_assert_eq!(found.cost.share_of_database, 1.0);
+        } else {
+            prop_assert_eq!(found.cost.share_of_database, f64::from(found.cost.candidates) / rows.len() as f64);
+        }
+        prop_assert_eq!(found.cost.buckets, tables * probes.min(planes + 1));
+    }
+
+    #[test]
+    fn a_row_of_the_index_finds_itself(values in rows(), row in any::<prop::sample::Index>(), planes in 1..9u32) {
+        let rows = Rows { values: &values, dim: DIM };
+        let query = rows.get(row.index(rows.len()) as u32).unwrap_or_default();
+        let size = RandomHash { planes, tables: 1, buckets: 64, probes: 1 };
+        let found = hashed(rows, size, query, &SearchOptions { k: 1, ..SearchOptions::default() });
+        prop_assert_eq!(found.neighbours[0].distance, 0.0);
+        prop_assert!(!found.cost.fell_back);
+    }
+
+    #[test]
+    fn every_row_is_in_one_bucket_of_each_table(values in rows(), planes in 1..9u32) {
+        let rows = Rows { values: &values, dim: DIM };
+        let size = RandomHash { planes, tables: 3, buckets: 7, probes: 1 };
+        let (normals, offsets) = random::draw(rows, size.tables, size.planes, 3);
+        let hash = RandomHyperplanes { size, dim: DIM, normals: &normals, offsets: &offsets };
+        let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
+        for table in 0..3 {
+            let mut ids: Vec<u32> = (0..7).flat_map(|b| tables.as_buckets().get(table * 7 + b).to_vec()).collect();
+            ids.sort_unstable();
+            prop_assert_eq!(ids, (0..rows.len() as u32).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn more_probes_find_no_fewer_candidates(values in rows(), query in prop::array::uniform5(0.0..4.0f32)) {
+        let rows = Rows { values: &values, dim: DIM };
+        let size = RandomHash { planes: 6, tables: 2, buckets: 64, probes: 1 };
+        let candidates = |probes| {
+            let options = SearchOptions { k: 1, probes: Some(probes), ..SearchOptions::default() };
+            hashed(rows, size, &query, &options).cost.candidates
+        };
+        prop_assert!(candidates(1) <= candidates(2) && candidates(2) <= candidates(7));
+    }
+}
+
+#[test]
+fn a_nan_is_farther_than_anything() {
+    let values = [f32::NAN, 9.0, 1.0];
+    let rows = Rows { values: &values, dim: 1 };
+    let ids: Vec<u32> = exact::nearest(rows, &[0.0], 3, None).iter().map(|n| n.id).collect();
+    assert_eq!(ids, [2, 1, 0]);
+}
+
+#[test]
+fn buckets_that_make_no_sense_are_empty() {
+    let buckets = Buckets { directory: &[2, 1, 900, 1], ids: &[0, 7, u32::MAX] };
+    for bucket in [0, 1, 2, 3, u32::MAX] {
+        assert!(buckets.get(bucket).is_empty(), "bucket {bucket}");
+    }
+    let buckets = Buckets { directory: &[0, 3], ids: &[0, 7, u32::MAX] };
+    assert_eq!(tables::union(buckets, &[0, 0], 5), [0], "ids past the last row are left out");
+}

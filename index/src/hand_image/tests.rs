@@ -1,0 +1,107 @@
+use super::*;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+fn hands() -> impl Strategy<Value = HandImage> {
+    (8..30usize, 8..30usize).prop_flat_map(|(width, height)| {
+        prop::collection::vec(any::<u8>(), width * height).prop_map(move |pixels| {
+            let mask = vec![1; width * height];
+            HandImage::from_mask(width, height, &pixels, &mask).expect("a full mask is a hand")
+        })
+    })
+}
+
+/// A block of hand, `left..right` by `top..bottom`, in a picture of 50 x 40.
+fn block(left: usize, right: usize, top: usize, bottom: usize) -> HandImage {
+    let mut grey = vec![0u8; 50 * 40];
+    for (x, y) in (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y))) {
+        grey[y * 50 + x] = (50 + x * 3 + y) as u8;
+    }
+    HandImage::from_segmented(50, 40, &grey, 0).expect("the block is large enough")
+}
+
+#[test]
+fn the_crop_is_the_box_of_the_mask() {
+    let hand = block(10, 22, 5, 33);
+    assert_eq!((hand.width(), hand.height()), (12, 28));
+    assert_eq!(hand.pixels()[0], 50 + 30 + 5);
+    assert!(hand.mask().iter().all(|&inside| inside == 1));
+}
+
+#[test]
+fn outside_the_mask_is_black() {
+    let mut mask = vec![1u8; 100];
+    mask[55] = 0;
+    let hand = HandImage::from_mask(10, 10, &[200; 100], &mask).expect("a hand");
+    assert_eq!((hand.pixels()[55], hand.mask()[55]), (0, 0));
+    assert_eq!((hand.pixels()[54], hand.mask()[54]), (200, 1));
+}
+
+#[test]
+fn a_black_pixel_of_a_mask_is_hand() {
+    let mut grey = vec![200u8; 100];
+    grey[0] = 0;
+    let hand = HandImage::from_mask(10, 10, &grey, &[255; 100]).expect("a hand");
+    assert_eq!(hand.mask()[0], 1);
+}
+
+#[test]
+fn sizes_that_overflow_are_told() {
+    let result = HandImage::from_segmented(usize::MAX, 2, &[1; 10], 0);
+    assert!(matches!(result, Err(HandImageError::SizeMismatch { .. })));
+}
+
+#[test]
+fn a_positive_turn_is_clockwise() {
+    // Bright at the top; a quarter turn clockwise brings it to the right.
+    let pixels: Vec<u8> = (0..16 * 16).map(|at| if at < 16 * 4 { 250 } else { 50 }).collect();
+    let hand = HandImage::from_mask(16, 16, &pixels, &[1; 256]).expect("a hand");
+    let turned = hand.rotated(FRAC_PI_2);
+    assert_eq!((turned.pixels()[8 * 16 + 14], turned.pixels()[8 * 16 + 1]), (250, 50));
+}
+
+#[test]
+fn shrinking_keeps_the_aspect_and_the_grey() {
+    let hand = block(0, 50, 0, 25).shrunk_to(20);
+    assert_eq!((hand.width(), hand.height()), (20, 10));
+    let mean = |hand: &HandImage| {
+        hand.pixels().iter().map(|&p| f64::from(p)).sum::<f64>() / hand.pixels().len() as f64
+    };
+    assert!((mean(&hand) - mean(&block(0, 50, 0, 25))).abs() < 2.0);
+    let small = block(0, 10, 0, 10);
+    assert_eq!(small.shrunk_to(20), small);
+}
+
+#[test]
+fn a_thumbnail_is_centred() {
+    let thumbnail = block(0, 40, 0, 20).thumbnail(20);
+    assert_eq!(thumbnail.len(), 400);
+    assert!(thumbnail[..4 * 20].iter().all(|&grey| grey == 0));
+    assert!(thumbnail[16 * 20..].iter().all(|&grey| grey == 0));
+    assert!(thumbnail[7 * 20..13 * 20].iter().all(|&grey| grey > 0));
+}
+
+proptest! {
+    #[test]
+    fn mirroring_twice_changes_nothing(hand in hands()) {
+        prop_assert_eq!(hand.mirrored().mirrored(), hand);
+    }
+
+    #[test]
+    fn quarter_turns_move_every_pixel(hand in hands()) {
+        let turned = hand.rotated(FRAC_PI_2);
+        prop_assert_eq!((turned.width(), turned.height()), (hand.height(), hand.width()));
+        for (x, y) in (0..hand.height()).flat_map(|y| (0..hand.width()).map(move |x| (x, y))) {
+            let there = turned.pixels()[x * turned.width() + hand.height() - 1 - y];
+            prop_assert_eq!(there, hand.pixels()[y * hand.width() + x]);
+        }
+        prop_assert_eq!(turned.rotated(-FRAC_PI_2), hand);
+    }
+
+    #[test]
+    fn any_turn_keeps_most_of_the_hand(hand in hands(), angle in -PI..PI) {
+        let area = |hand: &HandImage| hand.mask().iter().filter(|&&inside| inside != 0).count() as f64;
+        let ratio = area(&hand.rotated(angle)) / area(&hand);
+        prop_assert!((0.7..1.4).contains(&ratio), "{}", ratio);
+    }
+}

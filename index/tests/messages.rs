@@ -1,0 +1,109 @@
+//! What a user reads when something is wrong.
+
+mod support;
+
+use grasp_index::{BuildError, HandImage, Index, IndexParams, IndexWriter, NewEntry, SearchOptions};
+use insta::assert_snapshot;
+use std::path::Path;
+use xxhash_rust::xxh3::xxh3_64;
+
+fn small() -> Vec<u8> {
+    support::small().finish_bytes().expect("the index is built")
+}
+
+fn opening(bytes: &[u8]) -> String {
+    Index::from_bytes(bytes).expect_err("the bytes are broken").to_string()
+}
+
+#[test]
+fn of_files_that_are_no_index() {
+    assert_snapshot!(opening(b""), @"the file is empty: build the index again");
+    assert_snapshot!(opening(b"P5 640 480 255 and so on"), @"not a grasp index: build one with `grasp-builder build --out FILE`");
+    assert_snapshot!(opening(&small()[..40]), @"truncated: 64 bytes expected, 40 bytes found: copy or build the file again");
+    assert_snapshot!(opening(&small()[..9000]), @"truncated: 20416 bytes expected, 9000 bytes found: copy or build the file again");
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_snapshot!(Index::open(folder.path()).expect_err("a folder"), @"it is a folder: name the index file itself");
+    assert_snapshot!(Index::read(folder.path().join("none")).expect_err("no such file"), @"cannot read it: No such file or directory (os error 2)");
+    assert_snapshot!(Index::open("/dev/null").expect_err("a device"), @"it is not a regular file: copy it into one first");
+}
+
+#[test]
+fn of_an_index_from_a_newer_version() {
+    let mut bytes = small();
+    bytes[8] = 3;
+    let hash = xxh3_64(&bytes[..56]);
+    bytes[56..64].copy_from_slice(&hash.to_le_bytes());
+    assert_snapshot!(opening(&bytes), @"written for readers >= 3, this is 1: use a newer grasp-query, or build the file again with this grasp-builder");
+}
+
+#[test]
+fn of_changed_bytes() {
+    let mut header = small();
+    header[20] ^= 1;
+    assert_snapshot!(opening(&header), @"corrupt: the header does not match its hash: copy or build the file again");
+    let mut catalogue = small();
+    let last = catalogue.len() - 100;
+    catalogue[last] ^= 1;
+    assert_snapshot!(opening(&catalogue), @"corrupt: the catalogue does not match its hash: copy or build the file again");
+    let mut descriptor = small();
+    let index = Index::from_bytes(&descriptor).expect("the index opens");
+    let sections = &index.catalogue().sections;
+    let at = sections
+        .iter()
+        .find(|s| s.kind == grasp_index::SectionKind::Descriptors)
+        .expect("there are descriptors");
+    descriptor[at.offset as usize + 5] ^= 1;
+    let problems = Index::from_bytes(&descriptor).expect("opening reads no section").verify().problems;
+    assert_eq!(problems.len(), 1);
+    assert_snapshot!(problems[0], @"corrupt: the section Descriptors does not match its hash: copy or build the file again");
+}
+
+#[test]
+fn of_queries_that_do_not_fit() {
+    let index = Index::from_bytes(&small()).expect("the index opens");
+    let search = |query: &[f32], k| {
+        let options = SearchOptions { k, ..SearchOptions::default() };
+        index.search(query, &options).expect_err("the query does not fit").to_string()
+    };
+    assert_snapshot!(search(&[0.0; 340], 10), @"the query has 340 values, the index's descriptors have 84: describe pictures with the index's own parameters");
+    assert_snapshot!(search(&[f32::NAN; 84], 10), @"value 0 of the query is not a finite number");
+    assert_snapshot!(search(&[0.0; 84], 0), @"k is 0: ask for at least one neighbour");
+    assert_snapshot!(index.entry(36).expect_err("one past the end"), @"there is no entry 36: the index holds 36, counted from 0");
+}
+
+#[test]
+fn of_entries_that_do_not_fit() {
+    let mut writer = IndexWriter::new(support::params(2)).expect("the parameters are sound");
+    let good = NewEntry { file: "a.png".into(), descriptor: vec![0.0; 84], ..NewEntry::default() };
+    let mut refused = |entry| writer.push(entry).expect_err("the entry does not fit").to_string();
+    assert_snapshot!(refused(NewEntry { class: 2, ..good.clone() }), @"the entry a.png cannot be added: its class is number 2, and the index has 2");
+    assert_snapshot!(refused(NewEntry { descriptor: vec![0.0; 83], ..good.clone() }), @"the entry a.png cannot be added: its descriptor has 83 values, the index's have 84");
+    assert_snapshot!(refused(NewEntry { descriptor: vec![f32::NAN; 84], ..good.clone() }), @"the entry a.png cannot be added: value 0 of its descriptor is not a finite number");
+    assert_snapshot!(refused(NewEntry { thumbnail: Some(vec![1]), ..good }), @"the entry a.png cannot be added: its thumbnail has 1 pixels, the index's have 0");
+    assert!(matches!(writer.finish_bytes(), Err(BuildError::Empty)));
+    let none = IndexWriter::new(IndexParams::default()).expect_err("no classes");
+    assert_snapshot!(none, @"an index needs at least one class, one hand shape and one stage");
+}
+
+#[test]
+fn of_paths_that_cannot_be_written() {
+    let write = |path: &Path| {
+        let go_on = |_, _| std::ops::ControlFlow::Continue(());
+        support::small().finish(path, &go_on).expect_err("the path cannot be written").to_string()
+    };
+    assert_snapshot!(write(Path::new("/nowhere/at/all.idx")), @"there is no folder /nowhere/at: create it first");
+    assert_snapshot!(write(Path::new("/dev/null")), @"/dev/null is not a regular file: name the file to write");
+    let folder = tempfile::tempdir().expect("a folder");
+    let message = write(folder.path()).replace(&*folder.path().to_string_lossy(), "FOLDER");
+    assert_snapshot!(message, @"FOLDER is not a regular file: name the file to write");
+}
+
+#[test]
+fn of_pictures_without_a_hand() {
+    let message =
+        |result: Result<HandImage, grasp_index::HandImageError>| result.expect_err("no hand").to_string();
+    assert_snapshot!(message(HandImage::from_segmented(20, 10, &[0; 200], 0)), @"no hand found: no pixel of the 20 x 10 picture belongs to a hand");
+    assert_snapshot!(message(HandImage::from_segmented(20, 10, &[0; 199], 0)), @"a 20 x 10 picture needs 200 values, but grey holds 199");
+    assert_snapshot!(message(HandImage::from_mask(20, 10, &[9; 200], &[])), @"a 20 x 10 picture needs 200 values, but mask holds 0");
+    assert_snapshot!(message(HandImage::from_segmented(20, 4, &[9; 80], 0)), @"the hand is 20 x 4 pixels; at least 8 x 8 are needed: move closer or use a larger picture");
+}

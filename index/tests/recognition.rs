@@ -1,0 +1,67 @@
+//! The whole chain on pictures that are not in the index: another shape of hand, between the views.
+
+mod support;
+
+use grasp_index::{DescriptorParams, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation};
+use nalgebra::{UnitQuaternion, Vector3};
+
+fn index(descriptor: DescriptorParams) -> Index {
+    let params = IndexParams { descriptor, ..support::params(4) };
+    let bytes = support::writer(params, 30, 8).finish_bytes().expect("the index is built");
+    Index::from_bytes(&bytes).expect("the index opens")
+}
+
+#[test]
+fn another_hand_between_the_views_is_recognised_and_its_orientation_found() {
+    for (descriptor, least) in [(DescriptorParams::default(), 30), (DescriptorParams::paper(), 26)] {
+        let index = index(descriptor);
+        let (mut right, mut turned) = (0, Vec::new());
+        for n in 0..40u16 {
+            let (class, truth) = (n % 4, support::view(f64::from(n) * 8.7, 20.0 + f64::from(n % 5) * 11.0));
+            let query = index.describe(&support::hand(class, 0.3, &truth));
+            let found = index.search(&query, &SearchOptions::default()).expect("the query fits");
+            let vote = index.vote(&found.neighbours, &VoteOptions::default());
+            right += u16::from(vote.classes[0].class == class);
+            turned.push(vote.orientation.rotation.angle_to(&truth).to_degrees());
+            let sum: f64 = vote.classes.iter().map(|score| score.probability).sum();
+            assert!((sum - 1.0).abs() < 1e-9);
+        }
+        turned.sort_by(f64::total_cmp);
+        assert!(right >= least, "{}: {right} of 40", descriptor.name());
+        assert!(turned[20] < 15.0, "{}: a median of {} degrees", descriptor.name(), turned[20]);
+    }
+}
+
+#[test]
+fn the_measured_search_keeps_what_it_promises() {
+    let index = index(DescriptorParams::default());
+    let measured = index.catalogue().measured;
+    assert!(measured.eps_success >= 0.95, "{measured:?}");
+    assert!(measured.share_of_database < 0.5, "{measured:?}");
+}
+
+#[test]
+fn turning_the_picture_turns_the_hand() {
+    // A picture turned clockwise shows the hand turned about the optical axis by the same angle.
+    let truth = support::view(40.0, 50.0);
+    let roll = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.7);
+    let params = DescriptorParams::default();
+    let turned = params.describe(&support::hand(1, 0.0, &truth).rotated(0.7));
+    let apart = |other: &UnitQuaternion<f64>| {
+        let other = params.describe(&support::hand(1, 0.0, other));
+        turned.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt()
+    };
+    assert!(apart(&(roll * truth)) < 0.5 * apart(&truth));
+    assert!(apart(&(roll * truth)) < 0.5 * apart(&(roll.inverse() * truth)));
+}
+
+#[test]
+fn mirroring_keeps_what_a_left_hands_frame_means() {
+    // The wrist-to-knuckle axis and the axis out of the back, as the camera sees them, are flipped left to right.
+    let right = support::view(70.0, 25.0);
+    let left = mirror_orientation(&right);
+    for axis in [Vector3::x(), Vector3::z()] {
+        let (seen, flipped) = (right * axis, left * axis);
+        assert!((Vector3::new(-seen.x, seen.y, seen.z) - flipped).norm() < 1e-12);
+    }
+}

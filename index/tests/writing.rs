@@ -1,0 +1,142 @@
+//! Writing an index: the same bytes every time, and never half a file.
+
+mod support;
+
+use grasp_index::{AtomicFile, BuildError, Index, IndexParams, SearchOptions, WriteError};
+use std::ops::ControlFlow;
+
+fn go_on(_: grasp_index::Phase, _: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn files_in(folder: &std::path::Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("the folder can be read");
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_byte() {
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            support::writer(support::params(4), 15, 6).finish_bytes().expect("the index is built")
+        })
+    };
+    let one = build(1);
+    assert!(build(2) == one, "2 threads give other bytes than 1");
+    assert!(build(5) == one, "5 threads give other bytes than 1");
+    let other = IndexParams { seed: 8, ..support::params(4) };
+    assert!(
+        support::writer(other, 15, 6).finish_bytes().expect("the index is built") != one,
+        "the seed does nothing"
+    );
+}
+
+#[test]
+fn a_file_holds_the_bytes_that_are_built_in_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("small.idx");
+    let summary = support::small().finish(&path, &go_on).expect("the index is written");
+    let bytes = std::fs::read(&path).expect("the index is there");
+    assert_eq!(summary.bytes, bytes.len() as u64);
+    assert!(bytes == support::small().finish_bytes().expect("the index is built"));
+    assert_eq!(files_in(folder.path()), ["small.idx"]);
+}
+
+#[test]
+fn mapped_read_and_copied_indexes_answer_alike() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("small.idx");
+    support::small().finish(&path, &go_on).expect("the index is written");
+    let bytes = std::fs::read(&path).expect("the index is there");
+    let answers = [Index::open(&path), Index::read(&path), Index::from_bytes(&bytes)].map(|index| {
+        let index = index.expect("the index opens");
+        index.search(&vec![0.2; index.dim()], &SearchOptions::default()).expect("the query fits")
+    });
+    assert_eq!(answers[0], answers[1]);
+    assert_eq!(answers[0], answers[2]);
+}
+
+/// What the mapping relies on: see `Bytes::map`.
+#[test]
+fn a_reader_goes_on_with_the_old_index_while_a_new_one_takes_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    support::small().finish(&path, &go_on).expect("the index is written");
+    let old = Index::open(&path).expect("the index opens");
+    support::writer(support::params(2), 3, 2).finish(&path, &go_on).expect("the index is written again");
+    assert_eq!(old.len(), 36);
+    assert!(old.verify().is_sound());
+    assert_eq!(Index::open(&path).expect("the index opens").len(), 12);
+}
+
+#[test]
+fn a_second_writer_is_told_and_the_first_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    let first = AtomicFile::create(&path).expect("nobody writes yet");
+    let second = support::small().finish(&path, &go_on).expect_err("somebody writes already");
+    assert!(second.to_string().contains("another program is writing"), "{second}");
+    assert!(AtomicFile::create(&folder.path().join("other.idx")).is_ok(), "another file is free");
+    support::small().finish_into(first, &go_on).expect("the first writer ends");
+    assert_eq!(files_in(folder.path()), ["grasp.idx"]);
+    AtomicFile::create(&path).expect("the lock is gone");
+}
+
+#[test]
+fn a_writer_that_gives_up_leaves_the_old_file_and_no_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    support::small().finish(&path, &go_on).expect("the index is written");
+    let before = std::fs::read(&path).expect("the index is there");
+    let stop_at = |stop| {
+        move |phase, _: f64| if phase == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    for phase in [grasp_index::Phase::Tune, grasp_index::Phase::Write] {
+        let stopped = support::writer(support::params(2), 3, 2).finish(&path, &stop_at(phase));
+        assert!(matches!(stopped, Err(BuildError::Stopped)), "{stopped:?}");
+    }
+    assert!(std::fs::read(&path).expect("the index is there") == before);
+    assert_eq!(files_in(folder.path()), ["grasp.idx"]);
+}
+
+#[test]
+fn the_part_of_a_writer_that_was_killed_is_taken_over() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    std::fs::write(folder.path().join(".grasp.idx.part"), vec![7; 1 << 20]).expect("a part is left behind");
+    support::small().finish(&path, &go_on).expect("the index is written");
+    assert!(Index::open(&path).expect("the index opens").verify().is_sound());
+    assert_eq!(files_in(folder.path()), ["grasp.idx"]);
+}
+
+/// A full disk, made by a limit on the size of files: the test runs itself once more under that limit.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_file_and_no_other() {
+    if let Some(folder) = std::env::var_os("GRASP_INDEX_FULL_DISK") {
+        let path = std::path::Path::new(&folder).join("grasp.idx");
+        let failed = support::small().finish(&path, &go_on).expect_err("the disk is full");
+        assert!(matches!(failed, BuildError::Write(WriteError::Io { .. })), "{failed:?}");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    std::fs::write(&path, b"old").expect("a file");
+    // Ignoring the signal makes the write fail instead, as it does on a full disk.
+    let child = std::process::Command::new("sh")
+        .args([
+            "-c",
+            "trap '' XFSZ; ulimit -f 8; exec \"$0\" --exact a_full_disk_leaves_the_old_file_and_no_other",
+        ])
+        .arg(std::env::current_exe().expect("this program has a path"))
+        .env("GRASP_INDEX_FULL_DISK", folder.path())
+        .output()
+        .expect("the shell runs");
+    assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stdout));
+    assert_eq!(std::fs::read(&path).expect("the file is there"), b"old");
+    assert_eq!(files_in(folder.path()), ["grasp.idx"]);
+}
