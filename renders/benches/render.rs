@@ -11,11 +11,7 @@ fn render(c: &mut Criterion) {
         c.bench_function(&format!("render {}", spec.grasp.name), |b| {
             b.iter(|| {
                 azimuth_deg = (azimuth_deg + 37.0) % 360.0;
-                scene.render(&View {
-                    azimuth_deg,
-                    elevation_deg: 40.0,
-                    roll_deg: 0.0,
-                })
+                scene.render(&View { azimuth_deg, elevation_deg: 40.0, roll_deg: 0.0 })
             });
         });
     }

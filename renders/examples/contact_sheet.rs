@@ -30,10 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         hand_shapes: vec![HandShape::preset(&arg(1, "mean"))?],
         stages: vec![arg(2, "grasp").parse()?],
         grasps: GraspSet::builtin(),
-        look: Look {
-            side,
-            ..Look::default()
-        },
+        look: Look { side, ..Look::default() },
         ..RenderPlan::preset(Preset::Paper)
     };
     let scenes = plan.scenes();
@@ -47,11 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         spec.grasp = grasp.into();
         let scene = spec.build()?;
         for (column, [azimuth_deg, elevation_deg, roll_deg]) in VIEWS.into_iter().enumerate() {
-            let render = scene.render(&View {
-                azimuth_deg,
-                elevation_deg,
-                roll_deg,
-            });
+            let render = scene.render(&View { azimuth_deg, elevation_deg, roll_deg });
             for (y, line) in render.grey.chunks(side).enumerate() {
                 let start = (row * side + y) * width + column * side;
                 sheet[start..start + side].copy_from_slice(line);

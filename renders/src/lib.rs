@@ -31,12 +31,11 @@ mod view;
 pub mod render_set;
 
 pub use grasp::{
-    Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
-    Stage, StagePose, UnknownStage,
+    Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement, Stage,
+    StagePose, UnknownStage,
 };
 pub use hand::{
-    Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton,
-    joint_limits,
+    Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,
 };
 pub use plan::{Preset, RenderPlan, UnknownPreset};
 pub use raster::HAND_FLOOR;

@@ -96,11 +96,7 @@ impl RenderPlan {
                     elevation_deg: [-75.0, 75.0],
                     rolls_deg: (0..12).map(|i| f64::from(i) * 30.0).collect(),
                 },
-                look: Look {
-                    distance_variation: 0.2,
-                    light_variation: 0.3,
-                    ..Look::default()
-                },
+                look: Look { distance_variation: 0.2, light_variation: 0.3, ..Look::default() },
                 ..paper
             },
         }
@@ -108,10 +104,7 @@ impl RenderPlan {
 
     /// The same plan with `n` hand shapes: the presets first, then sampled hands.
     pub fn with_hands(self, n: usize) -> RenderPlan {
-        RenderPlan {
-            hand_shapes: hands(n),
-            ..self
-        }
+        RenderPlan { hand_shapes: hands(n), ..self }
     }
 
     /// All scenes, in a fixed order.
@@ -145,21 +138,14 @@ impl RenderPlan {
 
     /// How many renders the plan makes.
     pub fn renders(&self) -> usize {
-        let scenes = self.hand_shapes.len()
-            * self.grasps.len()
-            * self.stages.len()
-            * self.object_sizes.len();
+        let scenes = self.hand_shapes.len() * self.grasps.len() * self.stages.len() * self.object_sizes.len();
         scenes * self.views().len()
     }
 }
 
 /// The first `n` hands: the mean, the presets, then sampled ones.
 fn hands(n: usize) -> Vec<HandShape> {
-    HandShape::presets()
-        .into_iter()
-        .chain((0..).map(HandShape::sample))
-        .take(n)
-        .collect()
+    HandShape::presets().into_iter().chain((0..).map(HandShape::sample)).take(n).collect()
 }
 
 #[cfg(test)]

@@ -59,13 +59,7 @@ pub(crate) fn draw(
     let mut grey = vec![0f32; samples * samples];
     for (i, t) in drawing.triangles.iter().enumerate() {
         let corners = t.map(|v| projected[v as usize]);
-        fill(
-            &corners,
-            i < drawing.hand_triangles,
-            samples,
-            &mut depth,
-            &mut grey,
-        );
+        fill(&corners, i < drawing.hand_triangles, samples, &mut depth, &mut grey);
     }
     shrink(&grey, side)
 }
@@ -89,12 +83,7 @@ fn project(
         .map(|(v, n)| {
             let c = turn * v;
             let near = 1.0 / (c.z + distance);
-            Projected {
-                x: c.x * near,
-                y: c.y * near,
-                near,
-                grey: even + far * n.dot(&to_light).max(0.0),
-            }
+            Projected { x: c.x * near, y: c.y * near, near, grey: even + far * n.dot(&to_light).max(0.0) }
         })
         .collect();
     let hand = &out[..drawing.hand_vertices];
@@ -114,13 +103,7 @@ fn project(
 }
 
 /// Fills one triangle whose front faces the camera.
-fn fill(
-    [a, b, c]: &[Projected; 3],
-    is_hand: bool,
-    samples: usize,
-    depth: &mut [f32],
-    grey: &mut [f32],
-) {
+fn fill([a, b, c]: &[Projected; 3], is_hand: bool, samples: usize, depth: &mut [f32], grey: &mut [f32]) {
     // Outside counter-clockwise becomes clockwise when y points down: fronts have a negative area.
     let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if area >= 0.0 {
@@ -149,19 +132,13 @@ fn fill(
         let (px, py) = (x0 + 0.5 - a.x, y + 0.5 - a.y);
         let (mut wb, mut wc) = (bx * px + by * py, cx * px + cy * py);
         let row = y as usize * samples + first;
-        let cells = depth[row..row + columns]
-            .iter_mut()
-            .zip(&mut grey[row..row + columns]);
+        let cells = depth[row..row + columns].iter_mut().zip(&mut grey[row..row + columns]);
         for (d, g) in cells {
             if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
                 let near = a.near + wb * dn_b + wc * dn_c;
                 if near > *d {
                     *d = near;
-                    *g = if is_hand {
-                        a.grey + wb * dg_b + wc * dg_c
-                    } else {
-                        0.0
-                    };
+                    *g = if is_hand { a.grey + wb * dg_b + wc * dg_c } else { 0.0 };
                 }
             }
             wb += bx;
@@ -186,9 +163,7 @@ fn shrink(grey: &[f32], side: usize) -> Vec<u8> {
             }
         }
         if 2 * count >= SUPER * SUPER {
-            *pixel = (sum / count as f32)
-                .round()
-                .clamp(f32::from(HAND_FLOOR), 255.0) as u8;
+            *pixel = (sum / count as f32).round().clamp(f32::from(HAND_FLOOR), 255.0) as u8;
         }
     }
     out
@@ -199,16 +174,11 @@ mod tests {
     use super::*;
     use crate::mesh::{Mesh, surface_nets};
 
-    const FRONT: Light = Light {
-        toward: Vector3::new(0.0, 0.0, -1.0),
-        ambient: 0.3,
-    };
+    const FRONT: Light = Light { toward: Vector3::new(0.0, 0.0, -1.0), ambient: 0.3 };
 
     fn ball(radius: f64, centre: Vector3<f64>) -> Mesh {
         let half = Vector3::repeat(radius + 0.3);
-        surface_nets(centre - half, centre + half, 0.1, |p| {
-            (p - centre).norm() - radius
-        })
+        surface_nets(centre - half, centre + half, 0.1, |p| (p - centre).norm() - radius)
     }
 
     fn drawing(hand: Mesh, black: Mesh) -> Drawing {
@@ -222,8 +192,7 @@ mod tests {
         };
         d.vertices.extend(black.vertices);
         d.normals.extend(black.normals);
-        d.triangles
-            .extend(black.triangles.iter().map(|t| t.map(|v| v + offset)));
+        d.triangles.extend(black.triangles.iter().map(|t| t.map(|v| v + offset)));
         d
     }
 

@@ -23,6 +23,9 @@ pub struct Look {
     pub side: usize,
     /// Length of the forearm behind the wrist in metres; 0 cuts the hand at the wrist.
     pub forearm: f64,
+    /// Length of the black arm in metres that goes on where the hand is cut and hides what lies behind it, as
+    /// a sleeve does once a picture is segmented; 0 leaves it out.
+    pub arm: f64,
     /// Distance of the camera from the hand's centre, in hand lengths.
     pub distance: f64,
     /// How far that distance may vary from view to view, as a share of it: 0 to 0.5.
@@ -38,6 +41,7 @@ impl Default for Look {
         Look {
             side: 48,
             forearm: 0.0,
+            arm: 0.25,
             distance: 4.0,
             distance_variation: 0.0,
             light_variation: 0.0,
@@ -122,10 +126,9 @@ impl SceneSpec {
         let (low, high) = surface.bounds();
         // A margin of two cells: the surface must not touch the grid's border.
         let margin = Vector3::repeat(2.0 * self.look.cell);
-        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| {
-            surface.distance(p)
-        });
-        let (drawing, centre) = assemble(hand, object, surface.cut_x());
+        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| surface.distance(p));
+        let black = [object, arm(&self.hand_shape, surface.cut_x(), self.look.arm)];
+        let (drawing, centre) = assemble(hand, &black, surface.cut_x());
         Ok(Scene {
             drawing,
             centre,
@@ -142,10 +145,7 @@ impl SceneSpec {
         let stage = self.grasp.stage(self.stage);
         let mut object = held.object;
         object.centre += held.away * stage.away;
-        (
-            self.grasp.open.toward(&held.pose, stage.closure),
-            object.mesh(),
-        )
+        (self.grasp.relaxed.toward(&held.pose, stage.closure), object.mesh())
     }
 }
 
@@ -153,48 +153,12 @@ impl Look {
     fn check(&self) -> Result<(), SceneError> {
         let side = self.side as f64;
         let rules = [
-            (
-                "the picture's side in pixels",
-                side,
-                8.0,
-                1024.0,
-                "8 to 1024",
-            ),
-            (
-                "the forearm's length in metres",
-                self.forearm,
-                0.0,
-                0.4,
-                "0 to 0.4",
-            ),
-            (
-                "the camera's distance in hand lengths",
-                self.distance,
-                1.5,
-                1000.0,
-                "1.5 to 1000",
-            ),
-            (
-                "the variation of distance",
-                self.distance_variation,
-                0.0,
-                0.5,
-                "0 to 0.5",
-            ),
-            (
-                "the variation of light",
-                self.light_variation,
-                0.0,
-                1.0,
-                "0 to 1",
-            ),
-            (
-                "the mesh's cell in metres",
-                self.cell,
-                0.0005,
-                0.01,
-                "0.0005 to 0.01",
-            ),
+            ("the picture's side in pixels", side, 8.0, 1024.0, "8 to 1024"),
+            ("the forearm's length in metres", self.forearm, 0.0, 0.4, "0 to 0.4"),
+            ("the camera's distance in hand lengths", self.distance, 1.5, 1000.0, "1.5 to 1000"),
+            ("the variation of distance", self.distance_variation, 0.0, 0.5, "0 to 0.5"),
+            ("the variation of light", self.light_variation, 0.0, 1.0, "0 to 1"),
+            ("the mesh's cell in metres", self.cell, 0.0005, 0.01, "0.0005 to 0.01"),
         ];
         for (what, value, low, high, range) in rules {
             if !(low..=high).contains(&value) {
@@ -206,7 +170,7 @@ impl Look {
 }
 
 /// Puts hand and black things into one list, the hand first, around the hand's centre (given back).
-fn assemble(hand: Mesh, object: Mesh, cut_x: f64) -> (Drawing, Vector3<f64>) {
+fn assemble(hand: Mesh, black: &[Mesh], cut_x: f64) -> (Drawing, Vector3<f64>) {
     let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
     for v in &hand.vertices {
         low = low.inf(v);
@@ -216,31 +180,50 @@ fn assemble(hand: Mesh, object: Mesh, cut_x: f64) -> (Drawing, Vector3<f64>) {
     // The cut through the wrist is black: where the arm goes on there is no hand.
     let rim = cut_x as f32 + 5e-4;
     let on_cut = |t: &[u32; 3]| t.iter().all(|&v| hand.vertices[v as usize].x < rim);
-    let (cap, skin): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
-        hand.triangles.iter().partition(|t| on_cut(t));
-    let offset = hand.vertices.len() as u32;
-    let drawing = Drawing {
+    let (cap, skin): (Vec<[u32; 3]>, Vec<[u32; 3]>) = hand.triangles.iter().partition(|t| on_cut(t));
+    let mut drawing = Drawing {
         hand_vertices: hand.vertices.len(),
         hand_triangles: skin.len(),
-        vertices: hand
-            .vertices
-            .iter()
-            .chain(&object.vertices)
-            .map(|v| v - centre)
-            .collect(),
-        normals: hand
-            .normals
-            .iter()
-            .chain(&object.normals)
-            .copied()
-            .collect(),
-        triangles: skin
-            .into_iter()
-            .chain(cap)
-            .chain(object.triangles.iter().map(|t| t.map(|v| v + offset)))
-            .collect(),
+        vertices: hand.vertices.iter().map(|v| v - centre).collect(),
+        normals: hand.normals,
+        triangles: skin.into_iter().chain(cap).collect(),
     };
+    for body in black {
+        let offset = drawing.vertices.len() as u32;
+        drawing.vertices.extend(body.vertices.iter().map(|v| v - centre));
+        drawing.normals.extend(&body.normals);
+        drawing.triangles.extend(body.triangles.iter().map(|t| t.map(|v| v + offset)));
+    }
     (drawing, centre.cast())
+}
+
+/// The arm in its sleeve, from the cut backwards: an elliptic cone a little wider than the wrist.
+fn arm(shape: &HandShape, cut_x: f64, length: f64) -> Mesh {
+    const SIDES: u32 = 32;
+    let mut mesh = Mesh::default();
+    if length == 0.0 {
+        return mesh;
+    }
+    // (distance behind the cut, widening), the ends closed by a ring of no size.
+    for (back, wide) in [(0.0, 0.0), (0.0, 1.2), (length, 1.2 + length), (length, 0.0)] {
+        for side in 0..SIDES {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
+            let y = 0.5 * shape.wrist_breadth * wide * cos;
+            let z = 0.6 * shape.wrist_thickness * wide * sin;
+            mesh.vertices.push(Vector3::new(cut_x - back, y, z).cast());
+            mesh.normals.push(Vector3::x());
+        }
+    }
+    for ring in 0..3 {
+        for side in 0..SIDES {
+            let next = (side + 1) % SIDES;
+            let [a, b] = [ring * SIDES + side, ring * SIDES + next];
+            let [c, d] = [a + SIDES, b + SIDES];
+            mesh.triangles.push([a, d, b]);
+            mesh.triangles.push([a, c, d]);
+        }
+    }
+    mesh
 }
 
 impl Scene {
@@ -251,12 +234,7 @@ impl Scene {
         let (light, distance) = self.light_and_distance(view);
         let metres = distance * self.hand_length;
         let grey = raster::draw(&self.drawing, &turn, metres as f32, &light, self.look.side);
-        Render {
-            side: self.look.side,
-            grey,
-            camera_from_hand,
-            view: *view,
-        }
+        Render { side: self.look.side, grey, camera_from_hand, view: *view }
     }
 
     /// The point that the camera looks at, in the hand frame: the middle of the hand's box.
@@ -269,14 +247,11 @@ impl Scene {
     fn light_and_distance(&self, view: &View) -> (Light, f64) {
         // From the upper left, from behind the camera.
         let mut toward = Vector3::new(-0.30, -0.55, -0.78);
-        let mut ambient = 0.30;
+        let mut ambient = 0.40;
         let mut distance = self.look.distance;
         if self.look.light_variation > 0.0 || self.look.distance_variation > 0.0 {
             let angles = [view.azimuth_deg, view.elevation_deg, view.roll_deg];
-            let bytes: Vec<u8> = angles
-                .iter()
-                .flat_map(|a| a.to_bits().to_le_bytes())
-                .collect();
+            let bytes: Vec<u8> = angles.iter().flat_map(|a| a.to_bits().to_le_bytes()).collect();
             let mut rng = ChaCha8Rng::seed_from_u64(self.noise ^ xxh3_64(&bytes));
             let mut either = || (rng.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
             distance *= 1.0 + self.look.distance_variation * either();
@@ -284,10 +259,7 @@ impl Scene {
             toward += Vector3::new(either(), either(), 0.3 * either()) * v;
             ambient += 0.2 * v * either();
         }
-        let light = Light {
-            toward: toward.normalize().cast(),
-            ambient: ambient as f32,
-        };
+        let light = Light { toward: toward.normalize().cast(), ambient: ambient as f32 };
         (light, distance)
     }
 
@@ -323,44 +295,24 @@ mod tests {
         let plan = RenderPlan {
             hand_shapes: HandShape::presets(),
             stages: Stage::ALL.to_vec(),
-            look: Look {
-                cell: 0.004,
-                ..Look::default()
-            },
+            look: Look { cell: 0.004, ..Look::default() },
             ..RenderPlan::preset(Preset::Paper)
         };
-        let grid = ViewGrid {
-            step_deg: 30.0,
-            elevation_deg: [-90.0, 90.0],
-            rolls_deg: vec![0.0],
-        };
+        let grid = ViewGrid { step_deg: 30.0, elevation_deg: [-90.0, 90.0], rolls_deg: vec![0.0] };
         for spec in plan.scenes() {
-            let name = format!(
-                "{} {} {}",
-                spec.hand_shape.name, spec.grasp.name, spec.stage
-            );
+            let name = format!("{} {} {}", spec.hand_shape.name, spec.grasp.name, spec.stage);
             let skeleton = Skeleton::new(&spec.hand_shape);
             let (pose, _) = spec.pose(&skeleton);
             let surface = HandSurface::new(&skeleton, &pose, 0.0);
             let (low, high) = surface.bounds();
-            let mesh = surface_nets(low.add_scalar(-0.008), high.add_scalar(0.008), 0.004, |p| {
-                surface.distance(p)
-            });
+            let mesh =
+                surface_nets(low.add_scalar(-0.008), high.add_scalar(0.008), 0.004, |p| surface.distance(p));
             assert!(mesh.is_closed(), "{name} has a hole");
             // A hand has 250 to 600 ml.
-            assert!(
-                (1.8e-4..8e-4).contains(&mesh.volume()),
-                "{name}: {} m3",
-                mesh.volume()
-            );
+            assert!((1.8e-4..8e-4).contains(&mesh.volume()), "{name}: {} m3", mesh.volume());
             let scene = spec.build().expect("a scene");
             for view in grid.views() {
-                let seen = scene
-                    .render(&view)
-                    .grey
-                    .iter()
-                    .filter(|g| **g >= HAND_FLOOR)
-                    .count();
+                let seen = scene.render(&view).grey.iter().filter(|g| **g >= HAND_FLOOR).count();
                 assert!(seen > 30, "{name} from {view:?}: {seen} pixels");
             }
         }
@@ -369,26 +321,12 @@ mod tests {
     #[test]
     fn a_point_of_the_hand_is_seen_where_the_quaternion_says() {
         // The index fingertip of an almost flat hand is the picture's uppermost part when x points up.
-        let scene = spec(HandShape::mean(), "pinch", Stage::Reach)
-            .build()
-            .expect("a scene");
-        let view = View {
-            azimuth_deg: 180.0,
-            elevation_deg: 84.0,
-            roll_deg: 0.0,
-        };
+        let scene = spec(HandShape::mean(), "pinch", Stage::Reach).build().expect("a scene");
+        let view = View { azimuth_deg: 180.0, elevation_deg: 84.0, roll_deg: 0.0 };
         let render = scene.render(&view);
         let forward = render.camera_from_hand * Vector3::x();
-        assert!(
-            forward.y < -0.9,
-            "the fingers point up in the picture: {forward:?}"
-        );
-        let width = |row: usize| {
-            render.grey[row * 48..(row + 1) * 48]
-                .iter()
-                .filter(|g| **g > 0)
-                .count()
-        };
+        assert!(forward.y < -0.9, "the fingers point up in the picture: {forward:?}");
+        let width = |row: usize| render.grey[row * 48..(row + 1) * 48].iter().filter(|g| **g > 0).count();
         let (tips, wrist) = (width(3), width(44));
         assert!(tips > 0 && tips < wrist, "fingertips {tips}, wrist {wrist}");
         // The thumb is on the right: the right hand seen from the back, fingers up, has it on the left.
@@ -396,21 +334,20 @@ mod tests {
     }
 
     #[test]
+    fn the_arm_is_closed_and_right_side_out() {
+        let mesh = arm(&HandShape::mean(), -0.01, 0.25);
+        assert!(mesh.is_closed());
+        assert!(mesh.volume() > 3e-4, "{}", mesh.volume());
+    }
+
+    #[test]
     fn variations_follow_from_the_seed_alone() {
         let varied = |seed| SceneSpec {
-            look: Look {
-                light_variation: 0.5,
-                distance_variation: 0.2,
-                ..Look::default()
-            },
+            look: Look { light_variation: 0.5, distance_variation: 0.2, ..Look::default() },
             seed,
             ..spec(HandShape::mean(), "pinch", Stage::Grasp)
         };
-        let view = View {
-            azimuth_deg: 30.0,
-            elevation_deg: 30.0,
-            roll_deg: 0.0,
-        };
+        let view = View { azimuth_deg: 30.0, elevation_deg: 30.0, roll_deg: 0.0 };
         let picture = |seed| varied(seed).build().expect("a scene").render(&view).grey;
         assert_eq!(picture(1), picture(1));
         assert_ne!(picture(1), picture(2));

@@ -38,9 +38,7 @@ impl View {
 /// points up. The hand's x axis points to azimuth 0 (its z axis, should x itself point up or down).
 pub fn world_from_hand(up: &Vector3<f64>) -> UnitQuaternion<f64> {
     let level = |v: Vector3<f64>| (v - up * up.dot(&v)).try_normalize(1e-3);
-    let x = level(Vector3::x())
-        .or_else(|| level(Vector3::z()))
-        .unwrap_or_else(Vector3::x);
+    let x = level(Vector3::x()).or_else(|| level(Vector3::z())).unwrap_or_else(Vector3::x);
     let y = up.cross(&x);
     let rows = Matrix3::from_rows(&[x.transpose(), y.transpose(), up.transpose()]);
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rows))
@@ -60,11 +58,7 @@ pub struct ViewGrid {
 impl Default for ViewGrid {
     /// The paper's half-sphere: 60 azimuths x 15 elevations (0 to 84 degrees) in steps of 6 degrees.
     fn default() -> ViewGrid {
-        ViewGrid {
-            step_deg: 6.0,
-            elevation_deg: [0.0, 84.0],
-            rolls_deg: vec![0.0],
-        }
+        ViewGrid { step_deg: 6.0, elevation_deg: [0.0, 84.0], rolls_deg: vec![0.0] }
     }
 }
 
@@ -106,11 +100,7 @@ mod tests {
     }
 
     fn view(azimuth_deg: f64, elevation_deg: f64, roll_deg: f64) -> View {
-        View {
-            azimuth_deg,
-            elevation_deg,
-            roll_deg,
-        }
+        View { azimuth_deg, elevation_deg, roll_deg }
     }
 
     fn close(a: Vector3<f64>, b: Vector3<f64>) -> bool {
@@ -125,15 +115,9 @@ mod tests {
         assert!(close(see(view(0.0, 0.0, 0.0), Vector3::y()), Vector3::x()));
         // From above: the hand's x axis, toward azimuth 0, points down in the picture.
         assert!(close(see(view(0.0, 90.0, 0.0), Vector3::x()), Vector3::y()));
-        assert!(close(
-            see(view(0.0, 90.0, 0.0), Vector3::z()),
-            -Vector3::z()
-        ));
+        assert!(close(see(view(0.0, 90.0, 0.0), Vector3::z()), -Vector3::z()));
         // A roll of a quarter turn: up moves to the left.
-        assert!(close(
-            see(view(0.0, 0.0, 90.0), Vector3::z()),
-            -Vector3::x()
-        ));
+        assert!(close(see(view(0.0, 0.0, 90.0), Vector3::z()), -Vector3::x()));
     }
 
     #[test]
@@ -150,16 +134,9 @@ mod tests {
         let views = ViewGrid::default().views();
         assert_eq!(views.len(), 900);
         assert_eq!(views[899], view(354.0, 84.0, 0.0));
-        let none = ViewGrid {
-            step_deg: 0.0,
-            ..ViewGrid::default()
-        };
+        let none = ViewGrid { step_deg: 0.0, ..ViewGrid::default() };
         assert!(none.views().is_empty());
-        let whole = ViewGrid {
-            step_deg: 12.0,
-            elevation_deg: [-84.0, 84.0],
-            rolls_deg: vec![0.0, 90.0],
-        };
+        let whole = ViewGrid { step_deg: 12.0, elevation_deg: [-84.0, 84.0], rolls_deg: vec![0.0, 90.0] };
         assert_eq!(whole.views().len(), 30 * 15 * 2);
     }
 

@@ -9,16 +9,8 @@ use grasp_renders::{HAND_FLOOR, Look, Preset, RenderPlan, ViewGrid};
 
 fn small_plan() -> RenderPlan {
     RenderPlan {
-        grid: ViewGrid {
-            step_deg: 60.0,
-            elevation_deg: [-30.0, 30.0],
-            rolls_deg: vec![0.0, 90.0],
-        },
-        look: Look {
-            light_variation: 0.3,
-            distance_variation: 0.2,
-            ..Look::default()
-        },
+        grid: ViewGrid { step_deg: 60.0, elevation_deg: [-30.0, 30.0], rolls_deg: vec![0.0, 90.0] },
+        look: Look { light_variation: 0.3, distance_variation: 0.2, ..Look::default() },
         ..RenderPlan::preset(Preset::Paper)
     }
 }
@@ -50,10 +42,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 fn two_thread_counts_give_the_same_bytes() {
     let set = |threads: usize| {
         let folder = tempfile::tempdir().expect("a folder");
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("a pool");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| write(folder.path(), &small_plan()));
         files(folder.path())
     };
@@ -78,9 +67,7 @@ fn what_was_written_is_read_back() {
         assert_eq!(row.view, render.view);
         assert!(row.camera_from_hand.angle_to(&render.camera_from_hand) < 1e-9);
         let file = fs::File::open(manifest.folder.join(&row.file)).expect("the picture");
-        let mut reader = png::Decoder::new(std::io::BufReader::new(file))
-            .read_info()
-            .expect("a PNG");
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
         let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
         reader.next_frame(&mut pixels).expect("whole");
         assert_eq!(pixels, render.grey);
@@ -99,10 +86,8 @@ fn whole_renders_are_kept_and_broken_or_other_ones_made_anew() {
 
     // One lost, one cut short, one of another plan in its place.
     let pictures: Vec<PathBuf> = before.iter().map(|(p, _)| folder.path().join(p)).collect();
-    let pictures: Vec<&PathBuf> = pictures
-        .iter()
-        .filter(|p| p.extension().is_some_and(|e| e == "png"))
-        .collect();
+    let pictures: Vec<&PathBuf> =
+        pictures.iter().filter(|p| p.extension().is_some_and(|e| e == "png")).collect();
     fs::remove_file(pictures[0]).expect("removed");
     let bytes = fs::read(pictures[1]).expect("read");
     fs::write(pictures[1], &bytes[..bytes.len() - 5]).expect("cut");
@@ -133,12 +118,7 @@ fn a_cancelled_run_leaves_no_manifest_and_goes_on_later() {
     };
     assert!((20..total).contains(&done));
     let written = files(folder.path());
-    assert!(
-        written
-            .iter()
-            .all(|(p, _)| p.extension().is_some_and(|e| e == "png")),
-        "no manifest, no part"
-    );
+    assert!(written.iter().all(|(p, _)| p.extension().is_some_and(|e| e == "png")), "no manifest, no part");
     let rest = write(folder.path(), &plan);
     assert_eq!(rest.kept, written.len());
     assert_eq!(rest.kept + rest.rendered, total);
@@ -161,10 +141,7 @@ fn a_short_manifest_of_another_program_is_enough() {
     let (_folder, read) = foreign("qw,qx,qy,qz,camera,grasp,file\n1,0,0,0,blender,pinch,a.png\n");
     let manifest = read.expect("it is enough");
     let row = &manifest.rows[0];
-    assert_eq!(
-        (row.cutkosky, row.hand_shape.as_str(), row.seed),
-        (9, "unknown", 0)
-    );
+    assert_eq!((row.cutkosky, row.hand_shape.as_str(), row.seed), (9, "unknown", 0));
     assert_eq!(row.stage, grasp_renders::Stage::Grasp);
     assert_eq!(row.camera_from_hand.w, 1.0);
 }
@@ -173,9 +150,7 @@ fn a_short_manifest_of_another_program_is_enough() {
 fn mistakes_in_a_manifest_are_told_with_their_line() {
     let fault = |lines: &str| foreign(lines).1.expect_err("wrong");
     let line = |row: &str| {
-        fault(&format!(
-            "file,grasp,cutkosky,stage,qx,qy,qz,qw\na.png,pinch,9,grasp,0,0,0,1\n{row}\n"
-        ))
+        fault(&format!("file,grasp,cutkosky,stage,qx,qy,qz,qw\na.png,pinch,9,grasp,0,0,0,1\n{row}\n"))
     };
     insta::assert_snapshot!(fault("file,grasp,qx,qy,qz\n"), @"SET/manifest.csv: line 1: column `qw` is missing; needed are file, grasp, qx, qy, qz and qw");
     insta::assert_snapshot!(fault("file,grasp,qx,qy,qz,qw\n"), @"SET/manifest.csv: the manifest lists no render");
@@ -190,8 +165,6 @@ fn mistakes_in_a_manifest_are_told_with_their_line() {
     insta::assert_snapshot!(line("a.png,pinch,8,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: grasp `pinch` is number 9, not 8");
     insta::assert_snapshot!(line("a.png,pinch,9,hold,0,0,0,1"), @"SET/manifest.csv: line 3: `hold` is no stage; the stages are reach, close and grasp");
     insta::assert_snapshot!(line("a.png,pinch"), @"SET/manifest.csv: line 3: not a line of this table: it has 2 fields where the header has 8");
-    let missing = Manifest::read("/nowhere/manifest.csv")
-        .expect_err("missing")
-        .to_string();
+    let missing = Manifest::read("/nowhere/manifest.csv").expect_err("missing").to_string();
     assert!(missing.starts_with("cannot read the manifest /nowhere/manifest.csv"));
 }

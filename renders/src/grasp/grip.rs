@@ -15,6 +15,8 @@ type V = Vector3<f64>;
 const PRESS: f64 = 0.0005;
 /// How deep the ball of the thumb and the roots of the fingers give way.
 const SOFT: f64 = 0.003;
+/// A finger that ends further from the object than this has missed it, in metres.
+const NEAR: f64 = 0.003;
 /// Points looked at along each bone.
 const SAMPLES: usize = 5;
 const CLOSING_STEPS: usize = 90;
@@ -32,11 +34,9 @@ pub(crate) struct Grip {
 /// Closes a hand on an object in the way of a grasp.
 pub(crate) fn grip(skeleton: &Skeleton, grasp: &Grasp, object: Object) -> Grip {
     let (placed, away, start) = match &grasp.object.placement {
-        Placement::Palm { anchor, push } => (
-            against_palm(skeleton, grasp, object, *anchor, push),
-            *push,
-            grasp.open,
-        ),
+        Placement::Palm { anchor, push } => {
+            (against_palm(skeleton, grasp, object, *anchor, push), *push, grasp.open)
+        }
         Placement::Tips { between } => between_tips(skeleton, grasp, object, between),
     };
     let mut pose = start;
@@ -44,29 +44,24 @@ pub(crate) fn grip(skeleton: &Skeleton, grasp: &Grasp, object: Object) -> Grip {
     let mut done: Vec<Chain> = Vec::new();
     for digit in Digit::FINGERS.into_iter().chain([Digit::Thumb]) {
         let obstacle = |p: &V| {
-            let others = if digit == Digit::Thumb {
-                done.as_slice()
-            } else {
-                &[]
-            };
-            others
-                .iter()
-                .map(|c| c.distance(p, 0))
-                .fold(placed.distance(p), f64::min)
+            let others = if digit == Digit::Thumb { done.as_slice() } else { &[] };
+            others.iter().map(|c| c.distance(p, 0)).fold(placed.distance(p), f64::min)
         };
         let touch = grasp.touch.contains(&digit);
         let open = &start.digits[digit as usize];
         let closed = &grasp.closed.digits[digit as usize];
         let joints = close(skeleton, digit, open, closed, &obstacle);
-        let joints = fit(skeleton, digit, joints, &placed, &obstacle, touch);
+        let mut joints = fit(skeleton, digit, joints, &placed, &obstacle, touch);
+        let misses = gap(&skeleton.chain(digit, &joints), 2, |p| placed.distance(p)) > NEAR;
+        if misses && grasp.follow.contains(&digit) {
+            // All but the spread, which comes first.
+            let neighbour = pose.digits[digit as usize - 1];
+            joints[1..].copy_from_slice(&neighbour[1..]);
+        }
         done.push(skeleton.chain(digit, &joints));
         pose.digits[digit as usize] = joints;
     }
-    Grip {
-        pose,
-        object: placed,
-        away,
-    }
+    Grip { pose, object: placed, away }
 }
 
 /// Pushes the object against the palm along a straight line.
@@ -114,18 +109,12 @@ fn between_tips(
 ) -> (PlacedObject, V, HandPose) {
     let tips = |closure: f64| {
         let chains = skeleton.chains(&grasp.open.toward(&grasp.closed, closure));
-        let fingers = between
-            .iter()
-            .map(|d| chains[*d as usize].points[3])
-            .fold(V::zeros(), |sum, p| sum + p)
-            / between.len() as f64;
+        let fingers =
+            between.iter().map(|d| chains[*d as usize].points[3]).fold(V::zeros(), |sum, p| sum + p)
+                / between.len() as f64;
         (chains[0].points[3], fingers)
     };
-    let flesh = |digit: Digit| {
-        skeleton
-            .chain(digit, &grasp.open.digits[digit as usize])
-            .radii[3]
-    };
+    let flesh = |digit: Digit| skeleton.chain(digit, &grasp.open.digits[digit as usize]).radii[3];
     let wanted = 2.0 * object.radius() + flesh(Digit::Thumb) + flesh(between[0]);
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..40 {
@@ -146,9 +135,7 @@ fn between_tips(
     let centre = thumb + across * thumb_side * ((fingers - thumb).norm() / wanted);
     let start = grasp.open.toward(&grasp.closed, low);
     let palm = skeleton.palm_point([0.5, 0.0, 0.0]);
-    let away = (centre - palm)
-        .try_normalize(1e-6)
-        .unwrap_or_else(|| -V::z());
+    let away = (centre - palm).try_normalize(1e-6).unwrap_or_else(|| -V::z());
     (PlacedObject::new(object, centre, &axis), away, start)
 }
 
@@ -172,9 +159,7 @@ fn samples(chain: &Chain, bone: usize) -> impl Iterator<Item = (V, f64)> + '_ {
 
 /// How far a bone's flesh is from a surface; negative when it is inside.
 fn gap(chain: &Chain, bone: usize, surface: impl Fn(&V) -> f64) -> f64 {
-    samples(chain, bone)
-        .map(|(p, r)| surface(&p) - r)
-        .fold(f64::INFINITY, f64::min)
+    samples(chain, bone).map(|(p, r)| surface(&p) - r).fold(f64::INFINITY, f64::min)
 }
 
 fn close(
@@ -195,9 +180,7 @@ fn close(
             }
         }
         let chain = skeleton.chain(digit, &next);
-        let met = (stopped..3)
-            .rev()
-            .find(|&bone| gap(&chain, bone, obstacle) < -PRESS);
+        let met = (stopped..3).rev().find(|&bone| gap(&chain, bone, obstacle) < -PRESS);
         match met {
             Some(bone) => stopped = bone + 1,
             None => joints = next,
@@ -233,11 +216,7 @@ fn fit(
         }
         for joint in 0..JOINTS {
             // Sideways moves and turns of the thumb's root look odd sooner than bending does.
-            let stiff = if bone_of(digit, joint) == 0 && joint != 1 {
-                3.0
-            } else {
-                1.2
-            };
+            let stiff = if bone_of(digit, joint) == 0 && joint != 1 { 3.0 } else { 1.2 };
             rows[4 + joint] = (joints[joint] - start[joint]) * stiff;
         }
         rows
@@ -313,12 +292,7 @@ mod tests {
                 }
             }
         }
-        assert!(
-            complaints.is_empty(),
-            "{} of them:\n{}",
-            complaints.len(),
-            complaints.join("\n")
-        );
+        assert!(complaints.is_empty(), "{} of them:\n{}", complaints.len(), complaints.join("\n"));
     }
 
     #[test]

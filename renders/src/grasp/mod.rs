@@ -57,10 +57,7 @@ impl FromStr for Stage {
     type Err = UnknownStage;
 
     fn from_str(word: &str) -> Result<Stage, UnknownStage> {
-        Stage::ALL
-            .into_iter()
-            .find(|stage| stage.name() == word)
-            .ok_or_else(|| UnknownStage(word.to_owned()))
+        Stage::ALL.into_iter().find(|stage| stage.name() == word).ok_or_else(|| UnknownStage(word.to_owned()))
     }
 }
 
@@ -113,13 +110,10 @@ impl ObjectRange {
     pub fn object(&self, size: f64) -> Object {
         let between = |[low, high]: [f64; 2]| low + (high - low) * size.clamp(0.0, 1.0);
         match self.kind {
-            ObjectKind::Sphere => Object::Sphere {
-                radius: between(self.radius),
-            },
-            ObjectKind::Cylinder | ObjectKind::Disc => Object::Cylinder {
-                radius: between(self.radius),
-                length: between(self.length),
-            },
+            ObjectKind::Sphere => Object::Sphere { radius: between(self.radius) },
+            ObjectKind::Cylinder | ObjectKind::Disc => {
+                Object::Cylinder { radius: between(self.radius), length: between(self.length) }
+            }
         }
     }
 }
@@ -128,7 +122,7 @@ impl ObjectRange {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StagePose {
-    /// Share of the way from the open hand to the grasp, 0 to 1.
+    /// Share of the way from the relaxed hand to the grasp, 0 to 1.
     pub closure: f64,
     /// How far the object is still away, in metres.
     pub away: f64,
@@ -147,9 +141,13 @@ pub struct Grasp {
     pub up: Vector3<f64>,
     /// The digits that must reach the object.
     pub touch: Vec<Digit>,
+    /// The digits that do as their neighbour on the thumb's side does when they miss the object.
+    pub follow: Vec<Digit>,
     /// What it holds.
     pub object: ObjectRange,
-    /// The hand before the grasp.
+    /// The hand on its way to any grasp.
+    pub relaxed: HandPose,
+    /// The hand before it closes.
     pub open: HandPose,
     /// Where the digits would end with nothing in their way.
     pub closed: HandPose,
@@ -163,10 +161,7 @@ impl Grasp {
         match stage {
             Stage::Reach => self.stages[0],
             Stage::Close => self.stages[1],
-            Stage::Grasp => StagePose {
-                closure: 1.0,
-                away: 0.0,
-            },
+            Stage::Grasp => StagePose { closure: 1.0, away: 0.0 },
         }
     }
 }

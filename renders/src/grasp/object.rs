@@ -57,14 +57,9 @@ impl PlacedObject {
     /// Places the object with its centre at `centre` and its axis along `axis` (any length but 0).
     pub(crate) fn new(object: Object, centre: Vector3<f64>, axis: &Vector3<f64>) -> PlacedObject {
         // Half a turn: no single shortest rotation, any will do for a body of revolution.
-        let turn = UnitQuaternion::rotation_between(&Vector3::z(), axis).unwrap_or_else(|| {
-            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-        });
-        PlacedObject {
-            object,
-            centre,
-            turn,
-        }
+        let turn = UnitQuaternion::rotation_between(&Vector3::z(), axis)
+            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+        PlacedObject { object, centre, turn }
     }
 
     /// Signed distance from a point of the hand frame to the surface in metres, negative inside.
@@ -95,10 +90,7 @@ impl PlacedObject {
                 let belt = (1..16)
                     .map(|i| (f64::from(i) / 16.0 - 0.5) * std::f64::consts::PI)
                     .map(|a| (radius * a.cos(), radius * a.sin()));
-                std::iter::once((0.0, -radius))
-                    .chain(belt)
-                    .chain([(0.0, radius)])
-                    .collect()
+                std::iter::once((0.0, -radius)).chain(belt).chain([(0.0, radius)]).collect()
             }
         };
         const SIDES: u32 = 40;
@@ -109,12 +101,7 @@ impl PlacedObject {
                 let local = Vector3::new(out * angle.cos(), out * angle.sin(), up);
                 let turned = self.turn * local;
                 mesh.vertices.push((self.centre + turned).cast());
-                mesh.normals.push(
-                    turned
-                        .try_normalize(1e-12)
-                        .unwrap_or_else(Vector3::z)
-                        .cast(),
-                );
+                mesh.normals.push(turned.try_normalize(1e-12).unwrap_or_else(Vector3::z).cast());
             }
         }
         for ring in 0..profile.len() as u32 - 1 {
@@ -135,19 +122,12 @@ mod tests {
     use super::*;
 
     fn placed(object: Object) -> PlacedObject {
-        PlacedObject::new(
-            object,
-            Vector3::new(0.1, -0.2, 0.3),
-            &Vector3::new(0.0, 1.0, 0.0),
-        )
+        PlacedObject::new(object, Vector3::new(0.1, -0.2, 0.3), &Vector3::new(0.0, 1.0, 0.0))
     }
 
     #[test]
     fn the_mesh_lies_on_the_surface_right_side_out() {
-        let cylinder = placed(Object::Cylinder {
-            radius: 0.03,
-            length: 0.1,
-        });
+        let cylinder = placed(Object::Cylinder { radius: 0.03, length: 0.1 });
         let sphere = placed(Object::Sphere { radius: 0.03 });
         for (body, volume) in [(cylinder, 9e-4 * 0.1), (sphere, 4.0 / 3.0 * 2.7e-5)] {
             let mesh = body.mesh();
@@ -162,10 +142,7 @@ mod tests {
 
     #[test]
     fn distances_along_and_across_the_axis() {
-        let body = placed(Object::Cylinder {
-            radius: 0.03,
-            length: 0.1,
-        });
+        let body = placed(Object::Cylinder { radius: 0.03, length: 0.1 });
         let at = |x: f64, y: f64| body.distance(&(body.centre + Vector3::new(x, y, 0.0)));
         assert!((at(0.05, 0.0) - 0.02).abs() < 1e-12);
         assert!((at(0.0, 0.07) - 0.02).abs() < 1e-12);

@@ -104,29 +104,19 @@ impl HandShape {
             return Ok(HandShape::sample(seed));
         }
         let Some(groups) = PARSED.presets.get(name) else {
-            return Err(HandShapeError::Unknown {
-                name: name.to_owned(),
-                known: HandShape::preset_names(),
-            });
+            return Err(HandShapeError::Unknown { name: name.to_owned(), known: HandShape::preset_names() });
         };
-        Ok(HandShape::from_scores(name, |_, group| {
-            groups.get(&group).copied().unwrap_or(0.0)
-        }))
+        Ok(HandShape::from_scores(name, |_, group| groups.get(&group).copied().unwrap_or(0.0)))
     }
 
     /// The names of all presets, `mean` first.
     pub fn preset_names() -> Vec<String> {
-        std::iter::once("mean".to_owned())
-            .chain(PARSED.presets.keys().cloned())
-            .collect()
+        std::iter::once("mean".to_owned()).chain(PARSED.presets.keys().cloned()).collect()
     }
 
     /// All presets, the mean hand first.
     pub fn presets() -> Vec<HandShape> {
-        HandShape::preset_names()
-            .iter()
-            .filter_map(|name| HandShape::preset(name).ok())
-            .collect()
+        HandShape::preset_names().iter().filter_map(|name| HandShape::preset(name).ok()).collect()
     }
 
     /// A random adult hand; the same seed gives the same hand.
@@ -142,10 +132,7 @@ impl HandShape {
             .map(|group| (group, normal(&mut rng)))
             .collect();
         HandShape::from_scores(&format!("hand-{seed}"), |_, group| {
-            let shared = groups
-                .iter()
-                .find(|(g, _)| *g == group)
-                .map_or(0.0, |(_, z)| *z);
+            let shared = groups.iter().find(|(g, _)| *g == group).map_or(0.0, |(_, z)| *z);
             let score = 0.5f64.sqrt() * size + 0.5 * shared + 0.5 * normal(&mut rng);
             score.clamp(-SAMPLE_LIMIT, SAMPLE_LIMIT)
         })
@@ -165,10 +152,8 @@ impl HandShape {
             self.wrist_breadth,
             self.wrist_thickness,
         ];
-        let digits = self
-            .digits
-            .iter()
-            .flat_map(|d| d.bones.iter().copied().chain([d.breadth, d.tip_breadth]));
+        let digits =
+            self.digits.iter().flat_map(|d| d.bones.iter().copied().chain([d.breadth, d.tip_breadth]));
         palm.into_iter().chain(digits).collect()
     }
 
@@ -242,17 +227,11 @@ mod tests {
     #[test]
     fn sampling_is_repeatable_and_stays_in_range() {
         assert_eq!(HandShape::sample(7), HandShape::sample(7));
-        assert_ne!(
-            HandShape::sample(7).measures(),
-            HandShape::sample(8).measures()
-        );
+        assert_ne!(HandShape::sample(7).measures(), HandShape::sample(8).measures());
         assert_eq!(HandShape::preset("hand-7"), Ok(HandShape::sample(7)));
         let lengths: Vec<f64> = (0..200).map(|s| HandShape::sample(s).length()).collect();
         let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
-        assert!(
-            (mean - HandShape::mean().length()).abs() < 0.003,
-            "mean {mean}"
-        );
+        assert!((mean - HandShape::mean().length()).abs() < 0.003, "mean {mean}");
         assert!(lengths.iter().all(|l| (0.15..0.225).contains(l)));
     }
 

@@ -17,28 +17,14 @@ pub(crate) const JOINTS: usize = 5;
 pub type Joints = [f64; JOINTS];
 
 /// Names of a finger's and of the thumb's joints, in the order of [`Joints`].
-pub const JOINT_NAMES: [[&str; JOINTS]; 2] = [
-    ["spread", "knuckle", "middle", "end", "unused"],
-    ["radial", "palmar", "pronation", "knuckle", "end"],
-];
+pub const JOINT_NAMES: [[&str; JOINTS]; 2] =
+    [["spread", "knuckle", "middle", "end", "unused"], ["radial", "palmar", "pronation", "knuckle", "end"]];
 
 /// Lowest and highest angle of each joint in degrees: fingers, then thumb. Ranges of active motion after
 /// A. I. Kapandji, "The Physiology of the Joints", rounded.
 const LIMITS_DEG: [[[f64; 2]; JOINTS]; 2] = [
-    [
-        [-25.0, 25.0],
-        [-25.0, 95.0],
-        [-5.0, 112.0],
-        [-10.0, 80.0],
-        [0.0, 0.0],
-    ],
-    [
-        [-20.0, 80.0],
-        [-15.0, 80.0],
-        [0.0, 150.0],
-        [-15.0, 65.0],
-        [-25.0, 85.0],
-    ],
+    [[-25.0, 25.0], [-25.0, 95.0], [-5.0, 112.0], [-10.0, 80.0], [0.0, 0.0]],
+    [[-20.0, 80.0], [-15.0, 80.0], [0.0, 150.0], [-15.0, 65.0], [-25.0, 85.0]],
 ];
 
 /// The five digits.
@@ -59,13 +45,7 @@ pub enum Digit {
 
 impl Digit {
     /// All five, thumb first.
-    pub const ALL: [Digit; 5] = [
-        Digit::Thumb,
-        Digit::Index,
-        Digit::Middle,
-        Digit::Ring,
-        Digit::Little,
-    ];
+    pub const ALL: [Digit; 5] = [Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
     /// The four fingers.
     pub const FINGERS: [Digit; 4] = [Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
 
@@ -142,14 +122,12 @@ const KNUCKLES: [([f64; 3], f64); 4] = [
 ];
 
 /// The thumb's root (trapezium), in the same shares.
-const THUMB_ROOT: [f64; 3] = [0.20, 0.26, -0.30];
+const THUMB_ROOT: [f64; 3] = [0.28, 0.28, -0.30];
 
 impl Skeleton {
     /// The skeleton of a hand shape.
     pub fn new(shape: &HandShape) -> Skeleton {
-        Skeleton {
-            shape: shape.clone(),
-        }
+        Skeleton { shape: shape.clone() }
     }
 
     /// The hand shape behind the skeleton.
@@ -190,12 +168,8 @@ impl Skeleton {
         let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
         let base = Rotation3::from_axis_angle(&x, tilt) * Rotation3::from_axis_angle(&z, spread);
         let bend = |angle: f64| base * Rotation3::from_axis_angle(&y, angle);
-        let tip_radius = 0.43 * measures.tip_breadth;
-        let lengths = [
-            measures.bones[0],
-            measures.bones[1],
-            measures.bones[2] - tip_radius,
-        ];
+        let tip_radius = 0.42 * measures.tip_breadth;
+        let lengths = [measures.bones[0], measures.bones[1], measures.bones[2] - tip_radius];
         let angles = [knuckle, knuckle + middle, knuckle + middle + end];
         let mut points = [self.root(digit); 4];
         for i in 0..3 {
@@ -204,9 +178,9 @@ impl Skeleton {
         Chain {
             points,
             radii: [
-                0.54 * measures.breadth,
-                0.49 * measures.breadth,
-                0.48 * measures.tip_breadth,
+                0.47 * measures.breadth,
+                0.46 * measures.breadth,
+                0.46 * measures.tip_breadth,
                 tip_radius,
             ],
             nail: bend(angles[2]) * z.into_inner(),
@@ -215,21 +189,13 @@ impl Skeleton {
 
     fn thumb(&self, &[radial, palmar, pronation, knuckle, end]: &Joints) -> Chain {
         let measures = &self.shape.digits[0];
-        let along = Vector3::new(
-            palmar.cos() * radial.cos(),
-            palmar.cos() * radial.sin(),
-            -palmar.sin(),
-        );
+        let along = Vector3::new(palmar.cos() * radial.cos(), palmar.cos() * radial.sin(), -palmar.sin());
         let dorsal = Vector3::z() - along * along.z;
         let dorsal = dorsal / dorsal.norm();
         let nail = dorsal * pronation.cos() - along.cross(&dorsal) * pronation.sin();
         let axis = Unit::new_normalize(nail.cross(&along));
         let tip_radius = 0.42 * measures.tip_breadth;
-        let lengths = [
-            measures.bones[0],
-            measures.bones[1],
-            measures.bones[2] - tip_radius,
-        ];
+        let lengths = [measures.bones[0], measures.bones[1], measures.bones[2] - tip_radius];
         let angles = [0.0, knuckle, knuckle + end];
         let mut points = [self.root(Digit::Thumb); 4];
         for i in 0..3 {
@@ -253,15 +219,8 @@ impl Skeleton {
 mod tests {
     use super::*;
 
-    const FLAT: HandPose = HandPose {
-        digits: [
-            [0.9, 0.2, 0.8, 0.0, 0.0],
-            [0.0; 5],
-            [0.0; 5],
-            [0.0; 5],
-            [0.0; 5],
-        ],
-    };
+    const FLAT: HandPose =
+        HandPose { digits: [[0.9, 0.2, 0.8, 0.0, 0.0], [0.0; 5], [0.0; 5], [0.0; 5], [0.0; 5]] };
 
     #[test]
     fn a_flat_hand_is_as_long_as_its_measures_say() {

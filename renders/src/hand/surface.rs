@@ -1,7 +1,7 @@
 //! The skin: a signed distance built of round cones around the bones.
 //!
-//! Only parts that are neighbours on a real hand are blended (bone to next bone, finger to palm, thumb to
-//! palm); everything else is a plain union, so that fingers that touch do not grow together.
+//! Only parts that are neighbours on a real hand are blended (palm, finger roots, thumb); everything else is a
+//! plain union, so that fingers that touch do not grow together.
 
 use nalgebra::Vector3;
 
@@ -9,13 +9,12 @@ use super::{Chain, Digit, HandPose, Skeleton};
 use crate::mesh::{round_cone, round_triangle, smooth_union};
 
 /// How wide the creases are filled, in metres.
-const PALM_BLEND: f64 = 0.010;
-const FINGER_ROOT_BLEND: f64 = 0.007;
-const JOINT_BLEND: f64 = 0.003;
+const PALM_BLEND: f64 = 0.014;
+const FINGER_ROOT_BLEND: f64 = 0.010;
 const THUMB_BLEND: f64 = 0.012;
 
 /// Where the hand is cut when it has no forearm: this far behind the wrist's centre, in metres.
-const WRIST_CUT: f64 = 0.004;
+const WRIST_CUT: f64 = 0.012;
 
 type V = Vector3<f64>;
 
@@ -55,12 +54,7 @@ impl HandSurface {
             })
         });
         let cut = WRIST_CUT + forearm.max(0.0);
-        HandSurface {
-            palm: palm(skeleton, &chains, cut),
-            webs: webs(skeleton, &chains),
-            digits,
-            cut,
-        }
+        HandSurface { palm: palm(skeleton, &chains, cut), webs: webs(skeleton, &chains), digits, cut }
     }
 
     /// Signed distance to the skin in metres (at most that far near blends), negative inside.
@@ -73,18 +67,17 @@ impl HandSurface {
             let [a, b, c] = corners;
             palm = smooth_union(palm, round_triangle(p, a, b, c, *radius), FINGER_ROOT_BLEND);
         }
-        let mut skin = f64::INFINITY;
+        let mut skin = palm;
         for (i, bones) in self.digits.iter().enumerate() {
             let [first, second, third] = bones.map(|bone| bone.distance(p));
-            let root = if i == Digit::Thumb as usize {
-                THUMB_BLEND
+            // Bones of a digit share the ball of their joint: nothing to fill there. The thumb's first bone
+            // lies wholly in its ball, so the second takes part in the blend.
+            let blended = if i == Digit::Thumb as usize {
+                smooth_union(palm, first.min(second), THUMB_BLEND)
             } else {
-                FINGER_ROOT_BLEND
+                smooth_union(palm, first, FINGER_ROOT_BLEND).min(second)
             };
-            skin = skin
-                .min(smooth_union(palm, first, root))
-                .min(smooth_union(first, second, JOINT_BLEND))
-                .min(smooth_union(second, third, JOINT_BLEND));
+            skin = skin.min(blended).min(third);
         }
         skin.max(-self.cut - p.x)
     }
@@ -120,12 +113,7 @@ fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
     let mut cones = Vec::new();
     for (finger, side) in Digit::FINGERS.into_iter().zip([1.0, 0.35, -0.35, -1.0]) {
         let knuckle = chains[finger as usize].points[0];
-        cones.push(Cone {
-            a: carpal(side),
-            b: knuckle,
-            ra: wrist * 0.80,
-            rb: 0.375 * thick,
-        });
+        cones.push(Cone { a: carpal(side), b: knuckle, ra: wrist * 0.80, rb: 0.31 * thick });
         // The pad on the palm's side.
         let pad = V::new(-0.06 * shape.palm_length, 0.0, -0.22 * thick);
         cones.push(Cone {
@@ -166,9 +154,7 @@ fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
 /// Out of the thumb's back at its metacarpal.
 fn thumb_side(thumb: &Chain) -> V {
     let along = (thumb.points[1] - thumb.points[0]).normalize();
-    (thumb.nail - along * along.dot(&thumb.nail))
-        .try_normalize(1e-9)
-        .unwrap_or_else(V::zeros)
+    (thumb.nail - along * along.dot(&thumb.nail)).try_normalize(1e-9).unwrap_or_else(V::zeros)
 }
 
 /// Skin between neighbouring fingers, and between thumb and index finger.
@@ -182,21 +168,14 @@ fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
         let (a, b) = (&pair[0], &pair[1]);
         let low = V::new(0.0, 0.0, -0.10 * thick);
         webs.push((
-            [
-                along(a, 0, 0.24) + low,
-                along(b, 0, 0.30) + low,
-                (a.points[0] + b.points[0]) * 0.5 + low,
-            ],
+            [along(a, 0, 0.24) + low, along(b, 0, 0.30) + low, (a.points[0] + b.points[0]) * 0.5 + low],
             0.20 * thick,
         ));
     }
     let thumb = &chains[0];
     let index = chains[1].points[0];
     let heel = skeleton.palm_point([0.35, 0.16, -0.15]);
-    webs.push((
-        [along(thumb, 0, 0.88), heel + (index - heel) * 0.80, heel],
-        0.24 * thick,
-    ));
+    webs.push(([along(thumb, 0, 0.88), heel + (index - heel) * 0.80, heel], 0.24 * thick));
     webs.push(([thumb.points[0], along(thumb, 0, 0.88), heel], 0.28 * thick));
     webs
 }
@@ -210,13 +189,7 @@ mod tests {
     fn bones_lie_inside_and_the_air_outside() {
         let skeleton = Skeleton::new(&HandShape::mean());
         let pose = HandPose {
-            digits: [
-                [0.7, 0.5, 1.2, 0.2, 0.2],
-                [0.1, 0.3, 0.4, 0.2, 0.0],
-                [0.0; 5],
-                [0.0; 5],
-                [0.0; 5],
-            ],
+            digits: [[0.7, 0.5, 1.2, 0.2, 0.2], [0.1, 0.3, 0.4, 0.2, 0.0], [0.0; 5], [0.0; 5], [0.0; 5]],
         };
         let skin = HandSurface::new(&skeleton, &pose, 0.0);
         for chain in skeleton.chains(&pose) {
@@ -225,15 +198,9 @@ mod tests {
             }
         }
         assert!(skin.distance(&V::new(0.05, 0.0, 0.05)) > 0.02);
-        assert!(
-            skin.distance(&V::new(-0.01, 0.0, 0.0)) > 0.0,
-            "cut at the wrist"
-        );
+        assert!(skin.distance(&V::new(-0.02, 0.0, 0.0)) > 0.0, "cut at the wrist");
         let long = HandSurface::new(&skeleton, &pose, 0.1);
-        assert!(
-            long.distance(&V::new(-0.08, 0.0, 0.0)) < 0.0,
-            "a forearm where one is asked for"
-        );
+        assert!(long.distance(&V::new(-0.08, 0.0, 0.0)) < 0.0, "a forearm where one is asked for");
     }
 
     #[test]
@@ -241,22 +208,13 @@ mod tests {
         let skeleton = Skeleton::new(&HandShape::mean());
         let straight = |spread: f64| [spread, 0.0, 0.0, 0.0, 0.0];
         let pose = HandPose {
-            digits: [
-                [0.7, 0.5, 1.2, 0.2, 0.2],
-                straight(-0.02),
-                straight(0.0),
-                straight(0.0),
-                straight(0.0),
-            ],
+            digits: [[0.7, 0.5, 1.2, 0.2, 0.2], straight(-0.02), straight(0.0), straight(0.0), straight(0.0)],
         };
         let chains = skeleton.chains(&pose);
         let skin = HandSurface::new(&skeleton, &pose, 0.0);
         // Half way between the end joints of the index and middle finger, and above: no fillet there.
         let between = (chains[1].points[2] + chains[2].points[2]) * 0.5 + V::new(0.0, 0.0, 0.006);
-        let naive = chains
-            .iter()
-            .map(|c| c.distance(&between, 0))
-            .fold(f64::INFINITY, f64::min);
+        let naive = chains.iter().map(|c| c.distance(&between, 0)).fold(f64::INFINITY, f64::min);
         assert!((skin.distance(&between) - naive).abs() < 5e-4);
     }
 }

@@ -34,9 +34,7 @@ pub(crate) fn round_cone(p: &V, a: &V, b: &V, ra: f64, rb: f64) -> f64 {
 /// The triangle `a b c` fattened by `radius`.
 pub(crate) fn round_triangle(p: &V, a: &V, b: &V, c: &V, radius: f64) -> f64 {
     let normal = (b - a).cross(&(a - c));
-    let inside = [(a, b), (b, c), (c, a)]
-        .iter()
-        .all(|(u, v)| (*v - *u).cross(&normal).dot(&(p - *u)) >= 0.0);
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).cross(&normal).dot(&(p - *u)) >= 0.0);
     let distance = if inside {
         (normal.dot(&(p - a)) / normal.norm()).abs()
     } else {

@@ -24,8 +24,8 @@ impl Mesh {
     #[cfg(test)]
     pub(crate) fn is_closed(&self) -> bool {
         let mut balance = std::collections::HashMap::new();
-        // By place, not by number: a pole is many vertices in one place.
-        let at = |i: u32| self.vertices[i as usize].map(f32::to_bits).data.0[0];
+        // By place, not by number: a pole is many vertices in one place. Adding 0 makes -0 the same as 0.
+        let at = |i: u32| self.vertices[i as usize].map(|x| (x + 0.0).to_bits()).data.0[0];
         for t in &self.triangles {
             for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
                 let (a, b) = (at(a), at(b));
@@ -42,9 +42,6 @@ impl Mesh {
     #[cfg(test)]
     pub(crate) fn volume(&self) -> f64 {
         let at = |i: u32| self.vertices[i as usize].cast::<f64>();
-        self.triangles
-            .iter()
-            .map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c))) / 6.0)
-            .sum()
+        self.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c))) / 6.0).sum()
     }
 }

@@ -25,9 +25,8 @@ pub(crate) fn surface_nets(
     for z in 0..dims.z - 1 {
         for y in 0..dims.y - 1 {
             for x in 0..dims.x - 1 {
-                let corners: [f64; 8] = std::array::from_fn(|c| {
-                    grid[index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))]
-                });
+                let corners: [f64; 8] =
+                    std::array::from_fn(|c| grid[index(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))]);
                 let inside = corners.iter().filter(|d| **d < 0.0).count();
                 if inside == 0 || inside == 8 {
                     continue;
@@ -54,11 +53,7 @@ pub(crate) fn surface_nets(
                     }
                     let (u, v) = (strides[(axis + 1) % 3], strides[(axis + 2) % 3]);
                     let quad = [here - u - v, here - v, here, here - u].map(|i| cell_vertex[i]);
-                    let [a, b, c, d] = if inside {
-                        quad
-                    } else {
-                        [quad[0], quad[3], quad[2], quad[1]]
-                    };
+                    let [a, b, c, d] = if inside { quad } else { [quad[0], quad[3], quad[2], quad[1]] };
                     mesh.triangles.push([a, b, c]);
                     mesh.triangles.push([a, c, d]);
                 }
@@ -150,11 +145,7 @@ mod tests {
         let mesh = surface_nets(low, -low, 0.1, |p| p.norm() - 1.0);
         assert!(mesh.is_closed());
         let exact = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!(
-            (mesh.volume() - exact).abs() < 0.02 * exact,
-            "{}",
-            mesh.volume()
-        );
+        assert!((mesh.volume() - exact).abs() < 0.02 * exact, "{}", mesh.volume());
         for (v, n) in mesh.vertices.iter().zip(&mesh.normals) {
             assert!((v.norm() - 1.0).abs() < 1e-3);
             assert!(v.normalize().dot(n) > 0.999);

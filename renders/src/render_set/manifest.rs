@@ -77,9 +77,7 @@ pub enum ManifestError {
         source: io::Error,
     },
     /// The header lacks a column.
-    #[error(
-        "{path}: line 1: column `{column}` is missing; needed are file, grasp, qx, qy, qz and qw"
-    )]
+    #[error("{path}: line 1: column `{column}` is missing; needed are file, grasp, qx, qy, qz and qw")]
     MissingColumn {
         /// The manifest.
         path: PathBuf,
@@ -172,29 +170,13 @@ impl Manifest {
         if path.is_dir() {
             path.push(super::MANIFEST);
         }
-        let bytes = fs::read(&path).map_err(|source| ManifestError::Read {
-            path: path.clone(),
-            source,
-        })?;
+        let bytes = fs::read(&path).map_err(|source| ManifestError::Read { path: path.clone(), source })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(bytes.as_slice());
-        let at_line = |line: u64, problem: Problem| ManifestError::Line {
-            path: path.clone(),
-            line,
-            problem,
-        };
-        let header = reader
-            .headers()
-            .map_err(|e| at_line(1, Problem::Csv(e.to_string())))?
-            .clone();
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes.as_slice());
+        let at_line = |line: u64, problem: Problem| ManifestError::Line { path: path.clone(), line, problem };
+        let header = reader.headers().map_err(|e| at_line(1, Problem::Csv(e.to_string())))?.clone();
         // Excel and others put a byte order mark before the first name.
-        let position = |column: &str| {
-            header
-                .iter()
-                .position(|h| h.trim_start_matches('\u{feff}') == column)
-        };
+        let position = |column: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == column);
         for column in NEEDED {
             if position(column).is_none() {
                 return Err(ManifestError::MissingColumn { path, column });
@@ -208,13 +190,8 @@ impl Manifest {
                 at_line(line, Problem::Csv(csv_problem(&e)))
             })?;
             let line = record.position().map_or(0, csv::Position::line);
-            let fields = Fields {
-                columns: &columns,
-                record: &record,
-            };
-            let row = fields
-                .row(grasps)
-                .map_err(|problem| at_line(line, problem))?;
+            let fields = Fields { columns: &columns, record: &record };
+            let row = fields.row(grasps).map_err(|problem| at_line(line, problem))?;
             if !folder.join(&row.file).is_file() {
                 return Err(at_line(line, Problem::MissingFile(row.file)));
             }
@@ -230,9 +207,7 @@ impl Manifest {
 /// The reason without the position, which the message has anyway.
 fn csv_problem(error: &csv::Error) -> String {
     match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("it has {len} fields where the header has {expected_len}")
         }
         csv::ErrorKind::Utf8 { .. } => "it is not UTF-8 text".to_owned(),
@@ -249,38 +224,22 @@ impl Fields<'_> {
     /// The field's text; `None` when it is absent or empty.
     fn text(&self, column: &str) -> Option<&str> {
         let (_, position) = self.columns.iter().find(|(name, _)| *name == column)?;
-        self.record
-            .get((*position)?)
-            .filter(|text| !text.is_empty())
+        self.record.get((*position)?).filter(|text| !text.is_empty())
     }
 
     fn number<T: std::str::FromStr>(&self, column: &'static str) -> Result<Option<T>, Problem> {
-        let parse = |text: &str| {
-            text.parse().map_err(|_| Problem::Number {
-                column,
-                value: text.to_owned(),
-            })
-        };
+        let parse = |text: &str| text.parse().map_err(|_| Problem::Number { column, value: text.to_owned() });
         self.text(column).map(parse).transpose()
     }
 
     fn angle(&self, column: &'static str) -> Result<f64, Problem> {
         let value: f64 = self.number(column)?.unwrap_or(0.0);
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Problem::Number {
-                column,
-                value: value.to_string(),
-            })
-        }
+        if value.is_finite() { Ok(value) } else { Err(Problem::Number { column, value: value.to_string() }) }
     }
 
     fn row(&self, grasps: &GraspSet) -> Result<ManifestRow, Problem> {
         let file = self.text("file").unwrap_or_default().to_owned();
-        let inside = Path::new(&file)
-            .components()
-            .all(|c| matches!(c, Component::Normal(_)));
+        let inside = Path::new(&file).components().all(|c| matches!(c, Component::Normal(_)));
         if file.is_empty() {
             return Err(Problem::MissingFile(file));
         }
@@ -290,19 +249,12 @@ impl Fields<'_> {
         let name = self.text("grasp").unwrap_or_default();
         let Some(grasp) = grasps.get(name) else {
             let known: Vec<&str> = grasps.iter().map(|g| g.name.as_str()).collect();
-            return Err(Problem::UnknownGrasp {
-                name: name.to_owned(),
-                known: known.join(", "),
-            });
+            return Err(Problem::UnknownGrasp { name: name.to_owned(), known: known.join(", ") });
         };
         if let Some(wrong) = self.number("cutkosky")?
             && wrong != grasp.cutkosky
         {
-            return Err(Problem::Cutkosky {
-                grasp: name.to_owned(),
-                right: grasp.cutkosky,
-                wrong,
-            });
+            return Err(Problem::Cutkosky { grasp: name.to_owned(), right: grasp.cutkosky, wrong });
         }
         Ok(ManifestRow {
             file,
@@ -324,10 +276,7 @@ impl Fields<'_> {
     fn rotation(&self) -> Result<UnitQuaternion<f64>, Problem> {
         let mut parts = [0.0f64; 4];
         for (part, column) in parts.iter_mut().zip(["qx", "qy", "qz", "qw"]) {
-            let missing = || Problem::Number {
-                column,
-                value: String::new(),
-            };
+            let missing = || Problem::Number { column, value: String::new() };
             *part = self.number(column)?.ok_or_else(missing)?;
         }
         let [x, y, z, w] = parts;

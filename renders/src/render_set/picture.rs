@@ -11,10 +11,7 @@ const KEYWORD: &str = "grasp-renders";
 
 /// What identifies a render's pixels: the scene's parameters and the view.
 pub(super) fn stamp(params_hash: u64, render: &crate::View) -> String {
-    format!(
-        "{params_hash:016x} {} {} {}",
-        render.azimuth_deg, render.elevation_deg, render.roll_deg
-    )
+    format!("{params_hash:016x} {} {} {}", render.azimuth_deg, render.elevation_deg, render.roll_deg)
 }
 
 /// The PNG file of a render; the same render gives the same bytes.
@@ -38,8 +35,7 @@ pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
     let Ok(mut reader) = png::Decoder::new(BufReader::new(file)).read_info() else {
         return false;
     };
-    let matches =
-        |chunk: &png::text_metadata::TEXtChunk| chunk.keyword == KEYWORD && chunk.text == stamp;
+    let matches = |chunk: &png::text_metadata::TEXtChunk| chunk.keyword == KEYWORD && chunk.text == stamp;
     if !reader.info().uncompressed_latin1_text.iter().any(matches) {
         return false;
     }
@@ -53,9 +49,7 @@ pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
 /// Writes a file so that a reader finds either the whole of it or what was there before.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new()
-        .prefix(".part-")
-        .tempfile_in(folder)?;
+    let mut file = tempfile::Builder::new().prefix(".part-").tempfile_in(folder)?;
     file.write_all(bytes)?;
     set_default_permissions(file.as_file())?;
     file.persist(path).map_err(|e| e.error)?;

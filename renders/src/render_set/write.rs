@@ -106,34 +106,16 @@ pub fn write_set(
         fs::create_dir_all(&path).map_err(|source| RenderSetError::Write { path, source })?;
     }
     let counts = Counts::default();
-    let job = Job {
-        folder,
-        views: &views,
-        total,
-        counts: &counts,
-        progress,
-        cancel,
-    };
-    scenes
-        .par_iter()
-        .try_for_each(|spec| job.write_scene(spec))?;
+    let job = Job { folder, views: &views, total, counts: &counts, progress, cancel };
+    scenes.par_iter().try_for_each(|spec| job.write_scene(spec))?;
 
-    let rows = scenes
-        .iter()
-        .flat_map(|spec| views.iter().map(move |view| row(spec, view)));
+    let rows = scenes.iter().flat_map(|spec| views.iter().map(move |view| row(spec, view)));
     let path = folder.join(MANIFEST);
-    let failed = |source| RenderSetError::Write {
-        path: path.clone(),
-        source,
-    };
+    let failed = |source| RenderSetError::Write { path: path.clone(), source };
     let bytes = manifest::to_csv(rows).map_err(failed)?;
     picture::write_whole(&path, &bytes).map_err(failed)?;
     let kept = counts.kept.into_inner();
-    Ok(Summary {
-        manifest: path,
-        rendered: counts.done.into_inner() - kept,
-        kept,
-    })
+    Ok(Summary { manifest: path, rendered: counts.done.into_inner() - kept, kept })
 }
 
 #[derive(Default)]
@@ -187,10 +169,7 @@ impl Job<'_> {
     fn go_on(&self) -> Result<(), RenderSetError> {
         if self.cancel.load(Ordering::Relaxed) {
             let done = self.counts.done.load(Ordering::Relaxed);
-            return Err(RenderSetError::Cancelled {
-                done,
-                total: self.total,
-            });
+            return Err(RenderSetError::Cancelled { done, total: self.total });
         }
         Ok(())
     }
