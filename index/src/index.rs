@@ -125,6 +125,11 @@ impl Index {
         self.catalogue().descriptor.describe(hand)
     }
 
+    /// A search for as many neighbours as the index was calibrated with.
+    pub fn search_options(&self) -> SearchOptions {
+        SearchOptions { k: self.catalogue().calibration.k as usize, ..SearchOptions::default() }
+    }
+
     /// The nearest neighbours of a descriptor.
     ///
     /// # Errors

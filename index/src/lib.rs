@@ -67,9 +67,10 @@ pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsEr
 pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
 pub use file::catalogue::{Calibration, Catalogue, ClassInfo, HashInfo};
+pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
-pub use file::write::{BuildError, IndexParams, IndexWriter, NewEntry, Phase, Summary};
+pub use file::write::IndexWriter;
 pub use hand_image::{HandImage, HandImageError, MIN_SIDE};
 pub use index::{Entry, EntryError, Index};
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};

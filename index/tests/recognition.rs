@@ -2,7 +2,7 @@
 
 mod support;
 
-use grasp_index::{DescriptorParams, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation};
+use grasp_index::{DescriptorParams, Index, IndexParams, VoteOptions, mirror_orientation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn index(descriptor: DescriptorParams) -> Index {
@@ -19,7 +19,7 @@ fn another_hand_between_the_views_is_recognised_and_its_orientation_found() {
         for n in 0..40u16 {
             let (class, truth) = (n % 4, support::view(f64::from(n) * 8.7, 20.0 + f64::from(n % 5) * 11.0));
             let query = index.describe(&support::hand(class, 0.3, &truth));
-            let found = index.search(&query, &SearchOptions::default()).expect("the query fits");
+            let found = index.search(&query, &index.search_options()).expect("the query fits");
             let vote = index.vote(&found.neighbours, &VoteOptions::default());
             right += u16::from(vote.classes[0].class == class);
             turned.push(vote.orientation.rotation.angle_to(&truth).to_degrees());

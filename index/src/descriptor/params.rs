@@ -95,7 +95,7 @@ impl Default for DescriptorParams {
             bins: 4,
             levels: 3,
             sampling: Sampling::KeepAspect { side: 48 },
-            tone: Tone::Normalised { contrast: 0.25 },
+            tone: Tone::Normalised { contrast: 0.12 },
         }
     }
 }

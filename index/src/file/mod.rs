@@ -13,6 +13,7 @@ pub(crate) mod bytes;
 pub(crate) mod catalogue;
 mod error;
 pub(crate) mod header;
+pub(crate) mod input;
 pub(crate) mod open;
 pub(crate) mod sections;
 pub(crate) mod verify;

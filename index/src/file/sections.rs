@@ -232,7 +232,9 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
         return corrupt("states an impossible sigma");
     }
-    if !(positive(catalogue.calibration.sigma_scale) && catalogue.calibration.sigma_scale > 0.0) {
+    if catalogue.calibration.k == 0
+        || !(positive(catalogue.calibration.sigma_scale) && catalogue.calibration.sigma_scale > 0.0)
+    {
         return corrupt("states an impossible calibration");
     }
     Ok(())

@@ -18,9 +18,11 @@ const QUERIES: usize = 400;
 const MAX_TABLES: u32 = 48;
 const MAX_PLANES: u32 = 24;
 /// Rows that stand for all while the share of the database is estimated.
-const SAMPLE: usize = 5_400;
-/// The length of the noise that makes a query of a row, in units of sigma.
-const NOISE: f64 = 0.25;
+const SAMPLE: usize = 2_000;
+/// The length of the step that makes a query of a row, in units of sigma. With 0.3, what is measured here (eps-success 0.97)
+/// came true on 468 pictures of a hand that another program had rendered (0.97, at a share of 0.17); with noise that is
+/// even in all directions it did not (0.97 measured, 0.88 true).
+const STEP: f64 = 0.3;
 /// Neighbours that recall is measured over.
 const RECALL_K: usize = 10;
 /// The most true neighbours of a query that are known: any of them within `1 + EPS` of the nearest makes a success.
@@ -48,7 +50,7 @@ pub enum HashParams {
 pub struct Measured {
     /// How many queries were measured.
     pub queries: u32,
-    /// The length of the noise added to a held-out row, in units of sigma.
+    /// How far a held-out row is moved to make a query, in units of sigma.
     pub noise: f64,
     /// The eps of eps-success.
     pub eps: f64,
@@ -60,7 +62,7 @@ pub struct Measured {
     pub share_of_database: f64,
 }
 
-/// A row that was taken for a query: noise is added, and the row itself does not count as an answer.
+/// A row that was taken for a query: moved a step, and not counted as an answer itself.
 struct Query {
     row: u32,
     vector: Vec<f32>,
@@ -73,29 +75,21 @@ fn draw_queries(rows: Rows<'_>, sigma: f64, seed: u64, stream: u64) -> Vec<Query
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // The tables' streams count up from 1: these stay clear of them.
     rng.set_stream(u64::MAX - stream);
-    let drawn: Vec<(u32, Vec<f32>)> = (0..QUERIES.min(rows.len()))
-        .map(|_| {
-            let row = rng.random_range(0..rows.len() as u64) as u32;
-            let noise: Vec<f32> = (0..rows.dim).map(|_| normal(&mut rng)).collect();
-            (row, noise)
-        })
-        .collect();
+    let mut draw = || rng.random_range(0..rows.len() as u64) as u32;
+    let drawn: Vec<[u32; 3]> = (0..QUERIES.min(rows.len())).map(|_| [draw(), draw(), draw()]).collect();
     drawn
         .into_par_iter()
-        .filter_map(|(row, noise)| {
-            let length = distance::dot(&noise, &noise).sqrt().max(f32::MIN_POSITIVE);
-            let scale = (NOISE * sigma) as f32 / length;
+        .filter_map(|[row, from, to]| {
+            // The difference of two rows: a direction in which the data varies, as one hand varies from another.
+            let step: Vec<f32> = rows.get(from)?.iter().zip(rows.get(to)?).map(|(a, b)| b - a).collect();
+            let length = distance::dot(&step, &step).sqrt().max(f32::MIN_POSITIVE);
+            let scale = (STEP * sigma) as f32 / length;
             let vector: Vec<f32> =
-                rows.get(row)?.iter().zip(&noise).map(|(value, noise)| value + scale * noise).collect();
+                rows.get(row)?.iter().zip(&step).map(|(value, step)| value + scale * step).collect();
             let nearest = exact::nearest(rows, &vector, TRUE_NEIGHBOURS, Some(row));
             Some(Query { row, vector, nearest })
         })
         .collect()
-}
-
-/// Nearly a normal deviate, of additions alone: the same bits on every machine.
-fn normal(rng: &mut ChaCha8Rng) -> f32 {
-    (0..12).map(|_| rng.random::<f32>()).sum::<f32>() - 6.0
 }
 
 /// The buckets of a table: about as many as rows.
@@ -217,7 +211,7 @@ pub(crate) fn measure(
         |value: fn(&(bool, f64, f64)) -> f64| each.iter().map(value).sum::<f64>() / each.len().max(1) as f64;
     Measured {
         queries: each.len() as u32,
-        noise: NOISE,
+        noise: STEP,
         eps: EPS,
         eps_success: mean(|(success, ..)| f64::from(u8::from(*success))),
         recall_at_10: mean(|(_, recall, _)| *recall),

@@ -1,0 +1,124 @@
+//! What an index is made from, and what comes of it.
+
+use super::atomic::WriteError;
+use super::catalogue::{Calibration, ClassInfo, HashInfo};
+use crate::descriptor::{DescriptorParams, ParamsError};
+use crate::search::tune::{HashParams, Measured};
+use crate::vote::Sigma;
+use nalgebra::UnitQuaternion;
+use thiserror::Error;
+
+/// What an index is to be like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct IndexParams {
+    /// How the descriptors were made.
+    pub descriptor: DescriptorParams,
+    /// The classes, at most 65,536.
+    pub classes: Vec<ClassInfo>,
+    /// The names of the hand shapes, at most 65,536.
+    pub hand_shapes: Vec<String>,
+    /// The names of the stages, at most 256.
+    pub stages: Vec<String>,
+    /// How the hash is sized.
+    pub hash: HashParams,
+    /// What all randomness comes from.
+    pub seed: u64,
+    /// The side of the thumbnails in pixels, at most 1024; 0 keeps none.
+    pub thumbnail_side: u32,
+    /// How neighbours are best weighed.
+    pub calibration: Calibration,
+    /// Names and values to keep with the index, such as where its renders come from. No dates, where a rebuild is to
+    /// give the same bytes.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// One entry on its way into an index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NewEntry {
+    /// A position in [`IndexParams::classes`].
+    pub class: u16,
+    /// A position in [`IndexParams::stages`].
+    pub stage: u8,
+    /// A position in [`IndexParams::hand_shapes`].
+    pub hand_shape: u16,
+    /// What the hand holds.
+    pub object: String,
+    /// The picture's file name.
+    pub file: String,
+    /// The camera's azimuth, in degrees.
+    pub azimuth_deg: f32,
+    /// The camera's elevation, in degrees.
+    pub elevation_deg: f32,
+    /// The camera's roll, in degrees.
+    pub roll_deg: f32,
+    /// `camera_from_hand`.
+    pub orientation: UnitQuaternion<f64>,
+    /// A hash of what the descriptor was made from, by which a rebuild knows it again.
+    pub source_hash: u64,
+    /// The descriptor: [`DescriptorParams::dim`] finite values.
+    pub descriptor: Vec<f32>,
+    /// A picture of [`IndexParams::thumbnail_side`] squared grey values, if any.
+    pub thumbnail: Option<Vec<u8>>,
+}
+
+/// Why an index cannot be built.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The descriptor's parameters are out of range.
+    #[error(transparent)]
+    Descriptor(#[from] ParamsError),
+    /// Something else about the index is out of range.
+    #[error("{0}")]
+    Params(&'static str),
+    /// An entry does not fit the index.
+    #[error("the entry {file} cannot be added: {what}")]
+    Entry {
+        /// The entry's file name.
+        file: String,
+        /// What does not fit.
+        what: String,
+    },
+    /// Nothing was added.
+    #[error("the index would be empty: add at least one entry")]
+    Empty,
+    /// There is more than the format can number.
+    #[error("{0} are more than an index can hold: split it into several")]
+    TooMany(&'static str),
+    /// The file was not written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The caller's callback asked to stop.
+    #[error("stopped before the index was written")]
+    Stopped,
+}
+
+/// What finishing an index is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Measuring sigma.
+    Sigma,
+    /// Choosing K and T.
+    Tune,
+    /// Putting every entry into its buckets.
+    Tables,
+    /// Measuring the search.
+    Measure,
+    /// Writing the file.
+    Write,
+}
+
+/// An index that was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// How many entries it holds.
+    pub entries: u64,
+    /// The file's length in bytes.
+    pub bytes: u64,
+    /// Equation 5.
+    pub sigma: Sigma,
+    /// The hash that was chosen.
+    pub hash: HashInfo,
+    /// How well it does.
+    pub measured: Measured,
+}
