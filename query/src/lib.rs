@@ -1,1 +1,14 @@
-//! Placeholder until the part lands.
+//! Recognises the grasp of a hand in a picture by an index of known views.
+//!
+//! In order of the data: [`picture`] decodes what a camera gives, [`segment`] finds the hand in it (the paper's
+//! Section III), [`recognise`] describes the hand, searches the index and lets the neighbours vote (Sections IV and
+//! V), [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
+//! scores labelled pictures (Section VII). [`cli`] puts them behind the program `grasp-query`.
+
+pub mod cli;
+pub mod evaluate;
+pub mod explain;
+pub mod output;
+pub mod picture;
+pub mod recognise;
+pub mod segment;

@@ -1,0 +1,20 @@
+//! `grasp-query completions`.
+
+use clap::CommandFactory as _;
+
+/// Print a shell's completion script, e.g. `grasp-query completions bash > /etc/bash_completion.d/grasp-query`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Completions {
+    /// The shell.
+    shell: clap_complete::Shell,
+}
+
+impl Completions {
+    pub(super) fn run(&self) -> anyhow::Result<u8> {
+        // Into memory first: the generator panics where its writer fails, as a closed pipe does.
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut super::Arguments::command(), "grasp-query", &mut script);
+        std::io::Write::write_all(&mut std::io::stdout().lock(), &script)?;
+        Ok(super::SUCCESS)
+    }
+}

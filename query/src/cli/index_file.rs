@@ -1,0 +1,34 @@
+//! Which index to use, and opening it.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use grasp_index::Index;
+
+/// Where an index is looked for when neither an option nor the environment names one.
+const DEFAULT: &str = "grasp.idx";
+
+/// The index to search.
+#[derive(Debug, clap::Args)]
+pub(super) struct IndexFile {
+    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx.
+    #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true)]
+    index: Option<PathBuf>,
+    /// Read the index into memory instead of mapping it, e.g. from a network file system.
+    #[arg(long)]
+    no_mmap: bool,
+}
+
+impl IndexFile {
+    pub(super) fn open(&self) -> anyhow::Result<Index> {
+        let path = self.index.clone().unwrap_or_else(|| DEFAULT.into());
+        if !path.exists() {
+            bail!(
+                "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",
+                path.display()
+            );
+        }
+        let opened = if self.no_mmap { Index::read(&path) } else { Index::open(&path) };
+        opened.with_context(|| format!("cannot use the index {}", path.display()))
+    }
+}

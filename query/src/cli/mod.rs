@@ -1,0 +1,104 @@
+//! The command line: one file a subcommand, shared options and exit status here.
+
+mod completions;
+mod evaluate;
+mod index_file;
+mod man;
+mod options;
+mod recognise;
+
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Every input was recognised.
+const SUCCESS: u8 = 0;
+/// Something failed; the message says what and what to do.
+const ERROR: u8 = 2;
+
+/// Recognises which of six grasps a hand in a picture makes, and how the hand is turned toward the camera.
+#[derive(Debug, Parser)]
+#[command(name = "grasp-query", version, propagate_version = true, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  grasp-query recognise cup.jpg                          which grasp is this?
+  grasp-query recognise --json *.jpg                     one JSON record a picture
+  grasp-query recognise cup.jpg --explain why.png        draw how the answer came about
+  ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
+                                                         every frame of a video
+  grasp-query evaluate labels.csv                        score labelled pictures
+
+Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
+
+/// Options that every subcommand understands.
+#[derive(Debug, clap::Args)]
+struct Global {
+    /// Worker threads; 0 takes one per core. The answers are the same for any number.
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Draw no progress bar, even on a terminal.
+    #[arg(long, global = true)]
+    no_progress: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Recognise(recognise::Recognise),
+    Evaluate(evaluate::Evaluate),
+    Completions(completions::Completions),
+    Man(man::Man),
+}
+
+/// Parses the command line, runs it and turns the outcome into an exit status.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // `--help` and `--version` come this way too, with exit code 0.
+            let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
+            return match message.print() {
+                Ok(()) => ExitCode::from(status),
+                Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
+                Err(_) => ExitCode::from(ERROR),
+            };
+        }
+    };
+    match run(&arguments) {
+        Ok(status) => ExitCode::from(status),
+        Err(error) if is_closed_pipe(&error) => ExitCode::from(SUCCESS),
+        Err(error) => {
+            // Standard error may be closed as well; there is nobody left to tell then.
+            let _ = writeln!(io::stderr(), "grasp-query: {error:#}");
+            ExitCode::from(ERROR)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    if arguments.global.threads > 0 {
+        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads).build_global()?;
+    }
+    match &arguments.command {
+        Command::Recognise(command) => command.run(),
+        Command::Evaluate(command) => command.run(&arguments.global),
+        Command::Completions(command) => command.run(),
+        Command::Man(command) => command.run(),
+    }
+}
+
+/// A reader that has seen enough (`| head`) is no failure of ours.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>())
+        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,71 @@
+//! Options of recognition that several subcommands share.
+
+use grasp_index::VoteOptions;
+
+use crate::recognise::{DEFAULT_ROLLS, HandChoice, RecogniseOptions};
+
+/// How pictures are recognised.
+#[derive(Debug, clap::Args)]
+pub(super) struct RecogniseArguments {
+    /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
+    #[arg(long, value_enum, default_value_t = HandChoice::Auto)]
+    hand: HandChoice,
+    /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it is.
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
+    rolls: usize,
+    /// How many neighbours vote; without it, what the index was calibrated with.
+    #[arg(long, value_name = "N", value_parser = parse_k)]
+    k: Option<usize>,
+    /// Compare with every entry of the index instead of searching its tables.
+    #[arg(long)]
+    exact: bool,
+    /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the index's own.
+    #[arg(long, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
+    sigma: Option<f64>,
+    /// Width of the vote's kernel as a multiple of the index's measured sigma.
+    #[arg(long, value_name = "X", value_parser = parse_positive)]
+    sigma_scale: Option<f64>,
+    /// Average Euler angles, as Equation 4 is printed, instead of rotations.
+    #[arg(long)]
+    euler_mean: bool,
+}
+
+impl RecogniseArguments {
+    pub(super) fn options(&self) -> RecogniseOptions {
+        RecogniseOptions {
+            hand: self.hand,
+            rolls: self.rolls,
+            k: self.k,
+            exact: self.exact,
+            vote: VoteOptions {
+                sigma: self.sigma,
+                sigma_scale: self.sigma_scale,
+                euler_mean: self.euler_mean,
+            },
+            ..RecogniseOptions::default()
+        }
+    }
+
+    /// Whether the program tells the hand itself.
+    pub(super) fn hand_is_free(&self) -> bool {
+        self.hand == HandChoice::Auto
+    }
+}
+
+fn parse_rolls(text: &str) -> Result<usize, String> {
+    parse_count(text, 360)
+}
+
+fn parse_k(text: &str) -> Result<usize, String> {
+    parse_count(text, 100_000)
+}
+
+fn parse_count(text: &str, most: usize) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("a whole number from 1 to {most} is needed"))
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "a number above 0 is needed".into())
+}

@@ -1,0 +1,251 @@
+//! `grasp-query recognise`.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use grasp_index::Index;
+use rayon::prelude::*;
+
+use super::index_file::IndexFile;
+use super::options::RecogniseArguments;
+use crate::explain;
+use crate::output::human;
+use crate::output::record::Record;
+use crate::picture::{self, Frames};
+use crate::recognise::{MaskSource, RecogniseError, Recogniser};
+use crate::segment::Mask;
+use crate::segment::depth::DepthRange;
+
+const EXAMPLES: &str = "\
+Examples:
+  grasp-query recognise cup.jpg
+  grasp-query recognise --json --timings *.jpg
+  grasp-query recognise --segmented hand-on-black.png --hand right
+  grasp-query recognise cup.png --depth depth.png --depth-range 400..900
+  grasp-query recognise cup.jpg --explain why.png
+  ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
+
+/// Recognise the grasp in pictures (PNG, JPEG, PNM).
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Recognise {
+    /// The pictures; `-` reads a picture, or a stream of PNM or JPEG frames, from standard input.
+    #[arg(required = true, value_name = "IMAGE")]
+    images: Vec<PathBuf>,
+    #[command(flatten)]
+    index: IndexFile,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+    /// The pictures are segmented already: a hand on black.
+    #[arg(long, conflicts_with_all = ["mask", "depth"])]
+    segmented: bool,
+    /// A mask of the hand, white on black, of the picture's size. For a single picture.
+    #[arg(long, value_name = "FILE", conflicts_with = "depth")]
+    mask: Option<PathBuf>,
+    /// A depth picture (one channel of 16 bits) of the picture's size. For a single picture.
+    #[arg(long, value_name = "FILE", requires = "depth_range")]
+    depth: Option<PathBuf>,
+    /// The depths that are hand, in the depth picture's unit.
+    #[arg(long, value_name = "NEAR..FAR", requires = "depth")]
+    depth_range: Option<DepthRange>,
+    /// Draw how each answer came about: into this PNG file, or, where the name has no `.png`, into files in this folder.
+    #[arg(long, value_name = "OUT")]
+    explain: Option<PathBuf>,
+    /// Print JSON Lines, one record a picture.
+    #[arg(long)]
+    json: bool,
+    /// Say how long each step took.
+    #[arg(long)]
+    timings: bool,
+}
+
+impl Recognise {
+    pub(super) fn run(&self) -> anyhow::Result<u8> {
+        let to_file = self.explain.as_deref().is_some_and(is_png);
+        if self.images.len() > 1 {
+            if self.mask.is_some() || self.depth.is_some() {
+                bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
+            }
+            if to_file {
+                bail!("--explain OUT.png is for a single picture; name a folder instead of a .png file");
+            }
+        }
+        if let Some(folder) = self.explain.as_deref().filter(|_| !to_file) {
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        }
+        let index = self.index.open()?;
+        let recogniser = Recogniser::new(&index, self.recognise.options());
+        let source = self.source()?;
+
+        let mut output = Output { json: self.json, status: super::SUCCESS, out: io::stdout().lock() };
+        let stdin = Path::new("-");
+        // As many at a time as are answered soon: their pictures are all in memory at once.
+        let at_once = 4 * rayon::current_num_threads();
+        for group in self.images.chunk_by(|a, b| a != stdin && b != stdin) {
+            if group == [stdin] {
+                self.run_stream(&recogniser, &source, &mut output)?;
+                continue;
+            }
+            for batch in group.chunks(at_once) {
+                let answer = |path: &PathBuf| self.answer_file(&recogniser, &source, path);
+                // A single picture is answered before a pool of threads would have started.
+                let records: Vec<Record> = match batch {
+                    [single] => vec![answer(single)],
+                    several => several.par_iter().map(answer).collect(),
+                };
+                for record in &records {
+                    output.write(record)?;
+                }
+            }
+        }
+        Ok(output.status)
+    }
+
+    /// Standard input, frame by frame: each is answered before the next is awaited.
+    fn run_stream(
+        &self,
+        recogniser: &Recogniser<'_>,
+        source: &MaskSource,
+        output: &mut Output<impl Write>,
+    ) -> anyhow::Result<()> {
+        let mut frames = Frames::new(io::stdin().lock());
+        let name = || "-".to_owned();
+        let Some(first) = frames.next() else {
+            let empty = RecogniseError::Decode(picture::DecodeError::Empty);
+            return output.write(&Record::not_recognised(name(), None, &empty));
+        };
+        // A picture alone has no frame number: only what follows tells a stream from it.
+        let mut held = Some(first);
+        let mut number = 0;
+        while let Some(frame) = held.take() {
+            let is_stream = number > 0 || frames.has_more();
+            let frame_number = is_stream.then_some(number);
+            let record = match frame {
+                Ok(bytes) => self.answer(recogniser, source, name(), frame_number, &bytes),
+                Err(error) => Record::failed(name(), frame_number, "stream", error.to_string()),
+            };
+            output.write(&record)?;
+            held = frames.next();
+            number += 1;
+        }
+        Ok(())
+    }
+
+    fn answer_file(&self, recogniser: &Recogniser<'_>, source: &MaskSource, path: &Path) -> Record {
+        let name = path.display().to_string();
+        match picture::read(path) {
+            Ok(bytes) => self.answer(recogniser, source, name, None, &bytes),
+            Err(error) => Record::not_recognised(name, None, &error.into()),
+        }
+    }
+
+    fn answer(
+        &self,
+        recogniser: &Recogniser<'_>,
+        source: &MaskSource,
+        name: String,
+        frame: Option<u64>,
+        bytes: &[u8],
+    ) -> Record {
+        let index = recogniser.index();
+        let found = match recogniser.recognise(bytes, source) {
+            Ok(found) => found,
+            Err(error) => return Record::not_recognised(name, frame, &error),
+        };
+        let record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
+            Ok(record) => record,
+            Err(error) => return Record::failed(name, frame, "index", error.to_string()),
+        };
+        match self.draw(&record, &found, index) {
+            Ok(()) => record,
+            Err(error) => Record::failed(name, frame, "explain", format!("{error:#}")),
+        }
+    }
+
+    fn draw(
+        &self,
+        record: &Record,
+        found: &crate::recognise::Recognition,
+        index: &Index,
+    ) -> anyhow::Result<()> {
+        let (Some(out), Record::Answer(answer)) = (&self.explain, record) else {
+            return Ok(());
+        };
+        let path = if is_png(out) { out.clone() } else { out.join(drawing_name(&answer.file, answer.frame)) };
+        explain::save(&explain::draw(found, answer, index), &path)
+            .with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    fn source(&self) -> anyhow::Result<MaskSource> {
+        if self.segmented {
+            return Ok(MaskSource::Segmented);
+        }
+        if let Some(path) = &self.mask {
+            let decoded = picture::read(path).and_then(|bytes| picture::decode_grey(&bytes));
+            let (width, height, grey) =
+                decoded.with_context(|| format!("cannot use the mask {}", path.display()))?;
+            return Ok(MaskSource::Given(Mask::from_grey(width, height, &grey)));
+        }
+        if let (Some(path), Some(range)) = (&self.depth, self.depth_range) {
+            let decoded = picture::read(path).and_then(|bytes| picture::decode_grey16(&bytes));
+            let (width, height, depth) =
+                decoded.with_context(|| format!("cannot use the depth picture {}", path.display()))?;
+            return Ok(MaskSource::Depth { width, height, depth, range });
+        }
+        Ok(MaskSource::Skin)
+    }
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// The file name of a drawing in a folder: the picture's path with its separators flattened, so that `a/1.jpg` and
+/// `b/1.jpg` do not overwrite each other where only the last part would be the same.
+fn drawing_name(file: &str, frame: Option<u64>) -> String {
+    let flat = file.trim_start_matches(['.', '/', '\\']).replace(['/', '\\', ':'], "_");
+    match frame {
+        Some(frame) => format!("frame-{frame:06}.png"),
+        None if flat == "-" || flat.is_empty() => "stdin.png".into(),
+        None => format!("{flat}.png"),
+    }
+}
+
+/// Writes records in order and remembers the worst exit status.
+struct Output<W> {
+    json: bool,
+    status: u8,
+    out: W,
+}
+
+impl<W: Write> Output<W> {
+    fn write(&mut self, record: &Record) -> anyhow::Result<()> {
+        self.status = self.status.max(record.status());
+        if self.json {
+            serde_json::to_writer(&mut self.out, record).map_err(io::Error::from)?;
+            self.out.write_all(b"\n")?;
+        } else if let Record::Failure(_) = record {
+            // Text on standard output is answers; why there is none belongs beside it.
+            let _ = io::stderr().write_all(human::text(record).as_bytes());
+        } else {
+            self.out.write_all(human::text(record).as_bytes())?;
+        }
+        self.out.flush()?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_of_files_of_the_same_name_differ() {
+        assert_eq!(drawing_name("a/1.jpg", None), "a_1.jpg.png");
+        assert_ne!(drawing_name("a/1.jpg", None), drawing_name("b/1.jpg", None));
+        assert_eq!(drawing_name("-", Some(12)), "frame-000012.png");
+        assert_eq!(drawing_name("-", None), "stdin.png");
+    }
+}

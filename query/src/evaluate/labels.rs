@@ -1,0 +1,258 @@
+//! The table of labelled pictures: which picture shows what.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde::Serialize;
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::recognise::Side;
+
+/// The class name of a hand in none of the six grasps.
+pub const OTHER: &str = "other";
+
+/// Whether a picture is segmented.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A hand on black.
+    Segmented,
+    /// A whole picture.
+    Camera,
+}
+
+/// The two parts that pictures are split into once and for all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// Every picture.
+    #[default]
+    All,
+    /// Seven tenths, to choose parameters by.
+    Choose,
+    /// Three tenths, to be scored only at the end.
+    Final,
+}
+
+/// One labelled picture.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// The line of the table, counted from 1 with its header.
+    pub line: u64,
+    /// The picture as the table names it.
+    pub file: String,
+    /// The mask as the table names it.
+    pub mask: Option<String>,
+    /// Whether the picture is segmented.
+    pub kind: Kind,
+    /// The class name, or [`OTHER`].
+    pub grasp: String,
+    /// How far the grasp is closed; may be empty.
+    pub stage: String,
+    /// Which hand, where it is known.
+    pub hand: Option<Side>,
+    /// `camera_from_hand`, where it is known.
+    pub orientation: Option<UnitQuaternion<f64>>,
+    /// Every column by name, for `--where`.
+    pub columns: BTreeMap<String, String>,
+}
+
+/// A table of labels that cannot be used at all.
+#[derive(Debug, thiserror::Error)]
+pub enum LabelsError {
+    /// The file cannot be read or is no table.
+    #[error("cannot read the labels {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: csv::Error,
+    },
+    /// A column that is needed is missing.
+    #[error("{}: the labels have no column `{column}`; their header is {found}", path.display())]
+    MissingColumn {
+        /// The file.
+        path: PathBuf,
+        /// The missing column.
+        column: &'static str,
+        /// The columns that are there.
+        found: String,
+    },
+}
+
+/// A row that cannot be used; the others can.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {message}")]
+pub struct RowError {
+    /// The line of the table.
+    pub line: u64,
+    /// What is wrong with it.
+    pub message: String,
+}
+
+/// Reads a table of labels: columns `file, kind, grasp` are needed; `mask, stage, hand, qx, qy, qz, qw` are used where
+/// they are there, and all others can be filtered by. A broken row becomes an error in its place.
+///
+/// # Errors
+/// Where the file cannot be read or a needed column is missing.
+pub fn read(path: &Path) -> Result<Vec<Result<Label, RowError>>, LabelsError> {
+    let cannot = |source| LabelsError::Read { path: path.to_owned(), source };
+    let mut reader =
+        csv::ReaderBuilder::new().flexible(true).comment(Some(b'#')).from_path(path).map_err(cannot)?;
+    let headers = reader.headers().map_err(cannot)?.clone();
+    for column in ["file", "kind", "grasp"] {
+        if !headers.iter().any(|header| header == column) {
+            let found = headers.iter().collect::<Vec<_>>().join(", ");
+            return Err(LabelsError::MissingColumn { path: path.to_owned(), column, found });
+        }
+    }
+    let rows = reader.records().map(|row| match row {
+        Ok(row) => label(&headers, &row),
+        Err(error) => Err(RowError {
+            line: error.position().map_or(0, csv::Position::line),
+            message: error.to_string(),
+        }),
+    });
+    Ok(rows.collect())
+}
+
+fn label(headers: &csv::StringRecord, row: &csv::StringRecord) -> Result<Label, RowError> {
+    let line = row.position().map_or(0, csv::Position::line);
+    let wrong = |message: String| RowError { line, message };
+    if row.len() != headers.len() {
+        return Err(wrong(format!("{} values, the header has {}", row.len(), headers.len())));
+    }
+    let columns: BTreeMap<String, String> =
+        headers.iter().map(str::to_owned).zip(row.iter().map(str::to_owned)).collect();
+    let text = |column: &str| columns.get(column).map(|value| value.trim()).filter(|value| !value.is_empty());
+    let kind = match text("kind") {
+        Some("segmented") => Kind::Segmented,
+        Some("camera") => Kind::Camera,
+        other => {
+            let found = other.unwrap_or("nothing");
+            return Err(wrong(format!("kind is `{found}`, it must be segmented or camera")));
+        }
+    };
+    let hand = match text("hand") {
+        None => None,
+        Some("left") => Some(Side::Left),
+        Some("right") => Some(Side::Right),
+        Some(other) => {
+            return Err(wrong(format!("hand is `{other}`, it must be left, right or empty")));
+        }
+    };
+    let needed = |column: &str| text(column).map(str::to_owned).ok_or_else(|| wrong(format!("no {column}")));
+    Ok(Label {
+        line,
+        file: needed("file")?,
+        mask: text("mask").map(str::to_owned),
+        kind,
+        grasp: needed("grasp")?,
+        stage: text("stage").unwrap_or_default().to_owned(),
+        hand,
+        orientation: orientation(&text).map_err(wrong)?,
+        columns,
+    })
+}
+
+/// The quaternion of the four columns; `None` where all are empty.
+fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<UnitQuaternion<f64>>, String> {
+    let names = ["qx", "qy", "qz", "qw"];
+    let given: Vec<&str> = names.iter().filter_map(|name| text(name)).collect();
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let numbers: Vec<f64> = given.iter().filter_map(|value| value.parse().ok()).collect();
+    match numbers[..] {
+        [x, y, z, w] if ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-2 => {
+            Ok(Some(UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))))
+        }
+        _ => Err(format!("qx, qy, qz, qw are `{}`: no unit quaternion", given.join(", "))),
+    }
+}
+
+impl Label {
+    /// The part that the picture belongs to, by the hash of its name without folder and ending: the segmented and the
+    /// camera picture of one view have the same name and fall on the same side.
+    pub fn part(&self) -> Part {
+        let stem = Path::new(&self.file).file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
+        if xxh3_64(stem.as_bytes()) % 10 < 7 { Part::Choose } else { Part::Final }
+    }
+
+    /// Whether the label is in `part` and has the value of every `(column, value)`.
+    pub fn is_selected(&self, part: Part, conditions: &[(String, String)]) -> bool {
+        (part == Part::All || part == self.part())
+            && conditions
+                .iter()
+                .all(|(column, value)| self.columns.get(column).is_some_and(|found| found == value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "file,mask,kind,grasp,stage,hand,qx,qy,qz,qw,group\n";
+
+    fn rows(text: &str) -> Vec<Result<Label, RowError>> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        std::fs::write(&path, format!("{HEADER}{text}")).unwrap();
+        read(&path).unwrap()
+    }
+
+    #[test]
+    fn a_row_says_all_there_is_to_say() {
+        let rows = rows("a/b.jpg,m.png,segmented,pinch,reach,left,0,0,0.6,0.8,thumb\n");
+        let label = rows[0].as_ref().unwrap();
+        assert_eq!(
+            (label.file.as_str(), label.mask.as_deref(), label.kind),
+            ("a/b.jpg", Some("m.png"), Kind::Segmented)
+        );
+        assert_eq!(
+            (label.grasp.as_str(), label.stage.as_str(), label.hand),
+            ("pinch", "reach", Some(Side::Left))
+        );
+        assert!((label.orientation.unwrap().w - 0.8).abs() < 1e-12);
+        assert!(label.is_selected(Part::All, &[("group".into(), "thumb".into())]));
+        assert!(!label.is_selected(Part::All, &[("group".into(), "dorsal".into())]));
+        assert!(!label.is_selected(Part::All, &[("grup".into(), "thumb".into())]));
+    }
+
+    #[test]
+    fn broken_rows_are_named_and_the_others_kept() {
+        let rows = rows(concat!(
+            "a.png,,camera,pinch,,,,,,,\n",
+            "b.png,,photo,pinch,,,,,,,\n",
+            "c.png,,camera,pinch,,,1,1,1,1,\n",
+            "d.png,,camera\n",
+            "e.png,,camera,other,,,,,,,\n",
+        ));
+        let wrong: Vec<(u64, String)> =
+            rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.message.clone())).collect();
+        assert_eq!(wrong.len(), 3);
+        assert_eq!(wrong[0], (3, "kind is `photo`, it must be segmented or camera".into()));
+        assert!(wrong[1].1.contains("no unit quaternion"));
+        assert_eq!(wrong[2], (5, "3 values, the header has 11".into()));
+        assert_eq!(rows.iter().filter(|row| row.is_ok()).count(), 2);
+    }
+
+    #[test]
+    fn a_missing_column_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("labels.csv");
+        std::fs::write(&path, "file,grasp\na.png,pinch\n").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("no column `kind`"));
+    }
+
+    #[test]
+    fn both_pictures_of_a_view_are_in_the_same_part_and_seven_tenths_are_to_choose_by() {
+        let text: String = (0..1000)
+            .map(|n| format!("easy/v{n}.jpg,,camera,pinch,,,,,,,\nscene/v{n}.png,,camera,pinch,,,,,,,\n"))
+            .collect();
+        let rows: Vec<Label> = rows(&text).into_iter().map(Result::unwrap).collect();
+        assert!(rows.chunks(2).all(|pair| pair[0].part() == pair[1].part()));
+        let choose = rows.iter().filter(|row| row.part() == Part::Choose).count();
+        assert!((1300..1500).contains(&choose), "{choose}");
+    }
+}

@@ -1,0 +1,139 @@
+//! Scores labelled pictures: the paper's Section VII with one command.
+
+pub mod confusion;
+pub mod labels;
+pub mod report;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use nalgebra::UnitQuaternion;
+
+use crate::picture;
+use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition, Side};
+use crate::segment::Mask;
+use labels::{Kind, Label};
+
+/// What became of one labelled picture.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The label.
+    pub label: Label,
+    /// What was recognised, or why nothing was.
+    pub result: Result<Guess, Miss>,
+    /// Time for the picture, decoding included, in milliseconds.
+    pub ms: f64,
+    /// Intersection over union of the segmentation and the labelled mask, before the forearm is cut off and after.
+    pub iou: Option<Iou>,
+}
+
+/// Overlap with a labelled mask, 0..=1 each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iou {
+    /// Of skin, forearm included.
+    pub skin: f64,
+    /// Of the hand, cut at the wrist.
+    pub hand: f64,
+}
+
+/// An answer, as far as it is scored.
+#[derive(Clone, Debug)]
+pub struct Guess {
+    /// The class.
+    pub grasp: String,
+    /// Its probability.
+    pub probability: f64,
+    /// The hand.
+    pub hand: Side,
+    /// `camera_from_hand`.
+    pub orientation: UnitQuaternion<f64>,
+    /// The distance of the nearest entry.
+    pub nearest: f64,
+}
+
+/// Why there is no answer.
+#[derive(Clone, Debug)]
+pub struct Miss {
+    /// Whether the picture is sound and merely shows no hand that was found.
+    pub is_rejection: bool,
+    /// What happened.
+    pub message: String,
+}
+
+/// Recognises one labelled picture and scores its segmentation.
+///
+/// `folder` is what the table's paths are relative to. A segmented picture is multiplied by its labelled mask, which
+/// removes JPEG ringing; a camera picture is, only where `labelled_masks` asks for it.
+pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_masks: bool) -> Outcome {
+    let path = resolve(folder, &label.file);
+    let started = Instant::now();
+    let read = picture::read(&path).map_err(RecogniseError::from).map_err(|error| miss(&error));
+    let labelled = label.mask.as_ref().map(|mask| read_mask(&resolve(folder, mask))).transpose();
+    let mut iou = None;
+    let result = read.and_then(|bytes| {
+        let mask = labelled?;
+        let source = match (label.kind, mask.clone()) {
+            (Kind::Segmented, Some(mask)) => MaskSource::SegmentedAnd(mask),
+            (Kind::Segmented, None) => MaskSource::Segmented,
+            (Kind::Camera, Some(mask)) if labelled_masks => MaskSource::Given(mask),
+            (Kind::Camera, _) => MaskSource::Skin,
+        };
+        let found = recogniser.recognise(&bytes, &source);
+        if let (MaskSource::Skin, Some(mask)) = (&source, &mask) {
+            iou = overlap(&found, mask);
+        }
+        found.map(|found| guess(recogniser, &found)).map_err(|error| miss(&error))
+    });
+    Outcome { label, result, ms: started.elapsed().as_secs_f64() * 1e3, iou }
+}
+
+/// The folder that a table's paths are relative to: the nearest folder above the table in which its first picture is
+/// found, as `dev/hands/labels.csv` names `hands/easy/a.jpg`.
+pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
+    let beside = table.parent().unwrap_or(Path::new("")).to_owned();
+    let above = beside.canonicalize().unwrap_or_else(|_| beside.clone());
+    let found = above.ancestors().take(3).find(|folder| folder.join(first_file).is_file());
+    found.map_or(beside, Path::to_owned)
+}
+
+fn resolve(folder: &Path, file: &str) -> PathBuf {
+    folder.join(file)
+}
+
+fn read_mask(path: &Path) -> Result<Mask, Miss> {
+    let decoded = picture::read(path).and_then(|bytes| picture::decode_grey(&bytes));
+    match decoded {
+        Ok((width, height, grey)) => Ok(Mask::from_grey(width, height, &grey)),
+        Err(error) => Err(Miss { is_rejection: false, message: format!("mask {}: {error}", path.display()) }),
+    }
+}
+
+/// No hand found is an overlap of 0; a broken picture has none.
+fn overlap(found: &Result<Recognition, RecogniseError>, labelled: &Mask) -> Option<Iou> {
+    match found {
+        Ok(found) => {
+            let truth = labelled.resized(found.prepared.picture.width(), found.prepared.picture.height());
+            let skin = found.prepared.skin.as_ref().unwrap_or(&found.prepared.mask);
+            Some(Iou { skin: truth.iou(skin)?, hand: truth.iou(&found.prepared.mask)? })
+        }
+        Err(error) if error.is_rejection() => Some(Iou { skin: 0.0, hand: 0.0 }),
+        Err(_) => None,
+    }
+}
+
+fn guess(recogniser: &Recogniser<'_>, found: &Recognition) -> Guess {
+    let best = &found.best;
+    let first = best.vote.classes.first();
+    let name = |class: u16| recogniser.index().catalogue().classes.get(usize::from(class));
+    Guess {
+        grasp: first.and_then(|c| name(c.class)).map(|c| c.name.clone()).unwrap_or_default(),
+        probability: first.map_or(0.0, |class| class.probability),
+        hand: best.side,
+        orientation: best.vote.orientation.rotation,
+        nearest: best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance)),
+    }
+}
+
+fn miss(error: &RecogniseError) -> Miss {
+    Miss { is_rejection: error.is_rejection(), message: error.to_string() }
+}

@@ -1,0 +1,69 @@
+//! Answers as text.
+
+use std::fmt::Write as _;
+
+use super::record::{Answer, Record};
+
+/// Classes below this probability are not named as runners-up.
+const WORTH_NAMING: f64 = 0.01;
+
+/// One line for the answer, and indented lines for the runners-up, the nearest entry and the timings.
+pub fn text(record: &Record) -> String {
+    match record {
+        Record::Answer(answer) => answer_text(answer),
+        Record::Failure(failure) => {
+            format!("{}: {}\n", name(&failure.file, failure.frame), failure.error.message)
+        }
+    }
+}
+
+fn name(file: &str, frame: Option<u64>) -> String {
+    frame.map_or_else(|| file.to_owned(), |frame| format!("{file} frame {frame}"))
+}
+
+fn answer_text(answer: &Answer) -> String {
+    let mut text = format!(
+        "{}: {} (Cutkosky {}), {:.2} · {} hand · camera sees {}, fingers point {} (± {:.0}°)\n",
+        name(&answer.file, answer.frame),
+        answer.grasp,
+        answer.cutkosky,
+        answer.probability,
+        answer.hand,
+        answer.orientation.camera_sees,
+        answer.orientation.fingers_point,
+        answer.orientation.spread_deg,
+    );
+    let others: Vec<String> = answer
+        .classes
+        .iter()
+        .skip(1)
+        .filter(|class| class.probability >= WORTH_NAMING)
+        .map(|class| format!("{} {:.2}", class.grasp, class.probability))
+        .collect();
+    if !others.is_empty() {
+        let _ = writeln!(text, "    or {}", others.join(", "));
+    }
+    if let Some(nearest) = answer.neighbours.first() {
+        let _ = writeln!(
+            text,
+            "    nearest {} at {:.3} · {} searches, each over {:.0} % of the index",
+            nearest.file,
+            nearest.distance,
+            answer.search.searches,
+            100.0 * answer.search.share_of_database,
+        );
+    }
+    if let Some(timings) = &answer.timings {
+        let _ = writeln!(
+            text,
+            "    decode {:.2} ms, segmentation {:.2}, descriptor {:.2}, search {:.2}, vote {:.2}, together {:.2}",
+            timings.decode_ms,
+            timings.segmentation_ms,
+            timings.descriptor_ms,
+            timings.search_ms,
+            timings.vote_ms,
+            timings.total_ms(),
+        );
+    }
+    text
+}

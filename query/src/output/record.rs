@@ -1,0 +1,250 @@
+//! The JSON record of one input. Its keys are an interface: they may be added to, never renamed.
+
+use grasp_index::{EntryError, Index};
+use nalgebra::UnitQuaternion;
+use serde::Serialize;
+
+use super::view;
+use crate::recognise::{RecogniseError, Recognition, Side, Timings};
+
+/// What is known about one input: an answer or an error.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum Record {
+    /// The input was recognised.
+    Answer(Box<Answer>),
+    /// The input has no answer.
+    Failure(Failure),
+}
+
+/// An input that was recognised.
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// The input as it was named; `-` for standard input.
+    pub file: String,
+    /// The frame's number in a stream, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u64>,
+    /// The most probable class.
+    pub grasp: String,
+    /// Its number in Cutkosky's taxonomy.
+    pub cutkosky: u8,
+    /// Its probability, 0..=1.
+    pub probability: f64,
+    /// All classes of the index, most probable first.
+    pub classes: Vec<ClassRecord>,
+    /// The hand that was recognised.
+    pub hand: Side,
+    /// How far the picture was turned for that, in degrees clockwise.
+    pub roll_deg: f64,
+    /// How the hand is turned toward the camera.
+    pub orientation: OrientationRecord,
+    /// The nearest entries, nearest first.
+    pub neighbours: Vec<NeighbourRecord>,
+    /// What the search cost.
+    pub search: SearchRecord,
+    /// The robot's strategy; null unless one was asked for.
+    pub strategy: Option<()>,
+    /// Null: there is none.
+    pub error: Option<ErrorRecord>,
+    /// Milliseconds of each step, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub timings: Option<Timings>,
+}
+
+/// An input that has no answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Failure {
+    /// The input as it was named.
+    pub file: String,
+    /// The frame's number in a stream, from 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u64>,
+    /// Why.
+    pub error: ErrorRecord,
+}
+
+/// Why an input has no answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorRecord {
+    /// A short, stable name.
+    pub kind: &'static str,
+    /// What happened and what to do.
+    pub message: String,
+    /// Whether the input is sound but shows no hand that can be recognised (exit status 1, not 2).
+    #[serde(skip)]
+    pub is_rejection: bool,
+}
+
+/// A class and its probability.
+#[derive(Clone, Debug, Serialize)]
+pub struct ClassRecord {
+    /// The class's name.
+    pub grasp: String,
+    /// Its number in Cutkosky's taxonomy.
+    pub cutkosky: u8,
+    /// 0..=1; all classes sum to 1.
+    pub probability: f64,
+}
+
+/// The rotation `camera_from_hand`.
+#[derive(Clone, Debug, Serialize)]
+pub struct OrientationRecord {
+    /// As a unit quaternion x, y, z, w.
+    pub quaternion_xyzw: [f64; 4],
+    /// As angles in degrees about the camera's fixed axes x, y, z, in that order.
+    pub euler: [f64; 3],
+    /// How far the neighbours disagree, in degrees.
+    pub spread_deg: f64,
+    /// Which side of the hand the camera sees.
+    pub camera_sees: &'static str,
+    /// Where the fingers point in the picture.
+    pub fingers_point: &'static str,
+}
+
+/// An entry of the index that is near to the input.
+#[derive(Clone, Debug, Serialize)]
+pub struct NeighbourRecord {
+    /// The entry's number in the index.
+    pub id: u32,
+    /// The file that the entry was made from.
+    pub file: String,
+    /// Its class.
+    pub grasp: String,
+    /// Its class's number in Cutkosky's taxonomy.
+    pub cutkosky: u8,
+    /// Its hand shape.
+    pub hand_shape: String,
+    /// Its stage.
+    pub stage: String,
+    /// Its object.
+    pub object: String,
+    /// The distance between the descriptors.
+    pub distance: f32,
+    /// Its orientation, turned and flipped to the input as the answer is.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+/// What a search cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct SearchRecord {
+    /// Tables that were looked into.
+    pub tables: u32,
+    /// Buckets that were looked into.
+    pub buckets: u32,
+    /// Entries whose distance was measured.
+    pub candidates: u32,
+    /// The same as a share of the index, 0..=1.
+    pub share_of_database: f64,
+    /// Whether every entry was measured.
+    pub exact: bool,
+    /// How many such searches were made: hands times rolls. The other numbers are those of the best one.
+    pub searches: usize,
+}
+
+impl Record {
+    /// The record of an answer.
+    ///
+    /// # Errors
+    /// Where an entry of the index cannot be read: the index is corrupt.
+    pub fn answer(
+        file: String,
+        frame: Option<u64>,
+        found: &Recognition,
+        index: &Index,
+        timings: bool,
+    ) -> Result<Self, EntryError> {
+        let best = &found.best;
+        let classes: Vec<ClassRecord> = best
+            .vote
+            .classes
+            .iter()
+            .map(|class| ClassRecord {
+                grasp: class.name.clone(),
+                cutkosky: class.cutkosky,
+                probability: class.probability,
+            })
+            .collect();
+        let (grasp, cutkosky, probability) =
+            classes.first().map_or_else(Default::default, |c| (c.grasp.clone(), c.cutkosky, c.probability));
+        let orientation = &best.vote.orientation;
+        let neighbours = best.neighbours.iter().map(|neighbour| {
+            let entry = index.entry(neighbour.id)?;
+            let class = index.catalogue().classes.get(usize::from(entry.class));
+            Ok(NeighbourRecord {
+                id: neighbour.id,
+                file: entry.file.to_owned(),
+                grasp: class.map(|class| class.name.clone()).unwrap_or_default(),
+                cutkosky: class.map(|class| class.cutkosky).unwrap_or_default(),
+                hand_shape: entry.hand_shape.to_owned(),
+                stage: entry.stage.to_owned(),
+                object: entry.object.to_owned(),
+                distance: neighbour.distance,
+                quaternion_xyzw: xyzw(&best.in_picture(&entry.orientation)),
+            })
+        });
+        Ok(Self::Answer(Box::new(Answer {
+            file,
+            frame,
+            grasp,
+            cutkosky,
+            probability,
+            classes,
+            hand: best.side,
+            roll_deg: best.roll_deg,
+            orientation: OrientationRecord {
+                quaternion_xyzw: xyzw(&orientation.rotation),
+                euler: orientation.euler_deg,
+                spread_deg: orientation.spread_deg,
+                camera_sees: view::side_seen(&orientation.rotation, best.side),
+                fingers_point: view::fingers_point(&orientation.rotation),
+            },
+            neighbours: neighbours.collect::<Result<_, EntryError>>()?,
+            search: SearchRecord {
+                tables: best.cost.tables,
+                buckets: best.cost.buckets,
+                candidates: best.cost.candidates,
+                share_of_database: best.cost.share_of_database,
+                exact: best.cost.exact,
+                searches: best.tried,
+            },
+            strategy: None,
+            error: None,
+            timings: timings.then_some(found.timings),
+        })))
+    }
+
+    /// The record of a picture that could not be recognised.
+    pub fn not_recognised(file: String, frame: Option<u64>, error: &RecogniseError) -> Self {
+        Self::Failure(Failure {
+            file,
+            frame,
+            error: ErrorRecord {
+                kind: error.kind(),
+                message: error.to_string(),
+                is_rejection: error.is_rejection(),
+            },
+        })
+    }
+
+    /// The record of an input that failed for another reason.
+    pub fn failed(file: String, frame: Option<u64>, kind: &'static str, message: String) -> Self {
+        Self::Failure(Failure { file, frame, error: ErrorRecord { kind, message, is_rejection: false } })
+    }
+
+    /// The exit status that the input asks for: 0 recognised, 1 rejected, 2 an error.
+    pub fn status(&self) -> u8 {
+        match self {
+            Self::Answer(_) => 0,
+            Self::Failure(failure) if failure.error.is_rejection => 1,
+            Self::Failure(_) => 2,
+        }
+    }
+}
+
+/// A rotation as x, y, z, w, with w >= 0: q and -q are the same rotation, and only one of them is written.
+pub(crate) fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    let q = rotation.quaternion();
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    [q.i * sign, q.j * sign, q.k * sign, q.w * sign]
+}

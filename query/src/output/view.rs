@@ -1,0 +1,84 @@
+//! An orientation in words.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::recognise::Side;
+
+/// Which side of the hand the camera sees, such as `the thumb side`.
+///
+/// The camera's direction is taken in the frame of the hand: x from the wrist to the knuckles, z out of the back,
+/// y = z cross x, which is the thumb's side of a right hand and the little finger's of a left one.
+pub fn side_seen(camera_from_hand: &UnitQuaternion<f64>, side: Side) -> &'static str {
+    let to_camera = camera_from_hand.inverse() * Vector3::new(0.0, 0.0, -1.0);
+    let to_thumb = match side {
+        Side::Right => to_camera.y,
+        Side::Left => -to_camera.y,
+    };
+    let names = [
+        (to_camera.z, "the back of the hand"),
+        (-to_camera.z, "the palm"),
+        (to_thumb, "the thumb side"),
+        (-to_thumb, "the little-finger side"),
+        (to_camera.x, "the fingertips"),
+        (-to_camera.x, "the wrist"),
+    ];
+    names.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or("the hand", |(_, name)| name)
+}
+
+/// Where the fingers point in the picture, such as `up and left`, or `toward the camera`.
+pub fn fingers_point(camera_from_hand: &UnitQuaternion<f64>) -> &'static str {
+    let fingers = camera_from_hand * Vector3::x();
+    if fingers.xy().norm() < 0.4 {
+        return if fingers.z < 0.0 { "toward the camera" } else { "away from the camera" };
+    }
+    // y is down in the camera's frame; eight directions, counterclockwise from the right.
+    let eighth = (-fingers.y).atan2(fingers.x) / std::f64::consts::FRAC_PI_4;
+    match (eighth.round() as i64).rem_euclid(8) {
+        0 => "right",
+        1 => "up and right",
+        2 => "up",
+        3 => "up and left",
+        4 => "left",
+        5 => "down and left",
+        6 => "down",
+        _ => "down and right",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grasp_index::mirror_orientation;
+    use nalgebra::{Matrix3, Rotation3};
+
+    /// The rotation whose columns are the hand's axes as the camera sees them.
+    fn seen(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> UnitQuaternion<f64> {
+        let columns = [x.into(), y.into(), z.into()];
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_columns(&columns)))
+    }
+
+    #[test]
+    fn a_right_hand_laid_flat_under_the_camera_shows_its_back() {
+        // Fingers up in the picture, back toward the camera: the thumb of a right hand is then on the left.
+        let rotation = seen([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]);
+        assert_eq!(side_seen(&rotation, Side::Right), "the back of the hand");
+        assert_eq!(fingers_point(&rotation), "up");
+    }
+
+    #[test]
+    fn a_hand_that_points_at_the_camera_shows_its_fingertips() {
+        let rotation = seen([0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]);
+        assert_eq!(side_seen(&rotation, Side::Right), "the fingertips");
+        assert_eq!(fingers_point(&rotation), "toward the camera");
+    }
+
+    #[test]
+    fn the_flipped_picture_of_a_thumb_side_shows_the_thumb_side_of_a_left_hand() {
+        let right = seen([1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]);
+        assert_eq!(side_seen(&right, Side::Right), "the thumb side");
+        assert_eq!(fingers_point(&right), "right");
+        let left = mirror_orientation(&right);
+        assert_eq!(side_seen(&left, Side::Left), "the thumb side");
+        assert_eq!(fingers_point(&left), "left");
+    }
+}

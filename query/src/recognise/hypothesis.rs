@@ -1,0 +1,135 @@
+//! What the picture may show: a left or a right hand, turned about the optical axis.
+//!
+//! The index holds right hands, upright as the world is. A left hand's picture is flipped, and a camera that is not
+//! level is undone by turning the picture; the hypothesis whose neighbours are nearest is the answer, and its
+//! orientation is turned and flipped back.
+
+use grasp_index::{
+    Describer, HandImage, Index, SearchCost, SearchOptions, Vote, euler_deg, mirror_orientation,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::{RecogniseError, RecogniseOptions, Side, Timings};
+
+/// One entry of the index, near to the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbour {
+    /// The entry's number in the index.
+    pub id: u32,
+    /// Euclidean distance between the descriptors.
+    pub distance: f32,
+}
+
+/// A hand, a roll, and what the index says to them.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Which hand.
+    pub side: Side,
+    /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees clockwise, 0..360.
+    pub roll_deg: f64,
+    /// The hand image as it was described: flipped for a left hand, then turned.
+    pub image: HandImage,
+    /// Its descriptor.
+    pub descriptor: Vec<f32>,
+    /// The nearest entries, nearest first.
+    pub neighbours: Vec<Neighbour>,
+    /// What the search for these neighbours cost.
+    pub cost: SearchCost,
+    /// Classes and orientation; the orientation is that of the hand in the picture as it was given.
+    pub vote: Vote,
+    /// How many hypotheses were searched for, this one included.
+    pub tried: usize,
+}
+
+impl Hypothesis {
+    /// The orientation that an entry's `camera_from_hand` means for the picture as it was given.
+    pub fn in_picture(&self, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        in_picture(self.side, self.roll_deg, entry)
+    }
+
+    /// The mean distance of the neighbours, larger the more the picture had to be turned; the smallest is the answer.
+    fn unlikeliness(&self) -> f64 {
+        let sum: f64 = self.neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
+        let tilt = self.roll_deg.min(360.0 - self.roll_deg) / 180.0;
+        sum / self.neighbours.len().max(1) as f64 * (1.0 + TILT_PENALTY * tilt)
+    }
+}
+
+/// How much larger the distance of a picture counts that was turned upside down: cameras are mostly level.
+const TILT_PENALTY: f64 = 0.2;
+
+fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let level = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -roll_deg.to_radians()) * entry;
+    match side {
+        Side::Right => level,
+        Side::Left => mirror_orientation(&level),
+    }
+}
+
+/// Tries every hand and roll of the options and returns the hypothesis whose neighbours are nearest.
+pub(super) fn best(
+    index: &Index,
+    hand: &HandImage,
+    options: &RecogniseOptions,
+    timings: &mut Timings,
+) -> Result<Hypothesis, RecogniseError> {
+    let rolls = options.rolls.max(1);
+    let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
+    let search = SearchOptions { k, exact: options.exact, ..SearchOptions::default() };
+    let mut best: Option<(f64, Hypothesis)> = None;
+    let mut describer = Describer::new(&index.catalogue().descriptor);
+    for turn in 0..rolls {
+        let degrees = turn as f64 / rolls as f64 * 360.0;
+        let turned = timings.time(
+            |t| &mut t.descriptor_ms,
+            || if turn == 0 { hand.clone() } else { hand.rotated(degrees.to_radians()) },
+        );
+        for &side in options.hand.sides() {
+            let (roll_deg, image, descriptor) = timings.time(
+                |t| &mut t.descriptor_ms,
+                || {
+                    // Turning and then flipping is flipping and then turning the other way: one turn serves both hands.
+                    let (roll_deg, image) = match side {
+                        Side::Right => (degrees, turned.clone()),
+                        Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
+                    };
+                    let descriptor = describer.describe(&image);
+                    (roll_deg, image, descriptor)
+                },
+            );
+            let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
+            let neighbours =
+                found.neighbours.iter().map(|n| Neighbour { id: n.id, distance: n.distance }).collect();
+            let vote = timings.time(|t| &mut t.vote_ms, || index.vote(&found.neighbours, &options.vote));
+            let cost = found.cost;
+            let hypothesis =
+                Hypothesis { side, roll_deg, image, descriptor, neighbours, cost, vote, tried: 0 };
+            let distance = hypothesis.unlikeliness();
+            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
+                best = Some((distance, hypothesis));
+            }
+        }
+    }
+    let (_, mut best) = best.ok_or(RecogniseError::NoHand)?;
+    best.tried = rolls * options.hand.sides().len();
+    let rotation = best.in_picture(&best.vote.orientation.rotation);
+    best.vote.orientation.euler_deg = euler_deg(&rotation);
+    best.vote.orientation.rotation = rotation;
+    Ok(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn turning_the_picture_turns_the_answer_back() {
+        let seen = UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0);
+        // The hand as it was given, turned clockwise by 90 degrees, is what was recognised.
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TAU / 4.0) * seen;
+        assert!(in_picture(Side::Right, 90.0, &turned).angle_to(&seen) < 1e-9);
+        let left = mirror_orientation(&seen);
+        assert!(in_picture(Side::Left, 90.0, &turned).angle_to(&left) < 1e-9);
+    }
+}

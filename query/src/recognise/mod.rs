@@ -1,0 +1,168 @@
+//! From a picture to an answer: mask, hand image, descriptor, search, vote.
+
+mod hypothesis;
+mod side;
+mod source;
+mod timings;
+
+use std::time::Instant;
+
+use grasp_index::{HandImage, HandImageError, Index, SearchError, VoteOptions};
+
+pub use hypothesis::{Hypothesis, Neighbour};
+pub use side::{HandChoice, Side};
+pub use source::{MaskSource, Prepared, SourceError};
+pub use timings::Timings;
+
+use crate::picture::{self, DecodeError};
+use crate::segment::SegmentParams;
+
+/// Rolls tried for each picture unless told otherwise; chosen on the development pictures, see ARCHITECTURE.md.
+pub const DEFAULT_ROLLS: usize = 12;
+/// The longest side that a hand image keeps: the descriptor's finest grid is 8 x 8.
+const HAND_SIDE: usize = 64;
+
+/// How pictures are recognised.
+#[derive(Clone, Debug)]
+pub struct RecogniseOptions {
+    /// Which hand the pictures show.
+    pub hand: HandChoice,
+    /// How many turns about the optical axis are tried, evenly over the circle; 1 takes the picture as it is.
+    pub rolls: usize,
+    /// How many neighbours vote; `None` takes the index's own number.
+    pub k: Option<usize>,
+    /// Compare with every entry instead of searching the tables.
+    pub exact: bool,
+    /// How neighbours are weighed.
+    pub vote: VoteOptions,
+    /// The numbers of the segmentation.
+    pub segment: SegmentParams,
+}
+
+impl Default for RecogniseOptions {
+    fn default() -> Self {
+        Self {
+            hand: HandChoice::default(),
+            rolls: DEFAULT_ROLLS,
+            k: None,
+            exact: false,
+            vote: VoteOptions::default(),
+            segment: SegmentParams::default(),
+        }
+    }
+}
+
+/// Why a picture has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum RecogniseError {
+    /// The bytes are no picture.
+    #[error(transparent)]
+    Decode(#[from] DecodeError),
+    /// The mask or the depth picture does not fit.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// Nothing in the picture looks like a hand.
+    #[error(
+        "no hand found: nothing in the picture has the colour and the size of a hand (a mask can be given with --mask)"
+    )]
+    NoHand,
+    /// The hand is too small or its buffers do not fit.
+    #[error(transparent)]
+    Hand(HandImageError),
+    /// The descriptor does not fit the index.
+    #[error(transparent)]
+    Search(#[from] SearchError),
+}
+
+impl RecogniseError {
+    /// A short, stable name for JSON records.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Decode(error) => error.kind(),
+            Self::Source(_) => "mask",
+            Self::NoHand => "no_hand",
+            Self::Hand(_) => "hand_too_small",
+            Self::Search(_) => "search",
+        }
+    }
+
+    /// Whether the picture is sound and merely shows no hand that can be recognised.
+    pub fn is_rejection(&self) -> bool {
+        matches!(self, Self::NoHand | Self::Hand(_))
+    }
+}
+
+impl From<HandImageError> for RecogniseError {
+    fn from(error: HandImageError) -> Self {
+        match error {
+            HandImageError::NoHand { .. } => Self::NoHand,
+            other => Self::Hand(other),
+        }
+    }
+}
+
+/// An answer and all that led to it.
+#[derive(Clone, Debug)]
+pub struct Recognition {
+    /// The picture and its mask.
+    pub prepared: Prepared,
+    /// The hand image, as the picture shows it.
+    pub hand_image: HandImage,
+    /// The best hypothesis about hand and roll, with its neighbours and their vote.
+    pub best: Hypothesis,
+    /// How long each step took.
+    pub timings: Timings,
+}
+
+/// Recognises pictures by one index. It can be shared between threads.
+#[derive(Debug)]
+pub struct Recogniser<'a> {
+    index: &'a Index,
+    options: RecogniseOptions,
+}
+
+impl<'a> Recogniser<'a> {
+    /// A recogniser over `index`.
+    pub fn new(index: &'a Index, options: RecogniseOptions) -> Self {
+        Self { index, options }
+    }
+
+    /// The index that answers come from.
+    pub fn index(&self) -> &'a Index {
+        self.index
+    }
+
+    /// Recognises an encoded picture (PNG, JPEG or PNM), whose hand `source` finds.
+    ///
+    /// # Errors
+    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
+    pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
+        let mut timings = Timings::default();
+        let picture = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
+        let is_jpeg = bytes.starts_with(&[0xFF, 0xD8]);
+        let prepared = timings.time(
+            |t| &mut t.segmentation_ms,
+            || source::prepare(picture, is_jpeg, source, &self.options.segment),
+        )?;
+        self.recognise_prepared(prepared, timings)
+    }
+
+    /// Recognises a hand whose mask is known.
+    ///
+    /// # Errors
+    /// As [`Self::recognise`].
+    pub fn recognise_prepared(
+        &self,
+        prepared: Prepared,
+        mut timings: Timings,
+    ) -> Result<Recognition, RecogniseError> {
+        let started = Instant::now();
+        let picture = &prepared.picture;
+        let hand_image =
+            HandImage::from_mask(picture.width(), picture.height(), &picture.grey(), prepared.mask.pixels())?
+                .shrunk_to(HAND_SIDE);
+        timings.descriptor_ms += timings::milliseconds(started);
+        let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
+        Ok(Recognition { prepared, hand_image, best, timings })
+    }
+}

@@ -1,0 +1,104 @@
+//! Where the hand's mask comes from.
+
+use grasp_index::HandImageError;
+
+use super::RecogniseError;
+use crate::picture::{Picture, WORKING_SIDE};
+use crate::segment::depth::{DepthRange, mask_from_depth};
+use crate::segment::{self, Mask, MaskError, SegmentParams};
+use crate::segment::{component, median};
+
+/// What tells the hand from the rest.
+#[derive(Clone, Debug, Default)]
+pub enum MaskSource {
+    /// The colour of skin.
+    #[default]
+    Skin,
+    /// The picture is segmented already: all that is not black is hand.
+    Segmented,
+    /// A mask made elsewhere, of the picture's size.
+    Given(Mask),
+    /// A mask made elsewhere, on a picture that is segmented already: both must agree.
+    SegmentedAnd(Mask),
+    /// A depth picture of the picture's size, and what range of it is hand.
+    Depth {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// One value a pixel, in the depth picture's unit; 0 where nothing was seen.
+        depth: Vec<u16>,
+        /// The values that are hand.
+        range: DepthRange,
+    },
+}
+
+/// Why a mask cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// It belongs to another picture.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+}
+
+/// A picture and the hand in it.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The picture, shrunk to what recognition works on.
+    pub picture: Picture,
+    /// The hand, of the picture's size.
+    pub mask: Mask,
+    /// The hand and its forearm, where the mask was found by colour.
+    pub skin: Option<Mask>,
+}
+
+/// JPEG rings around the hand: black becomes up to this bright.
+const JPEG_FLOOR: u8 = 16;
+
+pub(super) fn prepare(
+    picture: Picture,
+    is_jpeg: bool,
+    source: &MaskSource,
+    params: &SegmentParams,
+) -> Result<Prepared, RecogniseError> {
+    let (width, height) = (picture.width(), picture.height());
+    let found = match source {
+        MaskSource::Skin => {
+            let picture = picture.shrunk_to(WORKING_SIDE);
+            let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
+            return Ok(Prepared { picture, mask: found.hand, skin: Some(found.skin) });
+        }
+        MaskSource::Segmented => not_black(&picture, is_jpeg),
+        MaskSource::SegmentedAnd(mask) => {
+            mask.check_size(width, height).map_err(SourceError::Mask)?;
+            mask.and(&not_black(&picture, false))
+        }
+        MaskSource::Given(mask) => {
+            mask.check_size(width, height).map_err(SourceError::Mask)?;
+            mask.clone()
+        }
+        MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
+            let mask =
+                mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?;
+            mask.check_size(width, height).map_err(SourceError::Mask)?;
+            mask
+        }
+    };
+    if found.area() == 0 {
+        return Err(HandImageError::NoHand { width, height }.into());
+    }
+    let picture = picture.shrunk_to(WORKING_SIDE);
+    let mask = found.resized(picture.width(), picture.height());
+    Ok(Prepared { picture, mask, skin: None })
+}
+
+/// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's box.
+fn not_black(picture: &Picture, is_jpeg: bool) -> Mask {
+    let grey = picture.grey();
+    let floor = if is_jpeg { JPEG_FLOOR } else { 0 };
+    let mask = Mask::from_values(picture.width(), picture.height(), &grey, |value| value > floor);
+    if !is_jpeg {
+        return mask;
+    }
+    component::without_specks(&median::median3x3(&mask))
+}
