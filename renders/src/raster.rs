@@ -1,5 +1,7 @@
 //! A z-buffer rasteriser for small pictures: one pass over the vertices, one over the triangles.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Vector3};
 
 /// Grey value below which no pixel of the hand falls: what is brighter than 0 is hand.
@@ -10,6 +12,9 @@ const SUPER: usize = 2;
 
 /// Border in samples that is kept free around the hand.
 const MARGIN: f32 = 2.0;
+
+/// Rows of a triangle's box longer than this are narrowed before they are tested sample by sample.
+const WIDE: usize = 10;
 
 /// How a picture is lit: one far light and an even one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,48 +109,65 @@ fn project(
 
 /// Fills one triangle whose front faces the camera.
 fn fill([a, b, c]: &[Projected; 3], is_hand: bool, samples: usize, depth: &mut [f32], grey: &mut [f32]) {
-    // Outside counter-clockwise becomes clockwise when y points down: fronts have a negative area.
-    let area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    if area >= 0.0 {
+    // Outside counter-clockwise becomes clockwise when y points down: fronts have a positive area here.
+    let area = (b.y - a.y) * (c.x - a.x) - (b.x - a.x) * (c.y - a.y);
+    if area <= 0.0 {
         return;
     }
-    let last = samples as f32 - 1.0;
-    let range = |u: f32, v: f32, w: f32| {
-        let low = (u.min(v).min(w) - 0.5).ceil().max(0.0);
-        let high = (u.max(v).max(w) - 0.5).floor().min(last);
-        (low, high)
-    };
-    let (x0, x1) = range(a.x, b.x, c.x);
-    let (y0, y1) = range(a.y, b.y, c.y);
-    if x0 > x1 || y0 > y1 {
+    // The samples between two coordinates, the upper one left out: samples lie at halves. Casting cuts off
+    // the fraction and is much cheaper than rounding, and this runs for every triangle.
+    let first = |v: f32| ((v.max(0.0) + 0.5) as i32 as usize).min(samples);
+    let columns = first(a.x.min(b.x).min(c.x))..first(a.x.max(b.x).max(c.x));
+    let rows = first(a.y.min(b.y).min(c.y))..first(a.y.max(b.y).max(c.y));
+    if columns.is_empty() || rows.is_empty() {
         return;
     }
-    // Barycentric weights of `b` and `c` are planes over the picture.
+    // Barycentric weights of `b` and `c`, times the area, are planes over the picture.
+    let (bx, by) = (a.y - c.y, c.x - a.x);
+    let (cx, cy) = (b.y - a.y, a.x - b.x);
     let scale = 1.0 / area;
-    let (bx, by) = ((c.y - a.y) * scale, -(c.x - a.x) * scale);
-    let (cx, cy) = (-(b.y - a.y) * scale, (b.x - a.x) * scale);
-    let (dn_b, dn_c) = (b.near - a.near, c.near - a.near);
-    let (dg_b, dg_c) = (b.grey - a.grey, c.grey - a.grey);
-    let (columns, first) = ((x1 - x0) as usize + 1, x0 as usize);
-    let mut y = y0;
-    while y <= y1 {
-        let (px, py) = (x0 + 0.5 - a.x, y + 0.5 - a.y);
+    let (near_b, near_c) = ((b.near - a.near) * scale, (c.near - a.near) * scale);
+    let (grey_b, grey_c) = ((b.grey - a.grey) * scale, (c.grey - a.grey) * scale);
+    let px = columns.start as f32 + 0.5 - a.x;
+    for row in rows {
+        let py = row as f32 + 0.5 - a.y;
         let (mut wb, mut wc) = (bx * px + by * py, cx * px + cy * py);
-        let row = y as usize * samples + first;
-        let cells = depth[row..row + columns].iter_mut().zip(&mut grey[row..row + columns]);
-        for (d, g) in cells {
-            if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
-                let near = a.near + wb * dn_b + wc * dn_c;
+        let mut span = 0..columns.len();
+        if span.len() > WIDE {
+            span = narrow(span.len(), [(wb, bx), (wc, cx), (area - wb - wc, -bx - cx)]);
+            wb += bx * span.start as f32;
+            wc += cx * span.start as f32;
+        }
+        let start = row * samples + columns.start;
+        let cells = start + span.start..start + span.end;
+        for (d, g) in depth[cells.clone()].iter_mut().zip(&mut grey[cells]) {
+            if wb >= 0.0 && wc >= 0.0 && wb + wc <= area {
+                let near = a.near + wb * near_b + wc * near_c;
                 if near > *d {
                     *d = near;
-                    *g = if is_hand { a.grey + wb * dg_b + wc * dg_c } else { 0.0 };
+                    *g = if is_hand { a.grey + wb * grey_b + wc * grey_c } else { 0.0 };
                 }
             }
             wb += bx;
             wc += cx;
         }
-        y += 1.0;
     }
+}
+
+/// The part of a row of `len` samples in which no edge function `e0 + i * step` is negative, give or take a
+/// sample: long slanting triangles are mostly air inside their box.
+fn narrow(len: usize, edges: [(f32, f32); 3]) -> Range<usize> {
+    let (mut low, mut high) = (0.0f32, len as f32);
+    for (e0, step) in edges {
+        if step > 0.0 {
+            low = low.max(-e0 / step);
+        } else if step < 0.0 {
+            high = high.min(-e0 / step);
+        }
+    }
+    let start = ((low - 1.0).max(0.0) as usize).min(len);
+    let end = ((high + 2.0).max(0.0) as usize).min(len);
+    start..end.max(start)
 }
 
 /// Averages the samples of each pixel: a pixel is hand when at least half of its samples are.
@@ -163,7 +185,7 @@ fn shrink(grey: &[f32], side: usize) -> Vec<u8> {
             }
         }
         if 2 * count >= SUPER * SUPER {
-            *pixel = (sum / count as f32).round().clamp(f32::from(HAND_FLOOR), 255.0) as u8;
+            *pixel = (sum / count as f32 + 0.5).clamp(f32::from(HAND_FLOOR), 255.0) as u8;
         }
     }
     out

@@ -45,7 +45,7 @@ impl Default for Look {
             distance: 4.0,
             distance_variation: 0.0,
             light_variation: 0.0,
-            cell: 0.003,
+            cell: 0.0035,
         }
     }
 }
