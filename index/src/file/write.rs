@@ -397,3 +397,6 @@ fn aligned(offset: u64) -> io::Result<u64> {
 fn pad(out: &mut impl Write, bytes: u64) -> io::Result<()> {
     out.write_all(&[0; ALIGNMENT as usize][..bytes as usize])
 }
+
+#[cfg(test)]
+mod tests;
