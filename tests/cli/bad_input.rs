@@ -73,7 +73,9 @@ fn a_wrong_index_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = folder.path().join("wrong.idx");
     fs::write(&wrong, fs::read(good()).unwrap()).unwrap();
-    for program_and_arguments in [["grasp-query", "recognise"], ["grasp-builder", "verify"], ["grasp-builder", "inspect"]] {
+    for program_and_arguments in
+        [["grasp-query", "recognise"], ["grasp-builder", "verify"], ["grasp-builder", "inspect"]]
+    {
         let [name, subcommand] = program_and_arguments;
         let mut command = program(name);
         command.arg(subcommand);
@@ -114,7 +116,8 @@ fn an_index_cut_or_flipped_anywhere_is_found_by_verify() {
 fn a_manifest_whose_file_is_missing_stops_the_build_and_keeps_the_old_index() {
     let folder = tempfile::tempdir().unwrap();
     let (set, index) = (folder.path().join("set"), folder.path().join("grasp.idx"));
-    let render = |set: &Path| run(program("grasp-builder").args(["render", "--step", "45", "--out"]).arg(set));
+    let render =
+        |set: &Path| run(program("grasp-builder").args(["render", "--step", "45", "--out"]).arg(set));
     let build = || run(program("grasp-builder").arg("build").arg(&set).arg("--out").arg(&index));
     assert_eq!(render(&set).status, 0);
     assert_eq!(build().status, 0);
@@ -162,5 +165,8 @@ fn a_full_disk_leaves_the_old_index_and_no_debris() {
     assert!(outcome.stderr.contains("grasp.idx"), "{}", outcome.stderr);
     assert!(fs::read(&index).unwrap() == before);
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert!(left.iter().all(|name| name == "grasp.idx" || name.to_string_lossy().ends_with(".lock")), "{left:?}");
+    assert!(
+        left.iter().all(|name| name == "grasp.idx" || name.to_string_lossy().ends_with(".lock")),
+        "{left:?}"
+    );
 }

@@ -24,7 +24,8 @@ fn an_index_answers_for_its_own_render() {
     assert_eq!(rows.len() % 6, 0);
     for row in rows.iter().step_by(rows.len() / 12) {
         let picture = set.join(&row[column("file")]).display().to_string();
-        let answer = &recognise(&["--segmented", "--hand", "right", "--rolls", "1", &picture]).json_lines()[0];
+        let answer =
+            &recognise(&["--segmented", "--hand", "right", "--rolls", "1", &picture]).json_lines()[0];
         assert_eq!(answer["grasp"], &row[column("grasp")], "{picture}");
         assert!(answer["neighbours"][0]["distance"].as_f64().unwrap() < 1e-3, "{answer}");
         let quaternion = |at: usize| answer["neighbours"][0]["quaternion_xyzw"][at].as_f64().unwrap();
@@ -48,8 +49,12 @@ fn every_sample_picture_with_a_hand_gets_an_answer() {
         };
         assert_eq!(outcome.status, 0, "{picture}: {}{}", outcome.stdout, outcome.stderr);
         let answer = &outcome.json_lines()[0];
-        let probabilities: Vec<f64> =
-            answer["classes"].as_array().unwrap().iter().map(|class| class["probability"].as_f64().unwrap()).collect();
+        let probabilities: Vec<f64> = answer["classes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|class| class["probability"].as_f64().unwrap())
+            .collect();
         assert_eq!(probabilities.len(), 6);
         assert!((probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-6);
         assert!(probabilities.is_sorted_by(|a, b| a >= b));
@@ -77,7 +82,9 @@ fn pictures_come_by_pipe_as_well() {
     let picture = first_segmented();
     let by_name = &recognise(&["--segmented", &picture]).json_lines()[0];
     let piped = run_with_input(
-        program("grasp-query").args(["recognise", "--json", "--segmented", "-", "--index"]).arg(small_index()),
+        program("grasp-query")
+            .args(["recognise", "--json", "--segmented", "-", "--index"])
+            .arg(small_index()),
         &std::fs::read(&picture).unwrap(),
     );
     assert_eq!(piped.status, 0, "{}", piped.stderr);
@@ -88,9 +95,13 @@ fn pictures_come_by_pipe_as_well() {
 fn a_stream_of_frames_gets_a_record_each() {
     let frame = image::open(first_segmented()).unwrap().to_rgb8();
     let mut one = Vec::new();
-    image::DynamicImage::from(frame).write_to(&mut std::io::Cursor::new(&mut one), image::ImageFormat::Pnm).unwrap();
+    image::DynamicImage::from(frame)
+        .write_to(&mut std::io::Cursor::new(&mut one), image::ImageFormat::Pnm)
+        .unwrap();
     let piped = run_with_input(
-        program("grasp-query").args(["recognise", "--json", "--segmented", "-", "--index"]).arg(small_index()),
+        program("grasp-query")
+            .args(["recognise", "--json", "--segmented", "-", "--index"])
+            .arg(small_index()),
         &one.repeat(3),
     );
     assert_eq!(piped.status, 0, "{}", piped.stderr);
@@ -108,7 +119,16 @@ fn evaluate_scores_the_sample_pictures() {
         .arg(small_index()));
     assert!(outcome.status <= 1, "{}", outcome.stderr);
     let report = &outcome.json_lines()[0];
-    for key in ["n", "top1", "per_class", "per_stage", "confusion", "orientation_error_deg", "unknown", "ms_per_picture"] {
+    for key in [
+        "n",
+        "top1",
+        "per_class",
+        "per_stage",
+        "confusion",
+        "orientation_error_deg",
+        "unknown",
+        "ms_per_picture",
+    ] {
         assert!(!report[key].is_null(), "{key} is missing from {report}");
     }
 }

@@ -26,8 +26,9 @@ fn growing_an_index_gives_the_bytes_of_a_build_from_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("first"), folder.path().join("second"));
     for (set, shape) in [(&first, "mean"), (&second, "slender")] {
-        let rendered =
-            run(program("grasp-builder").args(["render", "--step", "36", "--hand-shape", shape, "--out"]).arg(set));
+        let rendered = run(program("grasp-builder")
+            .args(["render", "--step", "36", "--hand-shape", shape, "--out"])
+            .arg(set));
         assert_eq!(rendered.status, 0, "{}", rendered.stderr);
     }
     let (first, second) = (first.to_str().unwrap(), second.to_str().unwrap());

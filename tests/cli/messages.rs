@@ -43,7 +43,10 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 fn completions_and_manual_pages_come_for_both_programs() {
     for name in ["grasp-builder", "grasp-query"] {
         let completions = run(program(name).args(["completions", "zsh"]));
-        assert!(completions.status == 0 && completions.stdout.contains(&format!("#compdef {name}")), "{name}");
+        assert!(
+            completions.status == 0 && completions.stdout.contains(&format!("#compdef {name}")),
+            "{name}"
+        );
         let page = run(program(name).arg("man"));
         assert!(page.status == 0 && page.stdout.contains(".TH"), "{name}");
     }

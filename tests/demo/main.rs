@@ -37,15 +37,19 @@ fn demo() -> Result<(), String> {
 
     steps.heading("Recognise pictures of a hand that the database does not hold");
     let samples = samples()?;
-    let mut arguments = vec!["recognise", "--index", "target/demo/grasp.idx", "--explain", "target/demo/explained"];
+    let mut arguments =
+        vec!["recognise", "--index", "target/demo/grasp.idx", "--explain", "target/demo/explained"];
     arguments.extend(samples.iter().map(String::as_str));
     steps.run("grasp-query", &arguments)?;
 
     steps.heading("Score the labelled ones among them");
-    steps.run("grasp-query", &["evaluate", "tests/pictures/labels.csv", "--index", "target/demo/grasp.idx"])?;
+    steps
+        .run("grasp-query", &["evaluate", "tests/pictures/labels.csv", "--index", "target/demo/grasp.idx"])?;
 
     println!("\nDone in {:.1} s. Look at", started.elapsed().as_secs_f64());
-    println!("  target/demo/explained/  each picture with its mask, hand image, descriptor and nearest neighbours");
+    println!(
+        "  target/demo/explained/  each picture with its mask, hand image, descriptor and nearest neighbours"
+    );
     println!("  target/demo/renders/    the 5,400 renders, and manifest.csv that labels them");
     println!("Try your own: target/release/grasp-query recognise PICTURE.jpg --index target/demo/grasp.idx");
     Ok(())
@@ -54,7 +58,8 @@ fn demo() -> Result<(), String> {
 /// The sample camera pictures, relative to the checkout's root, in the order of their names.
 fn samples() -> Result<Vec<String>, String> {
     let folder = pictures();
-    let listing = std::fs::read_dir(&folder).map_err(|error| format!("cannot list {}: {error}", folder.display()))?;
+    let listing =
+        std::fs::read_dir(&folder).map_err(|error| format!("cannot list {}: {error}", folder.display()))?;
     let mut names: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
     names.retain(|path| path.extension().is_some_and(|extension| extension == "jpg"));
     names.sort();

@@ -42,8 +42,8 @@ impl Render {
             write_set(&self.out, &plan, &|done, _| bar.set_position(done as u64), interrupt::flag());
         bar.finish_and_clear();
         let summary = match written {
-            Err(error @ RenderSetError::Cancelled { .. }) => {
-                return Err(Interrupted).with_context(|| error.to_string());
+            Err(RenderSetError::Cancelled { done, total }) => {
+                return Err(Interrupted).with_context(|| format!("{done} of {total} renders are made"));
             }
             other => other.with_context(|| format!("{} is not complete", self.out.display()))?,
         };
