@@ -38,7 +38,7 @@ pub(crate) struct Drawing {
     pub(crate) hand_triangles: usize,
 }
 
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Projected {
     x: f32,
     y: f32,
@@ -195,6 +195,7 @@ fn shrink(grey: &[f32], side: usize) -> Vec<u8> {
 mod tests {
     use super::*;
     use crate::mesh::{Mesh, surface_nets};
+    use proptest::prelude::*;
 
     const FRONT: Light = Light { toward: Vector3::new(0.0, 0.0, -1.0), ambient: 0.3 };
 
@@ -243,5 +244,40 @@ mod tests {
         let middle = |d: &Drawing| draw(d, &Matrix3::identity(), 10.0, &FRONT, 48)[24 * 48 + 24];
         assert_eq!(middle(&drawing(hand(), small(-2.0))), 0);
         assert!(middle(&drawing(hand(), small(2.0))) > HAND_FLOOR);
+    }
+
+    fn corner() -> impl Strategy<Value = Projected> {
+        (-20.0..60.0f32, -20.0..60.0f32, 0.1..2.0f32).prop_map(|(x, y, near)| Projected {
+            x,
+            y,
+            near,
+            grey: 100.0,
+        })
+    }
+
+    proptest! {
+        /// Each sample by itself, in double precision: inside all three edges or not.
+        #[test]
+        fn a_triangle_covers_the_samples_inside_it(corners in [corner(), corner(), corner()]) {
+            const SIDE: usize = 40;
+            let (mut depth, mut grey) = (vec![0f32; SIDE * SIDE], vec![0f32; SIDE * SIDE]);
+            fill(&corners, true, SIDE, &mut depth, &mut grey);
+            for (i, g) in grey.iter().enumerate() {
+                let (x, y) = ((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5);
+                // How far to the front's inside of each edge, in samples.
+                let inside = (0..3)
+                    .map(|k| {
+                        let (p, q) = (corners[k], corners[(k + 1) % 3]);
+                        let (dx, dy) = (f64::from(q.x - p.x), f64::from(q.y - p.y));
+                        ((x - f64::from(p.x)) * dy - (y - f64::from(p.y)) * dx) / dx.hypot(dy)
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                if inside > 1e-3 {
+                    prop_assert!(*g > 0.0, "hole at {x} {y}");
+                } else if inside < -1e-3 {
+                    prop_assert_eq!(*g, 0.0, "spill at {} {}", x, y);
+                }
+            }
+        }
     }
 }
