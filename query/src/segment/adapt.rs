@@ -149,20 +149,24 @@ fn probability(odds: f32) -> f32 {
 /// Spreads each bin over its chroma neighbours with the weights 1, 2, 1: noise moves a pixel by a bin or so.
 fn spread(bins: &mut [f32]) {
     for plane in bins.chunks_exact_mut(CHROMA_BINS * CHROMA_BINS) {
-        for stride in [1, CHROMA_BINS] {
-            let other = CHROMA_BINS * CHROMA_BINS / CHROMA_BINS;
-            let across = if stride == 1 { CHROMA_BINS } else { 1 };
-            for line in 0..other {
-                let mut before = 0.0;
-                for step in 0..CHROMA_BINS {
-                    let at = line * across + step * stride;
-                    let after = if step + 1 < CHROMA_BINS { plane[at + stride] } else { 0.0 };
-                    let here = plane[at];
-                    plane[at] = 0.25 * before + 0.5 * here + 0.25 * after;
-                    before = here;
-                }
-            }
+        for line in 0..CHROMA_BINS {
+            spread_line(plane, line * CHROMA_BINS, 1);
         }
+        for line in 0..CHROMA_BINS {
+            spread_line(plane, line, CHROMA_BINS);
+        }
+    }
+}
+
+/// Spreads one row or column of a plane: `CHROMA_BINS` values from `start`, `stride` apart.
+fn spread_line(plane: &mut [f32], start: usize, stride: usize) {
+    let mut before = 0.0;
+    for step in 0..CHROMA_BINS {
+        let at = start + step * stride;
+        let after = if step + 1 < CHROMA_BINS { plane[at + stride] } else { 0.0 };
+        let here = plane[at];
+        plane[at] = 0.25 * before + 0.5 * here + 0.25 * after;
+        before = here;
     }
 }
 
@@ -191,4 +195,47 @@ fn box_mean(width: usize, height: usize, values: &[f32], radius: usize) -> Vec<f
         out.iter_mut().for_each(|value| *value *= share);
     }
     means
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch of one colour on a ground of another.
+    fn patch(skin: [u8; 3], ground: [u8; 3]) -> Picture {
+        let inside = |at: usize| (20..44).contains(&(at % 64)) && (20..44).contains(&(at / 64));
+        let rgb = (0..64 * 64).map(|at| if inside(at) { skin } else { ground }).collect();
+        Picture::new(64, 64, rgb).unwrap()
+    }
+
+    #[test]
+    fn skin_in_dim_light_is_found_by_its_difference_from_the_ground() {
+        // Indoors, by the window: the published model alone calls this brown no skin.
+        let picture = patch([74, 51, 50], [178, 182, 186]);
+        assert!(skin::log_odds([74, 51, 50]) < 0.5);
+        let odds = log_odds(&picture, 1, &AdaptParams::default());
+        assert!(odds[32 * 64 + 32] > 1.0, "hand {}", odds[32 * 64 + 32]);
+        assert!(odds[5 * 64 + 5] < -1.0, "ground {}", odds[5 * 64 + 5]);
+    }
+
+    #[test]
+    fn a_picture_of_one_blue_has_no_skin() {
+        let odds = log_odds(&patch([40, 70, 160], [40, 70, 160]), 1, &AdaptParams::default());
+        assert!(odds.iter().all(|&odds| odds < 0.0));
+    }
+
+    #[test]
+    fn the_box_mean_keeps_a_flat_picture_flat_up_to_its_border() {
+        let means = box_mean(5, 4, &[2.0; 20], 2);
+        assert!(means.iter().all(|mean| (mean - 2.0).abs() < 1e-6));
+    }
+
+    #[test]
+    fn spreading_keeps_the_count_and_reaches_the_eight_neighbours() {
+        let mut bins = vec![0f32; CHROMA_BINS * CHROMA_BINS];
+        bins[10 * CHROMA_BINS + 10] = 16.0;
+        spread(&mut bins);
+        assert!((bins.iter().sum::<f32>() - 16.0).abs() < 1e-4);
+        assert_eq!((bins[10 * CHROMA_BINS + 10], bins[9 * CHROMA_BINS + 11]), (4.0, 1.0));
+    }
 }
