@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
+use super::stream::is_cut_jpeg;
 use super::{MAX_PIXELS, Picture};
 
 /// The most bytes an encoded picture may have.
@@ -25,7 +26,7 @@ pub enum DecodeError {
     #[error("the file is empty; a PNG, JPEG or PNM picture is needed")]
     Empty,
     /// The first bytes belong to no format that is read here.
-    #[error("not an image: its first bytes are neither PNG, JPEG nor PNM")]
+    #[error("not a picture: its first bytes are neither PNG, JPEG nor PNM")]
     NotAnImage,
     /// The header asks for more pixels than are allowed; nothing was decoded.
     #[error("the header says {width} x {height} pixels; at most {} megapixels are read: shrink the picture first", MAX_PIXELS >> 20)]
@@ -126,6 +127,9 @@ fn dynamic(bytes: &[u8]) -> Result<DynamicImage, DecodeError> {
     }
     if width == 0 || height == 0 {
         return Err(DecodeError::Damaged(format!("the header says {width} x {height} pixels")));
+    }
+    if is_cut_jpeg(bytes) {
+        return Err(DecodeError::Truncated);
     }
     let orientation = decoder.orientation().map_err(explain)?;
     let mut image = DynamicImage::from_decoder(decoder).map_err(explain)?;

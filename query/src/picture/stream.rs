@@ -191,6 +191,11 @@ fn end_of_pam(bytes: &[u8]) -> End {
     }
 }
 
+/// Whether a JPEG lacks its end marker. Decoders fill the missing part with grey and say nothing.
+pub(super) fn is_cut_jpeg(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0xFF, 0xD8]) && JpegScan::default().end(bytes) == End::NeedsMore
+}
+
 /// Walks the segments of a JPEG. It remembers where it stopped, so that each byte is looked at once.
 #[derive(Debug, Default)]
 struct JpegScan {
