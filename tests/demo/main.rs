@@ -57,7 +57,7 @@ fn demo() -> Result<(), String> {
 
 /// The sample camera pictures, relative to the checkout's root, in the order of their names.
 fn samples() -> Result<Vec<String>, String> {
-    let folder = pictures();
+    let folder = pictures().join("camera");
     let listing =
         std::fs::read_dir(&folder).map_err(|error| format!("cannot list {}: {error}", folder.display()))?;
     let mut names: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();

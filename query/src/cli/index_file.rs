@@ -1,5 +1,6 @@
 //! Which index to use, and opening it.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
@@ -12,8 +13,8 @@ const DEFAULT: &str = "grasp.idx";
 #[derive(Debug, clap::Args)]
 pub(super) struct IndexFile {
     /// The index; without it, what GRASP_INDEX names, else ./grasp.idx.
-    #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true)]
-    index: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true, value_parser = clap::value_parser!(OsString))]
+    index: Option<OsString>,
     /// Read the index into memory instead of mapping it, e.g. from a network file system.
     #[arg(long)]
     no_mmap: bool,
@@ -21,7 +22,9 @@ pub(super) struct IndexFile {
 
 impl IndexFile {
     pub(super) fn open(&self) -> anyhow::Result<Index> {
-        let path = self.index.clone().unwrap_or_else(|| DEFAULT.into());
+        // `GRASP_INDEX= grasp-query ...` is how a shell unsets a variable for one command.
+        let named = self.index.as_ref().filter(|name| !name.is_empty());
+        let path = named.map_or_else(|| DEFAULT.into(), PathBuf::from);
         if !path.exists() {
             bail!(
                 "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",

@@ -36,6 +36,9 @@ pub struct SegmentParams {
     pub median_passes: usize,
     /// The smallest share of the picture that a hand may fill.
     pub min_share: f32,
+    /// The smallest share of a hand's pixels that the published model must take for skin without any adaptation:
+    /// what follows a picture's own light far enough finds skin on a white bottle.
+    pub min_published: f32,
 }
 
 impl Default for SegmentParams {
@@ -47,6 +50,7 @@ impl Default for SegmentParams {
             smooth_radius: 1,
             median_passes: 3,
             min_share: 0.004,
+            min_published: 0.02,
         }
     }
 }
@@ -70,6 +74,16 @@ pub fn segment(picture: &Picture, params: &SegmentParams) -> Option<Segmentation
     }
     let smallest = (params.min_share * (width * height) as f32) as usize;
     let skin = component::most_hand_like(&mask, &odds, smallest.max(component::MIN_PIXELS))?;
+    if published_share(picture, &skin) < params.min_published {
+        return None;
+    }
     let hand = wrist::cut_forearm(&skin);
     Some(Segmentation { skin, hand })
+}
+
+/// The share of a mask's pixels whose colour is skin to the published model.
+fn published_share(picture: &Picture, mask: &Mask) -> f32 {
+    let pixels = picture.rgb().iter().zip(mask.pixels()).filter(|(_, inside)| **inside != 0);
+    let is_skin = pixels.filter(|(rgb, _)| skin::log_odds(**rgb) > 0.0).count();
+    is_skin as f32 / mask.area().max(1) as f32
 }
