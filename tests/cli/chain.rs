@@ -24,8 +24,7 @@ fn an_index_answers_for_its_own_render() {
     assert_eq!(rows.len() % 6, 0);
     for row in rows.iter().step_by(rows.len() / 12) {
         let picture = set.join(&row[column("file")]).display().to_string();
-        let answer =
-            &recognise(&["--segmented", "--hand", "right", "--rolls", "1", &picture]).json_lines()[0];
+        let answer = &recognise(&["--segmented", "--hand", "right", "--k", "1", &picture]).json_lines()[0];
         assert_eq!(answer["grasp"], &row[column("grasp")], "{picture}");
         assert!(answer["neighbours"][0]["distance"].as_f64().unwrap() < 1e-3, "{answer}");
         // A quaternion and its negative are the same rotation.

@@ -23,7 +23,7 @@ impl Inputs {
                 let (hands, grasps, views) = (plan.hand_shapes.len(), plan.grasps.len(), plan.views().len());
                 let scenes = plan.renders() / views.max(1);
                 let text = format!(
-                    "rendered: {hands} hand shapes, {grasps} grasps, {scenes} scenes of {views} views, seed {}",
+                    "rendered: {scenes} scenes (hand shapes: {hands}, grasps: {grasps}) of {views} views, seed {}",
                     plan.seed
                 );
                 provenance.push(("source".to_owned(), text));
