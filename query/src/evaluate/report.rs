@@ -260,15 +260,17 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
     }
     writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
     let classes = &report.confusion.classes;
-    write!(text, "  {:<16}", "")?;
-    for name in classes.iter().map(String::as_str).chain([UNKNOWN]) {
-        write!(text, " {:>7}", name.chars().take(7).collect::<String>())?;
+    // Names are too long for columns: a letter stands for each.
+    let letters: Vec<char> = ('a'..='z').cycle().take(classes.len()).collect();
+    write!(text, "  {:<18}", "")?;
+    for letter in &letters {
+        write!(text, " {letter:>5}")?;
     }
-    writeln!(text)?;
-    for (class, row) in classes.iter().zip(&report.confusion.counts) {
-        write!(text, "  {class:<16}")?;
+    writeln!(text, "  {UNKNOWN}")?;
+    for ((letter, class), row) in letters.iter().zip(classes).zip(&report.confusion.counts) {
+        write!(text, "  {letter} {class:<16}")?;
         for count in row {
-            write!(text, " {count:>7}")?;
+            write!(text, " {count:>5}")?;
         }
         writeln!(text)?;
     }
