@@ -2,7 +2,7 @@
 //!
 //! A [`Source`] lists what to index, in a fixed order. Its pictures are described in parallel and collected in that
 //! order, so that the file's bytes do not depend on the number of threads. What an existing index at the same path
-//! holds of the very same pictures ([`known`]) is taken over instead of being rendered and described again; the bytes
+//! holds of the very same pictures (`known`) is taken over instead of being rendered and described again; the bytes
 //! are those of a build from nothing.
 
 mod inputs;

@@ -30,7 +30,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; `-` reads a picture, or a stream of PNM or JPEG frames, from standard input.
+    /// The pictures; `-` reads a picture, or a stream of PNM, JPEG or PNG frames, from standard input.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]

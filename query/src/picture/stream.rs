@@ -1,6 +1,6 @@
-//! A stream of pictures on one pipe: PNM or JPEG frames, one behind the other.
+//! A stream of pictures on one pipe: PNM, JPEG or PNG frames, one behind the other.
 //!
-//! `ffmpeg -i video.mp4 -f image2pipe -c:v ppm -` (or `-c:v mjpeg`) writes such a stream. Where a frame ends is
+//! `ffmpeg -i video.mp4 -f image2pipe -c:v ppm -` (or `-c:v mjpeg`, or `-c:v png`) writes such a stream. Where a frame ends is
 //! found from the format alone, without decoding, and at most one frame is held in memory.
 
 use std::io::{self, Read};
@@ -27,8 +27,8 @@ pub enum StreamError {
 
 /// Splits a byte stream into the encoded pictures in it, as an iterator of their bytes.
 ///
-/// PNM (binary: P4, P5, P6, P7) and JPEG frames are told apart by their first bytes. Anything else, PNG included, is one
-/// picture up to the end of the stream, and so is a last frame that is cut short: decoding then says what is wrong.
+/// PNM (binary: P4, P5, P6, P7), JPEG and PNG frames are told apart by their first bytes. Anything else is one picture
+/// up to the end of the stream, and so is a last frame that is cut short: decoding then says what is wrong.
 #[derive(Debug)]
 pub struct Frames<R> {
     input: R,
@@ -118,7 +118,34 @@ fn end_of_frame(bytes: &[u8], jpeg: &mut JpegScan) -> End {
         [b'P', b'4'..=b'6', ..] => end_of_pnm(bytes),
         [b'P', b'7', ..] => end_of_pam(bytes),
         [0xFF, 0xD8, ..] => jpeg.end(bytes),
+        [0x89, b'P', ..] => end_of_png(bytes),
         _ => End::Unknown,
+    }
+}
+
+/// The bytes before the first chunk of a PNG.
+const PNG_SIGNATURE: usize = 8;
+/// What a PNG chunk has besides its data: length, type and checksum, four bytes each.
+const PNG_CHUNK: usize = 12;
+
+/// The end of a PNG: its chunks say how long they are, and the last is named IEND.
+fn end_of_png(bytes: &[u8]) -> End {
+    let mut at = PNG_SIGNATURE;
+    loop {
+        let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(at..at + 8) else {
+            return End::NeedsMore;
+        };
+        let length = u32::from_be_bytes([a, b, c, d]) as usize;
+        if length > MAX_FRAME_BYTES - at {
+            return End::TooLarge;
+        }
+        at += length + PNG_CHUNK;
+        if kind == b"IEND" {
+            return End::At(at);
+        }
+        if at > MAX_FRAME_BYTES {
+            return End::TooLarge;
+        }
     }
 }
 
