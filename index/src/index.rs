@@ -153,8 +153,13 @@ impl Index {
     /// What the neighbours say. Neighbours that are not in the index, or whose entry makes no sense, have no vote.
     pub fn vote(&self, neighbours: &[Neighbour], options: &VoteOptions) -> Vote {
         let catalogue = self.catalogue();
-        let scale = options.sigma_scale.unwrap_or(catalogue.calibration.sigma_scale);
-        let sigma = options.sigma.unwrap_or(catalogue.sigma.mean_distance * scale);
+        let fitted = catalogue.calibration.sigma_scale * catalogue.sigma.mean_distance;
+        let sigma = match (options.sigma, options.sigma_scale) {
+            (Some(sigma), _) => sigma,
+            (None, Some(scale)) => scale * catalogue.sigma.mean_distance,
+            (None, None) if options.literal_sigma => catalogue.sigma.literal,
+            (None, None) => fitted,
+        };
         let ballots: Vec<Ballot> = neighbours.iter().filter_map(|neighbour| self.ballot(neighbour)).collect();
         let shares = vote::probabilities(&ballots, catalogue.classes.len(), sigma);
         let scores = (0u16..).zip(&catalogue.classes).zip(shares);

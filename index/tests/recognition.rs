@@ -2,7 +2,7 @@
 
 mod support;
 
-use grasp_index::{DescriptorParams, Index, IndexParams, VoteOptions, mirror_orientation};
+use grasp_index::{DescriptorParams, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn index(descriptor: DescriptorParams) -> Index {
@@ -64,4 +64,26 @@ fn mirroring_keeps_what_a_left_hands_frame_means() {
         let (seen, flipped) = (right * axis, left * axis);
         assert!((Vector3::new(-seen.x, seen.y, seen.z) - flipped).norm() < 1e-12);
     }
+}
+
+/// With the formula as printed, every weight of Equation 3 is all but 1.
+#[test]
+fn the_literal_sigma_counts_heads_and_the_fitted_one_weighs_them() {
+    let index = index(DescriptorParams::default());
+    let query = index.descriptor(7).unwrap().to_vec();
+    let found =
+        index.search(&query, &SearchOptions { k: 60, exact: true, ..index.search_options() }).unwrap();
+    let class = index.labels()[7];
+    let alike = found.neighbours.iter().filter(|near| index.labels()[near.id as usize] == class).count();
+    let share = |options: &VoteOptions| {
+        let vote = index.vote(&found.neighbours, options);
+        vote.classes.iter().find(|score| score.class == class).unwrap().probability
+    };
+    let heads = alike as f64 / 60.0;
+    assert!(alike < 60, "the test needs a neighbour of another class");
+    let literal = share(&VoteOptions { literal_sigma: true, ..VoteOptions::default() });
+    assert!((literal - heads).abs() < 1e-2, "{literal} is not {heads}");
+    let narrow =
+        share(&VoteOptions { sigma_scale: Some(0.1), literal_sigma: true, ..VoteOptions::default() });
+    assert!(narrow > literal, "an explicit width takes precedence: {narrow}, {literal}");
 }

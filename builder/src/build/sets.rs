@@ -33,7 +33,7 @@ pub struct RenderSet {
 pub enum SetError {
     /// The folder has no manifest, or cannot be read.
     #[error(
-        "{path} is no render set: {source}; a render set is a folder with a {MANIFEST}, as `grasp-builder render` writes it"
+        "{path} cannot be read; a render set is a folder with a {MANIFEST}, as `grasp-builder render` writes it"
     )]
     NoManifest {
         /// The manifest that was looked for.

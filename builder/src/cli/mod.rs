@@ -109,26 +109,12 @@ fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::from(SUCCESS);
     }
     // Standard error may be closed as well; there is nobody left to tell then.
-    let _ = writeln!(io::stderr(), "grasp-builder: {}", message(error));
+    let _ = writeln!(io::stderr(), "grasp-builder: {error:#}");
     ExitCode::from(if error.chain().any(|cause| cause.is::<Interrupted>()) {
         interrupt::EXIT_STATUS
     } else {
         ERROR
     })
-}
-
-/// An error and its causes, from the outermost in. Some libraries repeat a cause in the text of what it caused; it is
-/// told once.
-fn message(error: &anyhow::Error) -> String {
-    let mut message = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if message.is_empty() {
-            message = cause;
-        } else if !message.contains(&cause) {
-            message = format!("{message}: {cause}");
-        }
-    }
-    message
 }
 
 /// A reader that has seen enough (`| head`) is no failure of ours.

@@ -23,7 +23,7 @@ pub struct AtomicFile {
 #[non_exhaustive]
 pub enum WriteError {
     /// The operating system refused; a full disk is told here.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}", path.display())]
     Io {
         /// The file that was to be written.
         path: PathBuf,

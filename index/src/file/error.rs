@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum OpenError {
     /// The operating system refused.
-    #[error("cannot read it: {0}")]
+    #[error("cannot read it")]
     Io(#[from] std::io::Error),
     /// The path names a folder.
     #[error("it is a folder: name the index file itself")]

@@ -18,6 +18,9 @@ pub struct VoteOptions {
     pub sigma: Option<f64>,
     /// A factor on sigma, in place of the index's own calibrated one.
     pub sigma_scale: Option<f64>,
+    /// Take Equation 5 as it is printed, which makes every weight all but 1, in place of its words. Both other widths
+    /// take precedence.
+    pub literal_sigma: bool,
     /// Take Equation 4 literally, as a cyclic mean of each Euler angle by itself, in place of the mean rotation.
     pub euler_mean: bool,
 }

@@ -25,6 +25,9 @@ pub(super) struct RecogniseArguments {
     /// Width of the vote's kernel as a multiple of the index's measured sigma.
     #[arg(long, value_name = "X", value_parser = parse_positive)]
     sigma_scale: Option<f64>,
+    /// Take the vote's sigma from Equation 5 as it is printed, instead of from its words.
+    #[arg(long, conflicts_with_all = ["sigma", "sigma_scale"])]
+    literal_sigma: bool,
     /// Average Euler angles, as Equation 4 is printed, instead of rotations.
     #[arg(long)]
     euler_mean: bool,
@@ -40,6 +43,7 @@ impl RecogniseArguments {
             vote: VoteOptions {
                 sigma: self.sigma,
                 sigma_scale: self.sigma_scale,
+                literal_sigma: self.literal_sigma,
                 euler_mean: self.euler_mean,
             },
             ..RecogniseOptions::default()

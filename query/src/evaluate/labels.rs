@@ -61,7 +61,7 @@ pub struct Label {
 #[derive(Debug, thiserror::Error)]
 pub enum LabelsError {
     /// The file cannot be read or is no table.
-    #[error("cannot read the labels {}: {source}", path.display())]
+    #[error("cannot read the labels {}", path.display())]
     Read {
         /// The file.
         path: PathBuf,

@@ -15,12 +15,12 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 #[derive(Debug, thiserror::Error)]
 pub enum DecodeError {
     /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {reason}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// What the system said.
-        source: std::io::Error,
+        reason: std::io::Error,
     },
     /// There are no bytes at all.
     #[error("the file is empty; a PNG, JPEG or PNM picture is needed")]
@@ -59,7 +59,7 @@ impl DecodeError {
 
 /// The bytes of a file, refused early where it is too long to be a picture.
 pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
-    let cannot = |source| DecodeError::Read { path: path.to_owned(), source };
+    let cannot = |reason| DecodeError::Read { path: path.to_owned(), reason };
     let file = std::fs::File::open(path).map_err(cannot)?;
     let length = file.metadata().map_err(cannot)?.len();
     if length > MAX_FILE_BYTES {

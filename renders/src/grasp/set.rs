@@ -16,7 +16,7 @@ const BUILTIN: &str = include_str!("../../data/grasps.toml");
 #[derive(Debug, thiserror::Error)]
 pub enum GraspSetError {
     /// The file cannot be read.
-    #[error("cannot read the grasps in {path}: {source}")]
+    #[error("cannot read the grasps in {path}")]
     Read {
         /// The file.
         path: PathBuf,
@@ -24,7 +24,7 @@ pub enum GraspSetError {
         source: io::Error,
     },
     /// Not TOML, or a key that is missing, unknown or of the wrong kind.
-    #[error("the grasps are not understood: {0}")]
+    #[error("the grasps are not understood")]
     Syntax(#[from] toml::de::Error),
     /// A value that cannot be.
     #[error("grasp `{grasp}`: {what}")]
@@ -296,7 +296,9 @@ mod tests {
 
     fn broken(from: &str, to: &str) -> String {
         assert!(BUILTIN.contains(from));
-        GraspSet::parse(&BUILTIN.replacen(from, to, 1)).expect_err("broken").to_string()
+        let error = GraspSet::parse(&BUILTIN.replacen(from, to, 1)).expect_err("broken");
+        let cause = std::error::Error::source(&error).map(|cause| format!(": {cause}"));
+        format!("{error}{}", cause.unwrap_or_default())
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub enum RenderSetError {
     #[error("the plan makes no render: it needs a hand shape, a stage, an object size and a view")]
     Empty,
     /// A file or folder could not be written.
-    #[error("cannot write {path}: {source}")]
+    #[error("cannot write {path}")]
     Write {
         /// What.
         path: PathBuf,
