@@ -12,7 +12,7 @@ pub const EXIT_STATUS: u8 = 130;
 
 /// The work was stopped by the user; what was finished is kept and the same command goes on from there.
 #[derive(Debug, thiserror::Error)]
-#[error("stopped; nothing half-written is left, run the same command to go on")]
+#[error("stopped; nothing half-written is left, run the same command again")]
 pub struct Interrupted;
 
 /// Catches SIGINT and SIGTERM from now on. A second signal ends the program at once.

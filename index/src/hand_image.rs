@@ -58,6 +58,14 @@ pub enum HandImageError {
     },
 }
 
+/// What segmented pictures have outside the hand, at most: black, which other programs' pictures do not always have
+/// quite. A hand in a picture of this project has 16 or more.
+pub const BACKGROUND: u8 = 8;
+
+/// The longest side, in pixels, at which hand images are described: that of this project's renders. Larger ones are
+/// [shrunk](HandImage::shrunk_to), so that all are described at one scale.
+pub const DESCRIBED_SIDE: usize = 48;
+
 impl HandImage {
     /// Cuts the hand out of a grey picture. `grey` and `mask` are row-major, `width * height` values each; a mask
     /// value other than 0 is hand.

@@ -1,6 +1,5 @@
 //! An opened index.
 
-use crate::descriptor::DescriptorParams;
 use crate::file::OpenError;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::{Catalogue, HashInfo};
@@ -261,10 +260,9 @@ impl Index {
         self.file.array(SectionKind::SourceHashes)
     }
 
-    /// [`DescriptorParams::fingerprint`] of the index's descriptors.
+    /// [`crate::DescriptorParams::fingerprint`] of the index's descriptors.
     pub fn params_hash(&self) -> u64 {
-        let params: &DescriptorParams = &self.catalogue().descriptor;
-        params.fingerprint()
+        self.catalogue().descriptor_fingerprint
     }
 
     fn rows(&self) -> Rows<'_> {

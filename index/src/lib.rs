@@ -71,7 +71,7 @@ pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
-pub use hand_image::{HandImage, HandImageError, MIN_SIDE};
+pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
 pub use index::{Entry, EntryError, Index};
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
 pub use search::random::RandomHash;

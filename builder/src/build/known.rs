@@ -1,6 +1,7 @@
 //! What the index that is to be replaced knows already.
 
 use std::collections::HashMap;
+use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
@@ -41,21 +42,31 @@ impl Known {
                 )
             }
             Err(error) => {
-                eprintln!(
-                    "grasp-builder: the existing {} is of no use and will be replaced: {error}",
-                    path.display()
-                );
-                return Ok(Self::NOTHING());
+                return Ok(Self::useless(path, &error.to_string()));
             }
         };
         let fits = index.params_hash() == recipe.descriptor.fingerprint()
             && index.catalogue().thumbnail_side == recipe.thumbnail_side;
-        // Taking over one flipped bit would break "the same bytes as a build from nothing".
-        if !fits || !index.verify().is_sound() {
+        if !fits {
             return Ok(Self::NOTHING());
+        }
+        // Taking over one flipped bit would break "the same bytes as a build from nothing".
+        if let Some(problem) = index.verify().problems.first() {
+            return Ok(Self::useless(path, &problem.to_string()));
         }
         let ids = index.source_hashes().iter().zip(0..).map(|(&hash, id)| (hash, id)).collect();
         Ok(Self { index: Some(index), ids })
+    }
+
+    /// Says that a damaged index will not be built upon.
+    fn useless(path: &Path, why: &str) -> Self {
+        // Where nobody listens any more, the build goes on all the same.
+        let _ = writeln!(
+            std::io::stderr(),
+            "grasp-builder: the existing {} is of no use and will be replaced: {why}",
+            path.display()
+        );
+        Self::NOTHING()
     }
 
     /// Whether a picture with this source hash is known.

@@ -10,14 +10,15 @@ mod known;
 mod planned;
 mod sets;
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use grasp_index::{
-    AtomicFile, BuildError, ClassInfo, DescriptorParams, HandImage, HandImageError, HashParams, IndexParams,
-    IndexWriter, NewEntry, Phase, Summary,
+    AtomicFile, BACKGROUND, BuildError, ClassInfo, DESCRIBED_SIDE, DescriptorParams, HandImage,
+    HandImageError, HashParams, IndexParams, IndexWriter, NewEntry, Phase, Summary,
 };
 use grasp_renders::RenderPlan;
 
@@ -30,10 +31,6 @@ pub use sets::{RenderSet, SetError};
 
 /// The side of the thumbnails that an index keeps for showing its neighbours, in pixels.
 pub const THUMBNAIL_SIDE: u32 = 48;
-
-/// Pictures of a render set that are not brighter than this are background. Renders of this project keep the hand at
-/// 16 or more; the margin is for sets that other programs made, whose black may not be quite black.
-const BACKGROUND: u8 = 8;
 
 /// Where the pictures come from.
 #[derive(Debug)]
@@ -85,7 +82,11 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     // Locked before hours of work, not after them.
     let file = AtomicFile::create(out)?;
     let known = Known::at(out, recipe)?;
-    let mut collected = Collector::new(source, recipe)?;
+    let names = match source {
+        Source::Plan(plan) => planned::names(plan)?,
+        Source::Sets(sets) => sets::names(sets)?,
+    };
+    let mut collected = Collector::new(source, &names, recipe)?;
     let bar = progress.bar(source.len() as u64, "describing", "views");
     let mut take = |batch: Vec<Described>| -> anyhow::Result<()> {
         bar.inc(batch.len() as u64);
@@ -93,8 +94,8 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
         collected.take(batch)
     };
     match source {
-        Source::Plan(plan) => planned::describe(plan, recipe, &known, &mut take)?,
-        Source::Sets(sets) => sets::describe(sets, recipe, &known, &mut take)?,
+        Source::Plan(plan) => planned::describe(plan, &names, recipe, &known, &mut take)?,
+        Source::Sets(sets) => sets::describe(sets, &names, recipe, &known, &mut take)?,
     }
     bar.finish_and_clear();
 
@@ -153,16 +154,12 @@ struct Collector {
 }
 
 impl Collector {
-    fn new(source: &Source, recipe: &Recipe) -> anyhow::Result<Self> {
-        let Names { classes, hand_shapes, stages } = match source {
-            Source::Plan(plan) => planned::names(plan),
-            Source::Sets(sets) => sets::names(sets),
-        };
+    fn new(source: &Source, names: &Names, recipe: &Recipe) -> anyhow::Result<Self> {
         let params = IndexParams {
             descriptor: recipe.descriptor,
-            classes,
-            hand_shapes,
-            stages,
+            classes: names.classes.clone(),
+            hand_shapes: names.hand_shapes.names.clone(),
+            stages: names.stages.names.clone(),
             hash: recipe.hash,
             seed: recipe.seed,
             thumbnail_side: recipe.thumbnail_side,
@@ -192,8 +189,15 @@ impl Collector {
 /// The names that entries refer to by number.
 struct Names {
     classes: Vec<ClassInfo>,
-    hand_shapes: Vec<String>,
-    stages: Vec<String>,
+    hand_shapes: Numbered,
+    stages: Numbered,
+}
+
+/// Names in the order of their first use; a name's number is its position.
+#[derive(Default)]
+struct Numbered {
+    names: Vec<String>,
+    numbers: HashMap<String, usize>,
 }
 
 impl Names {
@@ -202,11 +206,30 @@ impl Names {
     }
 
     fn hand_shape(&self, name: &str) -> anyhow::Result<u16> {
-        number(self.hand_shapes.iter().rposition(|shape| shape == name), name)
+        number(self.hand_shapes.numbers.get(name).copied(), name)
     }
 
     fn stage(&self, name: &str) -> anyhow::Result<u8> {
-        number(self.stages.iter().position(|stage| stage == name), name)
+        number(self.stages.numbers.get(name).copied(), name)
+    }
+}
+
+impl Numbered {
+    /// More names than that cannot be numbered in the file.
+    const MOST: usize = 1 << 16;
+
+    fn add(&mut self, name: &str) -> anyhow::Result<()> {
+        if !self.numbers.contains_key(name) {
+            if self.names.len() == Self::MOST {
+                bail!(
+                    "more than {} different hand shapes: split the render sets into several indexes",
+                    Self::MOST
+                );
+            }
+            self.numbers.insert(name.to_owned(), self.names.len());
+            self.names.push(name.to_owned());
+        }
+        Ok(())
     }
 }
 
@@ -230,7 +253,7 @@ fn complete(
     }
     let Grey { width, height, pixels } = picture()?;
     let hand = match HandImage::from_segmented(width, height, &pixels, BACKGROUND) {
-        Ok(hand) => hand,
+        Ok(hand) => hand.shrunk_to(DESCRIBED_SIDE),
         Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => return Ok(None),
         Err(error) => return Err(error).with_context(|| format!("cannot use {}", entry.file)),
     };

@@ -7,17 +7,21 @@ use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::{Described, Grey, Known, Names, Recipe, complete};
+use super::{Described, Grey, Known, Names, Numbered, Recipe, complete};
 
 /// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
 const SCENES_AT_ONCE: usize = 16;
 
-pub(super) fn names(plan: &RenderPlan) -> Names {
-    Names {
-        classes: classes(plan),
-        hand_shapes: plan.hand_shapes.iter().map(|shape| shape.name.clone()).collect(),
-        stages: plan.stages.iter().map(|stage| stage.name().to_owned()).collect(),
+pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
+    let mut names =
+        Names { classes: classes(plan), hand_shapes: Numbered::default(), stages: Numbered::default() };
+    for shape in &plan.hand_shapes {
+        names.hand_shapes.add(&shape.name)?;
     }
+    for stage in &plan.stages {
+        names.stages.add(stage.name())?;
+    }
+    Ok(names)
 }
 
 /// The plan's grasps in the order of their Cutkosky numbers.
@@ -34,12 +38,12 @@ fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
 /// Describes every render of the plan, scene by scene, and hands the results to `take` in order.
 pub(super) fn describe(
     plan: &RenderPlan,
+    names: &Names,
     recipe: &Recipe,
     known: &Known,
     take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let views = plan.views();
-    let names = names(plan);
     for specs in plan.scenes().chunks(SCENES_AT_ONCE) {
         // A scene all of whose views are known need not be built.
         let scenes: Vec<Option<Scene>> = specs
@@ -52,7 +56,7 @@ pub(super) fn describe(
             .collect::<Result<_, _>>()
             .context("cannot render")?;
         for (spec, scene) in specs.iter().zip(&scenes) {
-            let template = template(spec, &names)?;
+            let template = template(spec, names)?;
             let hash = spec.params_hash();
             let described = views
                 .par_iter()

@@ -1,10 +1,10 @@
 //! Entries read from render sets on disk.
 
 use std::fs;
-use std::io::Cursor;
+use std::io::{Cursor, Read as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use grasp_index::{ClassInfo, NewEntry};
 use grasp_renders::GraspSet;
 use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
@@ -12,13 +12,16 @@ use image::{ImageReader, Limits};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::{Described, Grey, Known, Names, Recipe, complete};
+use super::{Described, Grey, Known, Names, Numbered, Recipe, complete};
 
 /// Pictures that are read and held at a time.
 const PICTURES_AT_ONCE: usize = 1024;
 
 /// The longest side of a render that is accepted, in pixels: far beyond any use, far below what would fill the memory.
 const MOST_PIXELS_A_SIDE: u32 = 8192;
+
+/// The most bytes that the file of a render may have.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// A render set whose manifest has been read and checked.
 #[derive(Debug)]
@@ -93,39 +96,34 @@ impl RenderSet {
 }
 
 /// The names that the sets' rows use: classes by number, the others in the order of their first use.
-pub(super) fn names(sets: &[RenderSet]) -> Names {
-    let mut names = Names { classes: Vec::new(), hand_shapes: Vec::new(), stages: Vec::new() };
+pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
+    let mut names =
+        Names { classes: Vec::new(), hand_shapes: Numbered::default(), stages: Numbered::default() };
     for (_, row) in sets.iter().flat_map(RenderSet::rows) {
-        let class = ClassInfo { name: row.grasp.clone(), cutkosky: row.cutkosky };
-        add(&mut names.classes, class);
-        add(&mut names.hand_shapes, row.hand_shape.clone());
-        add(&mut names.stages, row.stage.name().to_owned());
+        names.hand_shapes.add(&row.hand_shape)?;
+        names.stages.add(row.stage.name())?;
+        if !names.classes.iter().any(|class| class.name == row.grasp) {
+            names.classes.push(ClassInfo { name: row.grasp.clone(), cutkosky: row.cutkosky });
+        }
     }
     names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
-    names
-}
-
-fn add<T: PartialEq>(list: &mut Vec<T>, item: T) {
-    // Rows come in runs of the same hand shape, grasp and stage: the newest name is the likeliest.
-    if !list.iter().rev().any(|known| *known == item) {
-        list.push(item);
-    }
+    Ok(names)
 }
 
 /// Describes every picture of the sets and hands the results to `take` in order.
 pub(super) fn describe(
     sets: &[RenderSet],
+    names: &Names,
     recipe: &Recipe,
     known: &Known,
     take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let names = names(sets);
     let rows: Vec<(&RenderSet, &ManifestRow)> = sets.iter().flat_map(RenderSet::rows).collect();
     for batch in rows.chunks(PICTURES_AT_ONCE) {
         take(
             batch
                 .par_iter()
-                .map(|(set, row)| entry(set, row, &names, recipe, known))
+                .map(|(set, row)| entry(set, row, names, recipe, known))
                 .collect::<Result<_, _>>()?,
         )?;
     }
@@ -140,7 +138,7 @@ fn entry(
     known: &Known,
 ) -> anyhow::Result<Described> {
     let path = set.manifest.folder.join(&row.file);
-    let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = read(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let entry = NewEntry {
         class: names.class(&row.grasp)?,
         stage: names.stage(row.stage.name())?,
@@ -157,6 +155,16 @@ fn entry(
     complete(entry, recipe, known, || {
         decode(&bytes).with_context(|| format!("cannot use {}", path.display()))
     })
+}
+
+/// Reads a picture file, unless it is larger than any render can be.
+fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        bail!("it is larger than {} MB", MOST_BYTES >> 20);
+    }
+    Ok(bytes)
 }
 
 /// Decodes a picture of any supported format into grey values.

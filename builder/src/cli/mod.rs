@@ -39,7 +39,8 @@ Examples:
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
 
-Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (run the same command to go on).";
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left; run the
+same command again).";
 
 /// Options that every subcommand understands.
 #[derive(Debug, clap::Args)]

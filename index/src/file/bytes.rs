@@ -1,5 +1,6 @@
 //! The bytes of an index: mapped, or read into memory. The one place where a file is mapped.
 
+use super::header::{self, Header};
 use super::{ALIGNMENT, OpenError};
 use memmap2::Mmap;
 use rkyv::util::AlignedVec;
@@ -58,9 +59,15 @@ impl Bytes {
         let mut file = open_regular(path)?;
         let length = usize::try_from(file.metadata()?.len())
             .map_err(|_| OpenError::corrupt("it is larger than this machine's memory"))?;
+        // A length is only believed, and memory taken for it, where a header states it as well.
+        let mut head = [0; header::LENGTH];
+        let held = head.len().min(length);
+        file.read_exact(&mut head[..held])?;
+        Header::parse(&head[..held], length as u64)?;
         let mut bytes = AlignedVec::with_capacity(length);
+        bytes.extend_from_slice(&head[..held]);
         bytes.resize(length, 0);
-        file.read_exact(&mut bytes)?;
+        file.read_exact(&mut bytes[held..])?;
         Ok(Self::Held(bytes))
     }
 

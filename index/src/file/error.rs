@@ -48,6 +48,9 @@ pub enum OpenError {
         /// This reader's version.
         reader: u32,
     },
+    /// The descriptors follow a definition that this program no longer has, or does not have yet.
+    #[error("its descriptors were made by another version of this program: build the index again")]
+    OtherDescriptors,
     /// A part of the file is not what it was when it was written.
     #[error("corrupt: {0}: copy or build the file again")]
     Corrupt(String),

@@ -48,7 +48,11 @@ impl Header {
 
     /// Reads the header of a whole file and checks all that can be checked without the catalogue's bytes.
     pub(crate) fn read(file: &[u8]) -> Result<Self, OpenError> {
-        let found = file.len() as u64;
+        Self::parse(file, file.len() as u64)
+    }
+
+    /// The same from the first bytes of a file of `found` bytes: at least its header, or all of it.
+    pub(crate) fn parse(file: &[u8], found: u64) -> Result<Self, OpenError> {
         if file.is_empty() {
             return Err(OpenError::Empty);
         }

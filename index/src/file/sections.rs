@@ -200,6 +200,9 @@ impl Layout {
     }
 }
 
+/// More neighbours than that make no vote, only work.
+const MOST_NEIGHBOURS: u32 = 100_000;
+
 /// The catalogue's numbers against each other.
 fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     let corrupt = |what: &str| Err(OpenError::corrupt(format_args!("the catalogue {what}")));
@@ -208,6 +211,9 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     }
     if catalogue.descriptor.dim() as u64 != u64::from(catalogue.dim) {
         return corrupt("states a descriptor length that its parameters do not give");
+    }
+    if catalogue.descriptor.fingerprint() != catalogue.descriptor_fingerprint {
+        return Err(OpenError::OtherDescriptors);
     }
     if catalogue.entries == 0 || catalogue.entries > u64::from(u32::MAX) {
         return corrupt("states an impossible number of entries");
@@ -232,9 +238,10 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
         return corrupt("states an impossible sigma");
     }
-    if catalogue.calibration.k == 0
-        || !(positive(catalogue.calibration.sigma_scale) && catalogue.calibration.sigma_scale > 0.0)
-    {
+    let scale = catalogue.calibration.sigma_scale;
+    let is_calibrated =
+        (1..=MOST_NEIGHBOURS).contains(&catalogue.calibration.k) && positive(scale) && scale > 0.0;
+    if !is_calibrated {
         return corrupt("states an impossible calibration");
     }
     Ok(())

@@ -331,6 +331,7 @@ impl Built {
             entries: self.writer.len() as u64,
             dim: params.descriptor.dim() as u32,
             descriptor: params.descriptor,
+            descriptor_fingerprint: params.descriptor.fingerprint(),
             classes: params.classes.clone(),
             hand_shapes: params.hand_shapes.clone(),
             stages: params.stages.clone(),

@@ -2,7 +2,7 @@
 
 use super::{Neighbour, Rows, distance};
 
-/// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN is farther than anything.
+/// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts as infinitely far.
 #[derive(Debug)]
 pub(crate) struct Nearest {
     k: usize,
@@ -18,6 +18,8 @@ impl Nearest {
     /// k is small: a sorted list beats a heap.
     #[inline]
     pub(crate) fn offer(&mut self, id: u32, squared: f32) {
+        // Of the NaNs, which only a damaged file can bring about, some sort before every number.
+        let squared = if squared.is_nan() { f32::INFINITY } else { squared };
         let is_before = |kept: &(f32, u32)| kept.0.total_cmp(&squared).then(kept.1.cmp(&id)).is_lt();
         if self.kept.len() >= self.k {
             if self.kept.last().is_none_or(is_before) {

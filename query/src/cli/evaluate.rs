@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::Global;
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
-use crate::evaluate::labels::{self, Part};
+use crate::evaluate::labels::{self, OTHER, Part, RowError};
 use crate::evaluate::report::{self, Report};
 use crate::evaluate::{Outcome, folder_of, score};
 use crate::output::record::xyzw;
@@ -56,17 +56,30 @@ pub(super) struct Evaluate {
 impl Evaluate {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         let index = self.index.open()?;
+        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let mut broken = Vec::new();
         let mut selected = Vec::new();
         for row in labels::read(&self.labels)? {
             match row {
-                Ok(label) if label.is_selected(self.part, &self.conditions) => selected.push(label),
-                Ok(_) => {}
+                Ok(label) if !label.is_selected(self.part, &self.conditions) => {}
+                Ok(label) if label.grasp == OTHER || classes.contains(&label.grasp) => selected.push(label),
+                Ok(label) => broken.push(RowError {
+                    line: label.line,
+                    message: format!(
+                        "`{}` is no class of the index: it has {}, and `{OTHER}` is for none of them",
+                        label.grasp,
+                        classes.join(", ")
+                    ),
+                }),
                 Err(error) => broken.push(error),
             }
         }
         let Some(first) = selected.first() else {
-            bail!("no row of {} is selected: check --where and --part", self.labels.display());
+            let name = self.labels.display();
+            match broken.first() {
+                Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.message),
+                None => bail!("no row of {name} is selected: check --where and --part"),
+            }
         };
         let folder = folder_of(&self.labels, &first.file);
         let recogniser = Recogniser::new(&index, self.recognise.options());
@@ -84,7 +97,6 @@ impl Evaluate {
         if let Some(path) = &self.predictions {
             write_predictions(path, &outcomes).with_context(|| format!("cannot write {}", path.display()))?;
         }
-        let classes = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let report = Report::new(classes, &outcomes, &broken, self.recognise.hand_is_free());
         let mut out = io::stdout().lock();
         if self.json {

@@ -90,7 +90,11 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
 /// The folder that a table's paths are relative to: the nearest folder above the table in which its first picture is
 /// found, as `dev/hands/labels.csv` names `hands/easy/a.jpg`.
 pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
-    let beside = table.parent().unwrap_or(Path::new("")).to_owned();
+    // `labels.csv` alone lies in the current folder, whose name is not the empty one that `parent` gives.
+    let beside = match table.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_owned(),
+        _ => PathBuf::from("."),
+    };
     let above = beside.canonicalize().unwrap_or_else(|_| beside.clone());
     let found = above.ancestors().take(3).find(|folder| folder.join(first_file).is_file());
     found.map_or(beside, Path::to_owned)

@@ -3,10 +3,10 @@
 
 mod canvas;
 
-use std::io;
+use std::io::{Cursor, Write as _};
 use std::path::Path;
 
-use grasp_index::Index;
+use grasp_index::{AtomicFile, Index};
 use image::RgbImage;
 
 use crate::output::record::Answer;
@@ -21,11 +21,13 @@ const LARGE: u32 = 300;
 const SMALL: u32 = 148;
 /// Neighbours in a row.
 const ACROSS: usize = 6;
+/// Neighbours that are drawn, however many vote.
+const MOST_NEIGHBOURS: usize = 4 * ACROSS;
 
 /// Draws an answer.
 pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
     let levels = index.catalogue().descriptor.levels.max(1);
-    let rows = found.best.neighbours.len().div_ceil(ACROSS) as u32;
+    let rows = found.best.neighbours.len().min(MOST_NEIGHBOURS).div_ceil(ACROSS) as u32;
     let head = MARGIN + 2 * LINE + MARGIN;
     let figure_4 = head + LINE + LARGE + MARGIN;
     let figure_5 = figure_4 + 2 * LINE + SMALL + MARGIN;
@@ -39,15 +41,17 @@ pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
     canvas.into_image()
 }
 
-/// Writes a drawing as PNG.
+/// Writes a drawing as PNG: the whole of it, or nothing.
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn save(image: &RgbImage, path: &Path) -> io::Result<()> {
-    image.save_with_format(path, image::ImageFormat::Png).map_err(|error| match error {
-        image::ImageError::IoError(error) => error,
-        other => io::Error::other(other),
-    })
+pub fn save(image: &RgbImage, path: &Path) -> anyhow::Result<()> {
+    let mut png = Vec::new();
+    image.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png)?;
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(&png)?;
+    file.commit()?;
+    Ok(())
 }
 
 fn headline(canvas: &mut Canvas, answer: &Answer) {
@@ -148,7 +152,7 @@ fn neighbours(
     let title = format!("nearest of {} entries", index.len());
     canvas.text((MARGIN, top), WIDTH - 2 * MARGIN, &title, colour::FAINT);
     let side = index.catalogue().thumbnail_side as usize;
-    for (place, neighbour) in answer.neighbours.iter().enumerate() {
+    for (place, neighbour) in answer.neighbours.iter().take(MOST_NEIGHBOURS).enumerate() {
         let (column, row) = ((place % ACROSS) as u32, (place / ACROSS) as u32);
         let x = MARGIN + column * (SMALL + MARGIN);
         let y = top + LINE + row * row_height;

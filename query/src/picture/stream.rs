@@ -173,6 +173,7 @@ fn end_of_pnm(bytes: &[u8]) -> End {
         }
         loop {
             match bytes.get(at) {
+                _ if at > MAX_HEADER => return End::Unknown,
                 None => return End::NeedsMore,
                 Some(byte) if byte.is_ascii_digit() => {
                     *number = *number * 10 + u64::from(byte - b'0');

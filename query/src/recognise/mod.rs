@@ -7,7 +7,7 @@ mod timings;
 
 use std::time::Instant;
 
-use grasp_index::{HandImage, HandImageError, Index, SearchError, VoteOptions};
+use grasp_index::{DESCRIBED_SIDE, HandImage, HandImageError, Index, SearchError, VoteOptions};
 
 pub use hypothesis::{Hypothesis, Neighbour};
 pub use side::{HandChoice, Side};
@@ -22,10 +22,6 @@ use crate::segment::SegmentParams;
 /// On development pictures 1, 8 and 12 rolls class equally well, upright hands (45, 46 and 44 % of 646, the hand given)
 /// and photographs alike, but more rolls cost orientation (median error 12.6, 14.1 and 16.1 degrees) and time.
 pub const DEFAULT_ROLLS: usize = 1;
-/// The longest side that a hand image keeps, in pixels. That of the renders in an index: more changes no figure, and
-/// each roll costs time by the pixel.
-const HAND_SIDE: usize = 48;
-
 /// How pictures are recognised.
 #[derive(Clone, Debug)]
 pub struct RecogniseOptions {
@@ -164,7 +160,7 @@ impl<'a> Recogniser<'a> {
         let picture = &prepared.picture;
         let hand_image =
             HandImage::from_mask(picture.width(), picture.height(), &picture.grey(), prepared.mask.pixels())?
-                .shrunk_to(HAND_SIDE);
+                .shrunk_to(DESCRIBED_SIDE);
         timings.descriptor_ms += timings::milliseconds(started);
         let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
         Ok(Recognition { prepared, hand_image, best, timings })

@@ -1,6 +1,6 @@
 //! Where the hand's mask comes from.
 
-use grasp_index::HandImageError;
+use grasp_index::{BACKGROUND, HandImageError};
 
 use super::RecogniseError;
 use crate::picture::{Picture, WORKING_SIDE};
@@ -95,7 +95,7 @@ pub(super) fn prepare(
 /// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's box.
 fn not_black(picture: &Picture, is_jpeg: bool) -> Mask {
     let grey = picture.grey();
-    let floor = if is_jpeg { JPEG_FLOOR } else { 0 };
+    let floor = if is_jpeg { JPEG_FLOOR } else { BACKGROUND };
     let mask = Mask::from_values(picture.width(), picture.height(), &grey, |value| value > floor);
     if !is_jpeg {
         return mask;
