@@ -28,8 +28,9 @@ impl Opened {
         if xxh3_64(archive) != header.catalogue_hash {
             return Err(OpenError::corrupt("the catalogue does not match its hash"));
         }
+        // Its hash is right, so it is whole: something else wrote it.
         let unreadable =
-            |error: ArchiveError| OpenError::corrupt(format_args!("the catalogue cannot be read ({error})"));
+            |_: ArchiveError| OpenError::corrupt("the catalogue is not of the form that this version reads");
         let archived = rkyv::access::<ArchivedCatalogue, ArchiveError>(archive).map_err(unreadable)?;
         let catalogue = rkyv::deserialize::<Catalogue, ArchiveError>(archived).map_err(unreadable)?;
         let layout = Layout::check(&catalogue, header.catalogue_offset)?;
