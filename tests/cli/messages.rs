@@ -52,13 +52,18 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 
 #[test]
 fn completions_and_manual_pages_come_for_both_programs() {
-    for name in ["grasp-builder", "grasp-query"] {
+    for (name, subcommand, option) in
+        [("grasp-builder", "build", "thumbnails"), ("grasp-query", "recognise", "segmented")]
+    {
         let completions = run(program(name).args(["completions", "zsh"]));
         assert!(
             completions.status == 0 && completions.stdout.contains(&format!("#compdef {name}")),
             "{name}"
         );
         let page = run(program(name).arg("man"));
-        assert!(page.status == 0 && page.stdout.contains(".TH"), "{name}");
+        assert!(page.status == 0 && page.stdout.contains(subcommand), "{name}");
+        let page = run(program(name).args(["man", subcommand]));
+        assert!(page.status == 0 && page.stdout.contains(option), "{name} {subcommand}");
+        assert_eq!(run(program(name).args(["man", "nothing"])).status, 2);
     }
 }

@@ -1,15 +1,29 @@
 //! `grasp-query man`.
 
+use anyhow::Context as _;
 use clap::CommandFactory as _;
 
-/// Print the manual page, e.g. `grasp-query man | man -l -`.
+/// Print a manual page, e.g. `grasp-query man | man -l -`.
 #[derive(Debug, clap::Args)]
-pub(super) struct Man {}
+pub(super) struct Man {
+    /// The subcommand whose page to print, e.g. `grasp-query man SUBCOMMAND`; without it, the program's own.
+    subcommand: Option<String>,
+}
 
 impl Man {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
+        let mut program = super::Arguments::command();
+        // Makes the global options known to the subcommands.
+        program.build();
+        let command = match &self.subcommand {
+            None => program,
+            Some(name) => program
+                .find_subcommand(name)
+                .with_context(|| format!("there is no subcommand {name}: see `grasp-query --help`"))?
+                .clone(),
+        };
         let mut page = Vec::new();
-        clap_mangen::Man::new(super::Arguments::command()).render(&mut page)?;
+        clap_mangen::Man::new(command).render(&mut page)?;
         std::io::Write::write_all(&mut std::io::stdout().lock(), &page)?;
         Ok(super::SUCCESS)
     }
