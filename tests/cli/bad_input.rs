@@ -138,6 +138,28 @@ fn a_manifest_whose_file_is_missing_stops_the_build_and_keeps_the_old_index() {
 }
 
 #[test]
+fn broken_rows_of_a_table_of_labels_are_named_and_the_others_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(good(), folder.path().join("good.png")).unwrap();
+    let rows = "file,kind,grasp\ngood.png,segmented,large-diameter\ngood.png,segmented,lateral\n\
+                gone.png,segmented,pinch\ngood.png,etched,pinch\n";
+    fs::write(folder.path().join("labels.csv"), rows).unwrap();
+    // By its bare name: the pictures lie beside it.
+    let outcome = run(program("grasp-query")
+        .args(["evaluate", "labels.csv", "--json", "--index"])
+        .arg(small_index())
+        .current_dir(folder.path()));
+    assert_eq!(outcome.status, 2, "{}", outcome.stderr);
+    let report = &outcome.json_lines()[0];
+    assert_eq!(report["n"], 1, "{report}");
+    let mut lines: Vec<u64> =
+        report["errors"].as_array().unwrap().iter().map(|error| error["line"].as_u64().unwrap()).collect();
+    lines.sort_unstable();
+    assert_eq!(lines, [3, 4, 5], "{report}");
+    assert!(report["errors"].to_string().contains("`lateral` is no class of the index"), "{report}");
+}
+
+#[test]
 fn build_does_not_overwrite_what_is_no_index() {
     let folder = tempfile::tempdir().unwrap();
     let thesis = folder.path().join("thesis.txt");
