@@ -169,6 +169,25 @@ fn a_last_frame_cut_short_is_given_as_it_is_and_decoding_says_why() {
 }
 
 #[test]
+fn a_jpeg_cut_short_does_not_swallow_the_next_one() {
+    let whole = encoded(picture(64, 64), ImageFormat::Jpeg);
+    let stream = [&whole[..], &whole[..whole.len() - 40], &whole[..]].concat();
+    let found: Vec<_> = Frames::new(Cursor::new(stream)).map(Result::unwrap).collect();
+    assert_eq!(found.len(), 3);
+    assert!(matches!(decode(&found[1]), Err(DecodeError::Truncated)));
+    assert_eq!(found[2], whole);
+}
+
+#[test]
+fn what_is_transparent_is_black() {
+    let half =
+        image::RgbaImage::from_fn(4, 2, |x, _| image::Rgba([200, 100, 50, if x < 2 { 255 } else { 0 }]));
+    let picture = decode(&encoded(half, ImageFormat::Png)).unwrap();
+    assert_eq!(picture.rgb()[1], [200, 100, 50]);
+    assert_eq!(picture.rgb()[2], [0, 0, 0]);
+}
+
+#[test]
 fn a_lone_picture_has_nothing_behind_it() {
     let png = encoded(picture(20, 20), ImageFormat::Png);
     let mut frames = Frames::new(Drip { bytes: &png, at_once: 10 });

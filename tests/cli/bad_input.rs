@@ -170,6 +170,51 @@ fn build_does_not_overwrite_what_is_no_index() {
     assert!(outcome.stderr.contains("not a grasp index"), "{}", outcome.stderr);
 }
 
+#[test]
+fn no_output_overwrites_an_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("picture.png");
+    fs::copy(good(), &picture).unwrap();
+    let labels = folder.path().join("labels.csv");
+    fs::write(&labels, "file,kind,grasp\npicture.png,segmented,large-diameter\n").unwrap();
+    for (arguments, input) in [
+        (["recognise", "--segmented", "picture.png", "--explain", "./picture.png"], &picture),
+        (["evaluate", "labels.csv", "--json", "--predictions", "labels.csv"], &labels),
+    ] {
+        let before = fs::read(input).unwrap();
+        let outcome = run(program("grasp-query")
+            .args(arguments)
+            .arg("--index")
+            .arg(small_index())
+            .current_dir(folder.path()));
+        assert_eq!(outcome.status, 2, "{arguments:?}");
+        assert!(outcome.stderr.contains("is an input as well"), "{}", outcome.stderr);
+        assert!(fs::read(input).unwrap() == before, "{arguments:?}");
+    }
+}
+
+#[test]
+fn render_leaves_a_set_that_another_program_made_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(good(), folder.path().join("mine.png")).unwrap();
+    let manifest = "file,grasp,qx,qy,qz,qw\nmine.png,pinch,0,0,0,1\n";
+    fs::write(folder.path().join("manifest.csv"), manifest).unwrap();
+    let outcome = run(program("grasp-builder").args(["render", "--step", "90", "--out"]).arg(folder.path()));
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains("another program"), "{}", outcome.stderr);
+    assert_eq!(fs::read_to_string(folder.path().join("manifest.csv")).unwrap(), manifest);
+}
+
+#[test]
+fn a_plan_of_millions_of_views_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run(program("grasp-builder")
+        .args(["render", "--step", "0.5", "--rolls", "360", "--out"])
+        .arg(folder.path().join("huge")));
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains("too many"), "{}", outcome.stderr);
+}
+
 /// A limit on the size of a file stands in for a full disk: the write fails in the midst, on any machine.
 #[cfg(unix)]
 #[test]

@@ -174,10 +174,10 @@ fn decode(bytes: &[u8]) -> anyhow::Result<Grey> {
     limits.max_image_width = Some(MOST_PIXELS_A_SIDE);
     limits.max_image_height = Some(MOST_PIXELS_A_SIDE);
     reader.limits(limits);
-    let picture = reader.decode()?.into_luma8();
-    Ok(Grey {
-        width: picture.width() as usize,
-        height: picture.height() as usize,
-        pixels: picture.into_raw(),
-    })
+    // On black: what is transparent is no hand.
+    let picture = reader.decode()?.into_luma_alpha8();
+    let on_black =
+        |&image::LumaA([grey, alpha]): &image::LumaA<u8>| (u16::from(grey) * u16::from(alpha) / 255) as u8;
+    let pixels = picture.pixels().map(on_black).collect();
+    Ok(Grey { width: picture.width() as usize, height: picture.height() as usize, pixels })
 }

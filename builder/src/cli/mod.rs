@@ -46,8 +46,8 @@ same command again).";
 #[derive(Debug, clap::Args)]
 pub(crate) struct Global {
     /// Worker threads; 0 takes one per core. The result is the same for any number.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    threads: usize,
+    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
     /// Draw no progress bar, even on a terminal.
     #[arg(long, global = true)]
     no_progress: bool,
@@ -92,7 +92,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.global.threads > 0 {
-        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads).build_global()?;
+        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
     match &arguments.command {
         Command::Render(command) => command.run(&arguments.global),

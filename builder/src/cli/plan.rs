@@ -5,6 +5,9 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use grasp_renders::{GraspSet, HandShape, Preset, RenderPlan, Stage};
 
+/// Views of one scene are held at a time; more than a million are a slip of the keyboard.
+const MOST_VIEWS: f64 = 1e6;
+
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
@@ -91,6 +94,14 @@ impl PlanOptions {
         // A grid so fine that only listing it would take minutes is a slip of the keyboard.
         if !(0.5..=180.0).contains(&plan.grid.step_deg) {
             bail!("--step {}: a step lies between 0.5 and 180 degrees", plan.grid.step_deg);
+        }
+        let [low, high] = plan.grid.elevation_deg;
+        let directions = (360.0 / plan.grid.step_deg).ceil() * ((high - low) / plan.grid.step_deg + 1.0);
+        let views = directions * plan.grid.rolls_deg.len() as f64;
+        if views > MOST_VIEWS {
+            bail!(
+                "{views:.0} views of each scene are too many: widen --step or lower --rolls ({MOST_VIEWS} at most)"
+            );
         }
         if plan.renders() == 0 {
             bail!("these options leave no view to render: widen --elevations");

@@ -74,6 +74,10 @@ impl AtomicFile {
         part_name.push(".part");
         let part = folder.join(part_name);
         let failed = |source| WriteError::Io { path: path.clone(), source };
+        // A link in the part's place is none of ours: writing through it would overwrite a stranger's file.
+        if fs::symlink_metadata(&part).is_ok_and(|metadata| metadata.is_symlink()) {
+            fs::remove_file(&part).map_err(failed)?;
+        }
         let file = loop {
             let file =
                 OpenOptions::new().write(true).create(true).truncate(false).open(&part).map_err(failed)?;

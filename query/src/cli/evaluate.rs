@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
+use grasp_index::AtomicFile;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
@@ -55,6 +56,9 @@ pub(super) struct Evaluate {
 
 impl Evaluate {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        if let Some(out) = &self.predictions {
+            super::refuse_overwriting(out, [self.labels.as_path(), self.index.path().as_path()])?;
+        }
         let index = self.index.open()?;
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let mut broken = Vec::new();
@@ -125,7 +129,7 @@ fn progress_bar(length: u64, wanted: bool) -> ProgressBar {
 }
 
 fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Result<()> {
-    let mut table = csv::Writer::from_path(path)?;
+    let mut table = csv::Writer::from_writer(AtomicFile::create(path)?);
     table.write_record([
         "file",
         "kind",
@@ -169,6 +173,6 @@ fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Re
             outcome.result.as_ref().err().map(|miss| miss.message.clone()).unwrap_or_default(),
         ])?;
     }
-    table.flush()?;
+    table.into_inner().map_err(|error| error.into_error())?.commit()?;
     Ok(())
 }

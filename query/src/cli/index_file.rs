@@ -21,10 +21,15 @@ pub(super) struct IndexFile {
 }
 
 impl IndexFile {
-    pub(super) fn open(&self) -> anyhow::Result<Index> {
+    /// The file's path.
+    pub(super) fn path(&self) -> PathBuf {
         // `GRASP_INDEX= grasp-query ...` is how a shell unsets a variable for one command.
         let named = self.index.as_ref().filter(|name| !name.is_empty());
-        let path = named.map_or_else(|| DEFAULT.into(), PathBuf::from);
+        named.map_or_else(|| DEFAULT.into(), PathBuf::from)
+    }
+
+    pub(super) fn open(&self) -> anyhow::Result<Index> {
+        let path = self.path();
         if !path.exists() {
             bail!(
                 "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",

@@ -8,8 +8,10 @@ mod options;
 mod recognise;
 
 use std::io::{self, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 
+use anyhow::bail;
 use clap::{Parser, Subcommand};
 
 /// Every input was recognised.
@@ -42,8 +44,8 @@ Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error."
 #[derive(Debug, clap::Args)]
 struct Global {
     /// Worker threads; 0 takes one per core. The answers are the same for any number.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    threads: usize,
+    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
     /// Draw no progress bar, even on a terminal.
     #[arg(long, global = true)]
     no_progress: bool,
@@ -85,7 +87,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if arguments.global.threads > 0 {
-        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads).build_global()?;
+        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
     match &arguments.command {
         Command::Recognise(command) => command.run(),
@@ -93,6 +95,17 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }
+}
+
+/// Refuses an output that is one of the inputs: writing it would destroy what it was made from.
+fn refuse_overwriting<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> anyhow::Result<()> {
+    let Ok(out_file) = out.canonicalize() else {
+        return Ok(());
+    };
+    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == out_file)) {
+        bail!("{} is an input as well: name another file to write", out.display());
+    }
+    Ok(())
 }
 
 /// A reader that has seen enough (`| head`) is no failure of ours.

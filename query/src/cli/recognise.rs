@@ -75,6 +75,10 @@ impl Recognise {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
+        if let Some(out) = self.explain.as_deref().filter(|_| to_file) {
+            let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
+            super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
+        }
         let index = self.index.open()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
         let source = self.source()?;

@@ -76,9 +76,12 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
 /// # Errors
 /// Where the bytes are no picture, are cut short, or their header asks for more than [`MAX_PIXELS`].
 pub fn decode(bytes: &[u8]) -> Result<Picture, DecodeError> {
-    let rgb = dynamic(bytes)?.into_rgb8();
-    let (width, height) = (rgb.width() as usize, rgb.height() as usize);
-    let pixels = rgb.pixels().map(|pixel| pixel.0).collect();
+    // On black, as segmented pictures have it: what is transparent is no hand.
+    let rgba = dynamic(bytes)?.into_rgba8();
+    let (width, height) = (rgba.width() as usize, rgba.height() as usize);
+    let on_black = |value: u8, alpha: u8| (u16::from(value) * u16::from(alpha) / 255) as u8;
+    let pixels =
+        rgba.pixels().map(|&image::Rgba([r, g, b, a])| [r, g, b].map(|value| on_black(value, a))).collect();
     Picture::new(width, height, pixels).ok_or_else(|| DecodeError::Damaged("no pixels".into()))
 }
 

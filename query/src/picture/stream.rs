@@ -248,6 +248,8 @@ impl JpegScan {
                     None => return End::NeedsMore,
                     Some(0x00 | 0xD0..=0xD7) => self.at += 2,
                     Some(0xFF) => self.at += 1,
+                    // The next frame: this one was cut short, and decoding will say so.
+                    Some(0xD8) => return End::At(self.at),
                     Some(_) => self.in_entropy_coded = false,
                 }
                 continue;

@@ -78,10 +78,11 @@ pub(super) fn prepare(
             mask.clone()
         }
         MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
-            let mask =
-                mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?;
-            mask.check_size(width, height).map_err(SourceError::Mask)?;
-            mask
+            // The size first: a depth picture of another one has nothing to say about this picture.
+            Mask::from_values(*depth_width, *depth_height, depth, |_| true)
+                .check_size(width, height)
+                .map_err(SourceError::Mask)?;
+            mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?
         }
     };
     if found.area() == 0 {

@@ -239,7 +239,8 @@ impl Fields<'_> {
 
     fn row(&self, grasps: &GraspSet) -> Result<ManifestRow, Problem> {
         let file = self.text("file").unwrap_or_default().to_owned();
-        let inside = Path::new(&file).components().all(|c| matches!(c, Component::Normal(_)));
+        let inside =
+            Path::new(&file).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if file.is_empty() {
             return Err(Problem::MissingFile(file));
         }

@@ -46,6 +46,16 @@ pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
     reader.next_frame(&mut pixels).is_ok() && reader.finish().is_ok()
 }
 
+/// Whether a picture carries any stamp of this program.
+pub(super) fn is_ours(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else {
+        return false;
+    };
+    png::Decoder::new(BufReader::new(file)).read_info().is_ok_and(|reader| {
+        reader.info().uncompressed_latin1_text.iter().any(|chunk| chunk.keyword == KEYWORD)
+    })
+}
+
 /// Writes a file so that a reader finds either the whole of it or what was there before.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));

@@ -38,6 +38,12 @@ pub enum RenderSetError {
         /// Why.
         source: io::Error,
     },
+    /// The folder holds a render set that another program made.
+    #[error("{path} lists pictures that another program made: choose another folder")]
+    Foreign {
+        /// The manifest.
+        path: PathBuf,
+    },
     /// A scene could not be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -105,6 +111,7 @@ pub fn write_set(
         let path = folder.join(&scene.hand_shape.name).join(&scene.grasp.name);
         fs::create_dir_all(&path).map_err(|source| RenderSetError::Write { path, source })?;
     }
+    refuse_foreign(folder)?;
     let counts = Counts::default();
     let job = Job { folder, views: &views, total, counts: &counts, progress, cancel };
     scenes.par_iter().try_for_each(|spec| job.write_scene(spec))?;
@@ -116,6 +123,22 @@ pub fn write_set(
     picture::write_whole(&path, &bytes).map_err(failed)?;
     let kept = counts.kept.into_inner();
     Ok(Summary { manifest: path, rendered: counts.done.into_inner() - kept, kept })
+}
+
+/// A manifest whose first picture another program made is somebody's work, and is not replaced.
+fn refuse_foreign(folder: &Path) -> Result<(), RenderSetError> {
+    let path = folder.join(MANIFEST);
+    let Ok(file) = fs::File::open(&path) else {
+        return Ok(());
+    };
+    let mut reader = csv::Reader::from_reader(file);
+    let first = reader.records().next().and_then(Result::ok);
+    // Where the picture is gone there is nothing to tell by; a set that lost pictures is to be completed.
+    let picture = first.and_then(|row| Some(folder.join(row.get(0)?))).filter(|picture| picture.is_file());
+    match picture {
+        Some(picture) if !picture::is_ours(&picture) => Err(RenderSetError::Foreign { path }),
+        _ => Ok(()),
+    }
 }
 
 #[derive(Default)]
@@ -142,6 +165,10 @@ impl Job<'_> {
             .views
             .par_iter()
             .filter(|view| {
+                // Once stopped, nothing more is looked at; what that leaves out is not rendered either.
+                if self.cancel.load(Ordering::Relaxed) {
+                    return true;
+                }
                 let path = self.folder.join(render_file(spec, view));
                 let current = picture::is_current(&path, &picture::stamp(hash, view));
                 if current {
