@@ -171,6 +171,16 @@ fn build_does_not_overwrite_what_is_no_index() {
 }
 
 #[test]
+fn an_answer_stands_where_its_drawing_cannot_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawing = folder.path().join("missing/why.png");
+    let outcome = recognise(&[&good(), Path::new("--explain"), &drawing]);
+    assert_eq!(outcome.status, 2);
+    assert!(!outcome.json_lines()[0]["grasp"].is_null(), "{}", outcome.stdout);
+    assert!(outcome.stderr.contains("why.png"), "{}", outcome.stderr);
+}
+
+#[test]
 fn no_output_overwrites_an_input() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("picture.png");

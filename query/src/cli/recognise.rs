@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
@@ -58,6 +59,9 @@ pub(super) struct Recognise {
     /// Say how long each step took.
     #[arg(long)]
     timings: bool,
+    /// Some drawing could not be written.
+    #[arg(skip)]
+    undrawn: AtomicBool,
 }
 
 impl Recognise {
@@ -104,7 +108,7 @@ impl Recognise {
                 }
             }
         }
-        Ok(output.status)
+        Ok(if self.undrawn.load(Ordering::Relaxed) { super::ERROR } else { output.status })
     }
 
     /// Standard input, frame by frame: each is answered before the next is awaited.
@@ -164,7 +168,12 @@ impl Recognise {
         };
         match self.draw(&record, &found, index) {
             Ok(()) => record,
-            Err(error) => Record::failed(name, frame, "explain", format!("{error:#}")),
+            // The answer stands, drawn or not.
+            Err(error) => {
+                self.undrawn.store(true, Ordering::Relaxed);
+                let _ = writeln!(io::stderr(), "{name}: {error:#}");
+                record
+            }
         }
     }
 
