@@ -17,7 +17,9 @@ pub(super) struct Known {
 }
 
 impl Known {
-    const NOTHING: fn() -> Self = || Self { index: None, ids: HashMap::new() };
+    fn nothing() -> Self {
+        Self { index: None, ids: HashMap::new() }
+    }
 
     /// Looks at the file at `path`, if there is one.
     ///
@@ -27,7 +29,7 @@ impl Known {
         let index = match Index::open(path) {
             Ok(index) => index,
             Err(OpenError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Ok(Self::NOTHING());
+                return Ok(Self::nothing());
             }
             Err(
                 error @ (OpenError::NotAnIndex | OpenError::NotAFile | OpenError::Folder | OpenError::Io(_)),
@@ -48,7 +50,7 @@ impl Known {
         let fits = index.params_hash() == recipe.descriptor.fingerprint()
             && index.catalogue().thumbnail_side == recipe.thumbnail_side;
         if !fits {
-            return Ok(Self::NOTHING());
+            return Ok(Self::nothing());
         }
         // Taking over one flipped bit would break "the same bytes as a build from nothing".
         if let Some(problem) = index.verify().problems.first() {
@@ -66,7 +68,7 @@ impl Known {
             "grasp-builder: the existing {} is of no use and will be replaced: {why}",
             path.display()
         );
-        Self::NOTHING()
+        Self::nothing()
     }
 
     /// Whether a picture with this source hash is known.

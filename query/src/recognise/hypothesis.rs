@@ -5,20 +5,12 @@
 //! orientation is turned and flipped back.
 
 use grasp_index::{
-    Describer, HandImage, Index, SearchCost, SearchOptions, Vote, euler_deg, mirror_orientation,
+    Describer, HandImage, Index, Neighbour, Search, SearchCost, SearchOptions, Vote, euler_deg,
+    mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
-
-/// One entry of the index, near to the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Neighbour {
-    /// The entry's number in the index.
-    pub id: u32,
-    /// Euclidean distance between the descriptors.
-    pub distance: f32,
-}
 
 /// A hand, a roll, and what the index says to them.
 #[derive(Clone, Debug)]
@@ -98,10 +90,8 @@ pub(super) fn best(
                 },
             );
             let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
-            let neighbours =
-                found.neighbours.iter().map(|n| Neighbour { id: n.id, distance: n.distance }).collect();
             let vote = timings.time(|t| &mut t.vote_ms, || index.vote(&found.neighbours, &options.vote));
-            let cost = found.cost;
+            let Search { neighbours, cost } = found;
             let hypothesis =
                 Hypothesis { side, roll_deg, image, descriptor, neighbours, cost, vote, tried: 0 };
             let distance = hypothesis.unlikeliness();

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use grasp_index::{DESCRIBED_SIDE, HandImage, HandImageError, Index, SearchError, VoteOptions};
 
-pub use hypothesis::{Hypothesis, Neighbour};
+pub use hypothesis::Hypothesis;
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared, SourceError};
 pub use timings::Timings;
