@@ -1,0 +1,169 @@
+"""Times this project's index against other libraries on the same vectors. See README.md."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import report
+import truth
+from peers import cold, rounds
+from peers.contender import Run
+from peers.libraries import contenders
+from peers.pool import Failed, Store
+
+
+def names(text: str) -> list[str]:
+    """A comma-separated list; a name stands for all contenders that begin with it."""
+    every = list(contenders())
+    chosen = []
+    for name in text.split(","):
+        found = [one for one in every if one == name or one.startswith(f"{name}-")]
+        if not found:
+            raise argparse.ArgumentTypeError(f"no contender {name!r}; there are {', '.join(every)}")
+        chosen += found
+    return chosen
+
+
+def shares(text: str) -> list[float]:
+    values = [float(value) for value in text.split(",")]
+    if not all(0 < value <= 1 for value in values):
+        raise argparse.ArgumentTypeError("levels lie above 0 and not above 1")
+    return values
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("base", metavar="BASE.npy", help="the vectors to index, float32, N x D")
+    parser.add_argument("queries", metavar="QUERIES.npy", help="the queries, float32, Q x D")
+    parser.add_argument("--work", type=Path, required=True, help="folder that keeps truth and built indexes")
+    parser.add_argument("--only", type=names, help="comma-separated contenders, or beginnings of their names")
+    parser.add_argument("--skip", type=names, default=[], help="likewise")
+    parser.add_argument("--k", type=int, default=10)
+    parser.add_argument("--eps", type=float, default=0.05)
+    parser.add_argument("--recall-levels", type=shares, default=[0.9, 0.95, 0.99])
+    parser.add_argument("--success-levels", type=shares, default=[0.95, 0.99])
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=3, help="batches of all queries in a round")
+    parser.add_argument("--cold-rounds", type=int, default=9, help="0 leaves the cold starts out")
+    parser.add_argument(
+        "--time-limit", type=float, default=3600, metavar="SECONDS", help="of a build, a load or a search"
+    )
+    parser.add_argument(
+        "--core", type=int, help="where searches run; default: the last that this process may use"
+    )
+    parser.add_argument("--build-threads", type=int, help="default: every core that this process may use")
+    parser.add_argument("--in-turn", action="store_true", help="hold one index in memory at a time")
+    parser.add_argument("--rebuild", action="store_true", help="do not use the indexes kept in --work")
+    parser.add_argument(
+        "--binaries", default="", help="folder of grasp-builder and grasp-query; default: the PATH"
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--csv", type=Path, help="every measured point goes here")
+    return parser.parse_args()
+
+
+def checked_shape(path: str) -> tuple[int, int]:
+    """The shape of a file of vectors; raises ValueError saying what is wrong with it."""
+    array = np.load(path, mmap_mode="r")
+    if array.ndim != 2 or array.dtype != np.float32 or not array.flags.c_contiguous:
+        raise ValueError(
+            f"{path}: float32, two-dimensional, C order expected, {array.dtype} {array.shape} found"
+        )
+    return array.shape
+
+
+def memory_is_short(n: int, dim: int, how_many: int) -> bool:
+    """Whether all indexes at once might not fit: a graph takes about twice its vectors."""
+    for text in Path("/proc/meminfo").read_text().splitlines():
+        if text.startswith("MemAvailable:"):
+            return how_many * n * (dim * 4 + 200) * 1.5 > int(text.split()[1]) * 1024
+    return False
+
+
+def say(text: str) -> None:
+    print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
+
+
+def main() -> int:
+    given = arguments()
+    try:
+        (n, dim), (q, query_dim) = checked_shape(given.base), checked_shape(given.queries)
+        if dim != query_dim or q == 0 or n < given.k:
+            raise ValueError(
+                f"{n} x {dim} vectors and {q} x {query_dim} queries do not fit, or are fewer than k"
+            )
+    except (OSError, ValueError) as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return 2
+    cores = sorted(os.sched_getaffinity(0))
+    run = Run(
+        base=str(Path(given.base).resolve()),
+        queries=str(Path(given.queries).resolve()),
+        n=n,
+        dim=dim,
+        k=given.k,
+        seed=given.seed,
+        build_threads=given.build_threads or len(cores),
+        binaries=given.binaries and str(Path(given.binaries).resolve()),
+    )
+    given.work.mkdir(parents=True, exist_ok=True)
+    work = given.work.resolve()
+    say("truth")
+    judge = truth.Judge(
+        run.base, run.queries, truth.true_distances(run.base, run.queries, run.k, work), given.eps
+    )
+    store = Store(work, run, truth.file_hash(run.base))
+    chosen = [one for one in contenders().values() if one.name in (given.only or contenders())]
+    entries = [rounds.Entry(one) for one in chosen if one.name not in given.skip]
+    for entry in entries:
+        say(f"index: {entry.contender.name}")
+        try:
+            entry.built = store.built(entry.contender, given.time_limit, given.rebuild)
+        except Failed as error:
+            entry.failed = str(error)
+            say(f"{entry.contender.name} did not run: {error}")
+    levels = [("recall", level) for level in given.recall_levels]
+    levels += [("eps_success", level) for level in given.success_levels]
+    with tempfile.TemporaryDirectory() as scratch:
+        plan = rounds.Plan(
+            run=run,
+            levels=levels,
+            rounds=given.rounds,
+            repeats=given.repeats,
+            core=cores[-1] if given.core is None else given.core,
+            limit=given.time_limit,
+            in_turn=given.in_turn or memory_is_short(n, dim, len(entries)),
+            scratch=Path(scratch),
+        )
+        rounds.hold(entries, plan, store, judge, say)
+        starts = {}
+        if given.cold_rounds:
+            starts = cold.measure(entries, run, plan.core, given.cold_rounds, plan.scratch, say)
+    print(report.table(entries, levels, starts, run))
+    print()
+    print(report.notes(entries, plan, q, given.eps))
+    if given.csv:
+        with open(given.csv, "w", newline="") as stream:
+            report.write_csv(entries, stream)
+    return 1 if any(entry.failed for entry in entries) else 0
+
+
+def interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    # A termination ends the workers too: they have sessions of their own.
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

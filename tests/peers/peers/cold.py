@@ -1,0 +1,105 @@
+"""Cold start: a whole process that starts, opens the saved index, answers one query and ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .contender import Run
+from .ours import FILE, program
+from .pool import HERE, THREAD_VARIABLES
+from .rounds import Entry
+
+SCRIPTS = {"faiss-ivf": "faiss", "faiss-hnsw": "faiss", "hnswlib": "hnswlib", "usearch": "usearch"}
+"""The contenders (by the start of the name) that have a script, and what it is told."""
+
+
+@dataclass
+class Cold:
+    """Medians, in milliseconds."""
+
+    whole: float
+    """The process from its start to its end."""
+    inside: float | None
+    """Of that, opening and answering; the rest is the interpreter and its imports. None for a program of its own."""
+
+
+def measure(
+    entries: list[Entry], run: Run, core: int, rounds: int, scratch: Path, say: Callable[[str], None]
+) -> dict[str, Cold]:
+    """The cold starts of those that have one, interleaved; the files are in the page cache."""
+    query = scratch / "one.npy"
+    np.save(query, np.load(run.queries)[:1])
+    calls = {}
+    for entry in entries:
+        if entry.built is not None and not entry.failed:
+            call = command(entry, run, query, scratch)
+            if call:
+                calls[entry.contender.name] = call
+    whole: dict[str, list[float]] = {name: [] for name in calls}
+    inside: dict[str, list[float]] = {name: [] for name in calls}
+    environment = {**os.environ, **{name: "1" for name in THREAD_VARIABLES}}
+    for number in range(rounds + 1):
+        say(f"cold start {number} of {rounds}")
+        for name, call in calls.items():
+            started = time.perf_counter_ns()
+            done = subprocess.run(
+                call,
+                check=False,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                env=environment,
+                preexec_fn=lambda: os.sched_setaffinity(0, {core}),
+            )
+            took = (time.perf_counter_ns() - started) / 1e6
+            if done.returncode != 0 or number == 0:  # round 0 fills the page cache
+                continue
+            whole[name].append(took)
+            if name != "grasp":
+                inside[name].append(json.loads(done.stdout)["ns"] / 1e6)
+    return {
+        name: Cold(statistics.median(whole[name]), statistics.median(inside[name]) if inside[name] else None)
+        for name in calls
+        if whole[name]
+    }
+
+
+def command(entry: Entry, run: Run, query: Path, scratch: Path) -> list[str]:
+    """The command line of a contender's cold start; empty where it has none."""
+    name, folder = entry.contender.name, entry.built.folder
+    if name == "grasp":
+        out = str(scratch / "one-ids.npy")
+        index = str(folder / FILE)
+        return [
+            program(run, "grasp-query"),
+            "search",
+            str(query),
+            "--index",
+            index,
+            "--k",
+            str(run.k),
+            "--out",
+            out,
+        ]
+    for start, library in SCRIPTS.items():
+        if name.startswith(start):
+            file = next(path for path in folder.iterdir() if path.suffix == ".index")
+            return [
+                sys.executable,
+                "-s",
+                str(HERE / "coldstart.py"),
+                library,
+                str(file),
+                str(query),
+                str(run.k),
+            ]
+    return []

@@ -1,0 +1,78 @@
+"""What a library must be able to do to take part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+Setting = dict[str, Any]
+"""One point of the sweep: the search parameters that a library is given, by its own names."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What every contender is told. It crosses to the worker processes as JSON, so plain values only."""
+
+    base: str
+    """Path of the vectors to index, float32 (N, D) in C order."""
+    queries: str
+    """Path of the queries, float32 (Q, D) in C order."""
+    n: int
+    dim: int
+    k: int = 10
+    seed: int = 1
+    build_threads: int = 1
+    binaries: str = ""
+    """Folder of grasp-builder and grasp-query; empty: the PATH."""
+
+    def base_vectors(self) -> np.ndarray:
+        return np.load(self.base)
+
+
+class Contender:
+    """One library with one way of building its index. Searching has settings; building has none.
+
+    A subclass is a row of the table. What was tried and left out is said where the choice is made.
+    """
+
+    name: str
+    """How `--only` and `--skip` call it."""
+    title: str
+    """How the table calls it, with the parameters of the build."""
+    package: str
+    """The distribution whose version is reported."""
+    batch = True
+    """Whether one call answers all queries."""
+
+    def prepare(self) -> None:
+        """Imports the library; apart from `load`, so that its code does not count as the index's memory."""
+
+    def build(self, run: Run, folder: Path) -> None:
+        """Builds from `run.base` and saves into `folder`, which exists and is empty."""
+        raise NotImplementedError
+
+    def load(self, run: Run, folder: Path) -> None:
+        """Opens what `build` saved, for searching with one thread."""
+        raise NotImplementedError
+
+    def settings(self, run: Run) -> list[Setting]:
+        """The sweep, cheapest first."""
+        raise NotImplementedError
+
+    def search(self, queries: np.ndarray, k: int, setting: Setting) -> np.ndarray:
+        """The row numbers of the k nearest found, (Q, k); -1 where fewer were found."""
+        raise NotImplementedError
+
+    def time_search(
+        self, run: Run, queries: np.ndarray, setting: Setting, repeats: int
+    ) -> tuple[float, np.ndarray] | None:
+        """Median nanoseconds a query over `repeats` and the ids, where the library times itself; else None."""
+        return None
+
+
+def widths(*values: int, least: int = 0) -> list[int]:
+    """The values of a search width that are not below `least`, which most libraries refuse."""
+    return [value for value in values if value >= least]

@@ -1,0 +1,68 @@
+"""This project's own index, through its two programs, as a user calls them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from .contender import Contender, Run, Setting
+
+FILE = "grasp.idx"
+
+
+class Grasp(Contender):
+    """The programs tell their own time a query; starting them is measured apart, as the cold start."""
+
+    name, title, package = "grasp", "grasp (this project)", ""
+
+    def prepare(self) -> None:
+        self.folder: Path | None = None
+
+    def build(self, run: Run, folder: Path) -> None:
+        call = [
+            program(run, "grasp-builder"),
+            "build",
+            "--descriptors",
+            run.base,
+            "--out",
+            str(folder / FILE),
+        ]
+        call += ["--seed", str(run.seed), "--threads", str(run.build_threads)]
+        subprocess.run(call, check=True, stdin=subprocess.DEVNULL)
+
+    def load(self, run: Run, folder: Path) -> None:
+        self.folder = folder
+        program(run, "grasp-query")
+
+    def settings(self, run: Run) -> list[Setting]:
+        recalls = (0.80, 0.85, 0.90, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98, 0.985, 0.99, 0.995, 0.998)
+        return [{"recall": recall} for recall in recalls]
+
+    def time_search(
+        self, run: Run, queries: np.ndarray, setting: Setting, repeats: int
+    ) -> tuple[float, np.ndarray]:
+        with tempfile.TemporaryDirectory() as scratch:
+            out = Path(scratch) / "ids.npy"
+            call = [program(run, "grasp-query"), "search", run.queries, "--index", str(self.folder / FILE)]
+            call += ["--k", str(run.k), "--out", str(out), "--recall", str(setting["recall"])]
+            call += ["--rounds", str(repeats), "--threads", "1", "--json", "--timings"]
+            done = subprocess.run(call, check=False, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+            if done.returncode != 0:
+                raise RuntimeError(f"grasp-query: status {done.returncode}: {done.stderr.strip()[-300:]}")
+            answer = json.loads(done.stdout.splitlines()[-1])
+            return float(answer["ns_per_query"]), np.load(out).astype(np.int64)
+
+
+def program(run: Run, name: str) -> str:
+    """The path of one of the two programs."""
+    found = shutil.which(name, path=run.binaries or None)
+    if found is None:
+        raise FileNotFoundError(
+            f"{name} not found: build with `cargo build --release`, pass --binaries FOLDER"
+        )
+    return found
