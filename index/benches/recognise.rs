@@ -4,7 +4,7 @@
 mod support;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use grasp_index::{Describer, DescriptorParams, Index, SearchOptions, VoteOptions};
+use grasp_index::{Describer, DescriptorParams, Effort, Index, SearchOptions, VoteOptions};
 use std::hint::black_box;
 
 fn describe(c: &mut Criterion) {
@@ -45,8 +45,8 @@ fn search(c: &mut Criterion) {
             ))
         })
         .collect();
-    for (name, exact) in [("search/hashed", false), ("search/exact", true)] {
-        let options = SearchOptions { exact, ..SearchOptions::default() };
+    for (name, effort) in [("search/hashed", Effort::Recall(0.95)), ("search/exact", Effort::Exact)] {
+        let options = SearchOptions { effort, ..SearchOptions::default() };
         let mut next = queries.iter().cycle();
         c.bench_function(name, |b| b.iter(|| index.search(next.next().expect("a cycle"), &options)));
     }

@@ -8,8 +8,9 @@ use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
 use crate::hand_image::HandImage;
 use crate::search::random::RandomHyperplanes;
+use crate::search::searcher::Searcher;
 use crate::search::tables::Buckets;
-use crate::search::{self, Neighbour, Rows, Search, SearchError, SearchOptions};
+use crate::search::{Neighbour, Rows, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
 use nalgebra::{Quaternion, UnitQuaternion};
 use std::path::Path;
@@ -129,12 +130,8 @@ impl Index {
         SearchOptions { k: self.catalogue().calibration.k as usize, ..SearchOptions::default() }
     }
 
-    /// The nearest neighbours of a descriptor.
-    ///
-    /// # Errors
-    /// [`SearchError`], when the query does not fit the index.
-    pub fn search(&self, query: &[f32], options: &SearchOptions) -> Result<Search, SearchError> {
-        search::check(query, self.dim(), options)?;
+    /// Searches the index, query after query.
+    pub fn searcher(&self) -> Searcher<'_> {
         let HashInfo::Random(size) = self.catalogue().hash;
         let hash = RandomHyperplanes {
             size,
@@ -146,7 +143,15 @@ impl Index {
             directory: self.file.array(SectionKind::BucketDirectory),
             ids: self.file.array(SectionKind::BucketIds),
         };
-        Ok(search::search(self.rows(), &hash, buckets, query, options, size.probes))
+        Searcher::new(self.rows(), hash, buckets, self.catalogue().measured)
+    }
+
+    /// The nearest neighbours of a descriptor. For many queries, [`Self::searcher`] is faster.
+    ///
+    /// # Errors
+    /// [`SearchError`], when the query does not fit the index.
+    pub fn search(&self, query: &[f32], options: &SearchOptions) -> Result<Search, SearchError> {
+        self.searcher().search(query, options)
     }
 
     /// What the neighbours say. Neighbours that are not in the index, or whose entry makes no sense, have no vote.

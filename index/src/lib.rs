@@ -75,8 +75,9 @@ pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_
 pub use index::{Entry, EntryError, Index};
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
 pub use search::random::RandomHash;
+pub use search::searcher::Searcher;
 pub use search::tune::{EPS, HashParams, Measured};
-pub use search::{Neighbour, Search, SearchCost, SearchError, SearchOptions};
+pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
 pub use vote::{
     ClassScore, OrientationEstimate, Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance,
     mean_rotation,

@@ -2,7 +2,7 @@
 
 mod support;
 
-use grasp_index::{Index, OpenError, SearchOptions, VoteOptions};
+use grasp_index::{Effort, Index, OpenError, SearchOptions, VoteOptions};
 
 fn small() -> Vec<u8> {
     support::small().finish_bytes().expect("the index is built")
@@ -13,8 +13,8 @@ fn use_all(index: &Index) {
     let query = vec![0.1; index.dim()];
     for options in [
         SearchOptions::default(),
-        SearchOptions { probes: Some(3), ..SearchOptions::default() },
-        SearchOptions { exact: true, ..SearchOptions::default() },
+        SearchOptions { effort: Effort::Probes(3), ..SearchOptions::default() },
+        SearchOptions { effort: Effort::Exact, ..SearchOptions::default() },
     ] {
         let found = index.search(&query, &options).expect("the query fits");
         index.vote(&found.neighbours, &VoteOptions::default());

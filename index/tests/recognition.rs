@@ -2,7 +2,9 @@
 
 mod support;
 
-use grasp_index::{DescriptorParams, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation};
+use grasp_index::{
+    DescriptorParams, Effort, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation,
+};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn index(descriptor: DescriptorParams) -> Index {
@@ -71,8 +73,7 @@ fn mirroring_keeps_what_a_left_hands_frame_means() {
 fn the_literal_sigma_counts_heads_and_the_fitted_one_weighs_them() {
     let index = index(DescriptorParams::default());
     let query = index.descriptor(7).unwrap().to_vec();
-    let found =
-        index.search(&query, &SearchOptions { k: 60, exact: true, ..index.search_options() }).unwrap();
+    let found = index.search(&query, &SearchOptions { k: 60, effort: Effort::Exact }).unwrap();
     let class = index.labels()[7];
     let alike = found.neighbours.iter().filter(|near| index.labels()[near.id as usize] == class).count();
     let share = |options: &VoteOptions| {

@@ -2,7 +2,9 @@
 
 mod support;
 
-use grasp_index::{AtomicFile, BuildError, Index, IndexParams, SearchOptions, WriteError};
+use grasp_index::{
+    AtomicFile, BuildError, Effort, Index, IndexParams, SearchError, SearchOptions, WriteError,
+};
 use std::ops::ControlFlow;
 
 fn go_on(_: grasp_index::Phase, _: f64) -> ControlFlow<()> {
@@ -139,4 +141,26 @@ fn a_full_disk_leaves_the_old_file_and_no_other() {
     assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stdout));
     assert_eq!(std::fs::read(&path).expect("the file is there"), b"old");
     assert_eq!(files_in(folder.path()), ["grasp.idx"]);
+}
+
+#[test]
+fn a_batch_finds_what_single_searches_find_and_fills_its_rows() {
+    let index = Index::from_bytes(&support::small().finish_bytes().expect("built")).expect("the index opens");
+    let queries: Vec<f32> = (0..3).flat_map(|id| index.descriptor(id).expect("an entry").to_vec()).collect();
+    for effort in [SearchOptions::default().effort, Effort::Probes(2), Effort::Exact] {
+        let options = SearchOptions { k: index.len() + 2, effort };
+        let mut found = Vec::new();
+        index.searcher().batch(&queries, &options, &mut found).expect("the queries fit");
+        assert_eq!(found.len(), 3 * options.k);
+        for (query, row) in queries.chunks(index.dim()).zip(found.chunks(options.k)) {
+            let single = index.search(query, &options).expect("the query fits").neighbours;
+            assert_eq!(single, row[..index.len()]);
+            assert!(
+                row[index.len()..].iter().all(|none| none.id == u32::MAX && none.distance == f32::INFINITY)
+            );
+        }
+        let ragged =
+            index.searcher().batch(&queries[1..], &options, &mut found).expect_err("a value is missing");
+        assert!(matches!(ragged, SearchError::WrongLength { .. }), "{ragged}");
+    }
 }

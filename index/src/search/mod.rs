@@ -2,11 +2,12 @@
 //!
 //! The seam is [`Hash`]: a hash turns a vector into an ordered list of buckets to probe. What follows is one path for
 //! every hash: gather the union of the buckets ([`tables`]), measure exact distances, keep the k nearest ([`exact`]).
-//! [`random`] holds the paper's hash, and [`tune`] chooses its size from the data.
+//! [`random`] holds the paper's hash, and [`tune`] chooses its size from the data. [`searcher`] is the door to it all.
 
 pub(crate) mod distance;
 mod exact;
 pub(crate) mod random;
+pub(crate) mod searcher;
 pub(crate) mod tables;
 pub(crate) mod tune;
 
@@ -15,21 +16,37 @@ use tables::Buckets;
 use thiserror::Error;
 
 /// What to search for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchOptions {
     /// How many neighbours to return, at least 1. An index of fewer entries returns them all.
     pub k: usize,
-    /// Measure the distance to every entry: the true nearest neighbours, in time linear in the size of the index.
-    pub exact: bool,
-    /// Buckets to probe in each table: 1 is the paper's search, more find more. `None` takes what the index was
-    /// measured with.
-    pub probes: Option<u32>,
+    /// How hard to look for them.
+    pub effort: Effort,
 }
 
 impl Default for SearchOptions {
     fn default() -> Self {
-        Self { k: 10, exact: false, probes: None }
+        Self { k: 10, effort: Effort::Recall(0.95) }
     }
+}
+
+/// How hard to look for the neighbours: as a wanted success, which the index has measured the effort for, or as the effort.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// Find this share of the true 10 nearest, on average: above 0, at most 1.
+    Recall(f64),
+    /// Find, for the share `success` of all queries (above 0, at most 1), a neighbour at most `1 + eps` times as far as the
+    /// true nearest (`eps` 0 or more).
+    Success {
+        /// How much farther than the true nearest is near enough.
+        eps: f64,
+        /// The share of queries for which it shall be found.
+        success: f64,
+    },
+    /// Look into this many buckets of each table, at least 1.
+    Probes(u32),
+    /// Measure the distance to every entry: the true nearest neighbours, in time linear in the size of the index.
+    Exact,
 }
 
 /// One entry of the index, as near as `distance` to the query.
@@ -56,6 +73,10 @@ pub struct SearchCost {
     pub exact: bool,
     /// The buckets held fewer than k entries, so every entry was measured although that was not asked for.
     pub fell_back: bool,
+    /// Candidates whose distance was measured by their original descriptors, after a coarser look at all of them.
+    pub reranked: u32,
+    /// The share of the true 10 nearest that such a search found when the index was measured; `None` where that is unknown.
+    pub predicted_recall: Option<f64>,
 }
 
 /// Neighbours, and what it took to find them.
@@ -68,7 +89,7 @@ pub struct Search {
 }
 
 /// A query that cannot be searched for.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SearchError {
     /// The query has another length than the index's descriptors.
@@ -84,8 +105,18 @@ pub enum SearchError {
     /// The query holds an infinity or a NaN.
     #[error("value {at} of the query is not a finite number")]
     NotFinite {
-        /// Which value.
+        /// Which value, counted over all queries of a batch.
         at: usize,
+    },
+    /// No search can reach what is wanted of it.
+    #[error("{what} of {found} cannot be: {wanted}")]
+    Effort {
+        /// What is wanted: a recall, a success or an eps.
+        what: &'static str,
+        /// How much of it.
+        found: f64,
+        /// Which numbers can be.
+        wanted: &'static str,
     },
     /// No neighbours were asked for.
     #[error("k is 0: ask for at least one neighbour")]
@@ -120,33 +151,30 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Searches `rows` through `hash` and its `buckets`. The query has been checked with [`check`].
+/// Searches `rows` through `hash` and its `buckets`, `probes` of them a table. The query has been checked with [`check`].
 pub(crate) fn search(
     rows: Rows<'_>,
     hash: &dyn Hash,
     buckets: Buckets<'_>,
     query: &[f32],
-    options: &SearchOptions,
-    default_probes: u32,
+    k: usize,
+    probes: u32,
 ) -> Search {
-    if options.exact {
-        return exhaustive(rows, query, options.k, SearchCost::default());
-    }
     let mut probed = Vec::new();
-    hash.probe(query, options.probes.unwrap_or(default_probes).max(1), &mut probed);
+    hash.probe(query, probes.max(1), &mut probed);
     let candidates = tables::union(buckets, &probed, rows.len());
     let cost = SearchCost {
         tables: hash.tables(),
         buckets: probed.len() as u32,
         candidates: candidates.len() as u32,
         share_of_database: candidates.len() as f64 / rows.len().max(1) as f64,
-        exact: false,
-        fell_back: false,
+        reranked: candidates.len() as u32,
+        ..SearchCost::default()
     };
-    if candidates.len() < options.k.min(rows.len()) {
-        return exhaustive(rows, query, options.k, SearchCost { fell_back: true, ..cost });
+    if candidates.len() < k.min(rows.len()) {
+        return exhaustive(rows, query, k, SearchCost { fell_back: true, ..cost });
     }
-    let mut nearest = Nearest::new(options.k);
+    let mut nearest = Nearest::new(k);
     for id in candidates {
         if let Some(row) = rows.get(id) {
             nearest.offer(id, distance::squared(query, row));
@@ -156,23 +184,33 @@ pub(crate) fn search(
 }
 
 /// Measures every row.
-fn exhaustive(rows: Rows<'_>, query: &[f32], k: usize, cost: SearchCost) -> Search {
+pub(crate) fn exhaustive(rows: Rows<'_>, query: &[f32], k: usize, cost: SearchCost) -> Search {
     let neighbours = exact::nearest(rows, query, k, None);
-    Search { neighbours, cost: SearchCost { share_of_database: 1.0, exact: true, ..cost } }
+    let found_all = SearchCost { share_of_database: 1.0, exact: true, predicted_recall: Some(1.0), ..cost };
+    Search { neighbours, cost: SearchCost { reranked: rows.len() as u32, ..found_all } }
 }
 
-/// Checks a query against the index's descriptors.
-pub(crate) fn check(query: &[f32], dim: usize, options: &SearchOptions) -> Result<(), SearchError> {
-    if query.len() != dim {
-        return Err(SearchError::WrongLength { expected: dim, found: query.len() });
-    }
-    if let Some(at) = query.iter().position(|value| !value.is_finite()) {
+/// Checks queries and what is wanted of their search.
+pub(crate) fn check(queries: &[f32], options: &SearchOptions) -> Result<(), SearchError> {
+    if let Some(at) = queries.iter().position(|value| !value.is_finite()) {
         return Err(SearchError::NotFinite { at });
     }
     if options.k == 0 {
         return Err(SearchError::NoNeighbours);
     }
-    Ok(())
+    let share = |what, found: f64| {
+        let wanted = "a share above 0 and at most 1 is needed";
+        let is_share = found > 0.0 && found <= 1.0;
+        is_share.then_some(()).ok_or(SearchError::Effort { what, found, wanted })
+    };
+    match options.effort {
+        Effort::Recall(recall) => share("a recall", recall),
+        Effort::Success { eps, .. } if !(eps >= 0.0 && eps.is_finite()) => {
+            Err(SearchError::Effort { what: "an eps", found: eps, wanted: "a number of 0 or more is needed" })
+        }
+        Effort::Success { success, .. } => share("a success", success),
+        Effort::Probes(_) | Effort::Exact => Ok(()),
+    }
 }
 
 #[cfg(test)]

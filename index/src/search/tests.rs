@@ -26,20 +26,18 @@ fn brute_force(rows: Rows<'_>, query: &[f32]) -> Vec<Neighbour> {
     all
 }
 
-fn hashed(rows: Rows<'_>, size: RandomHash, query: &[f32], options: &SearchOptions) -> Search {
+fn hashed(rows: Rows<'_>, size: RandomHash, query: &[f32], k: usize) -> Search {
     let (normals, offsets) = random::draw(rows, size.tables, size.planes, 3);
     let hash = RandomHyperplanes { size, dim: DIM, normals: &normals, offsets: &offsets };
     let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
-    search(rows, &hash, tables.as_buckets(), query, options, size.probes)
+    search(rows, &hash, tables.as_buckets(), query, k, size.probes)
 }
 
 proptest! {
     #[test]
     fn exact_search_is_brute_force(values in rows(), query in prop::array::uniform5(0.0..4.0f32), k in 1..70usize) {
         let rows = Rows { values: &values, dim: DIM };
-        let size = RandomHash { planes: 2, tables: 2, buckets: 8, probes: 1 };
-        let options = SearchOptions { k, exact: true, ..SearchOptions::default() };
-        let found = hashed(rows, size, &query, &options);
+        let found = exhaustive(rows, &query, k, SearchCost::default());
         let mut expected = brute_force(rows, &query);
         expected.truncate(k);
         prop_assert_eq!(found.neighbours.len(), expected.len());
@@ -64,7 +62,7 @@ proptest! {
     ) {
         let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
         let size = RandomHash { planes, tables, buckets: 16, probes };
-        let found = hashed(rows, size, &query, &SearchOptions { k, ..SearchOptions::default() });
+        let found = hashed(rows, size, &query, k);
         let all = brute_force(rows, &query);
         prop_assert_eq!(found.neighbours.len(), k.min(rows.len()));
         // In order, each once, at their true distances.
@@ -85,7 +83,7 @@ proptest! {
         let rows = Rows { values: &values, dim: DIM };
         let query = rows.get(row.index(rows.len()) as u32).unwrap_or_default();
         let size = RandomHash { planes, tables: 1, buckets: 64, probes: 1 };
-        let found = hashed(rows, size, query, &SearchOptions { k: 1, ..SearchOptions::default() });
+        let found = hashed(rows, size, query, 1);
         prop_assert_eq!(found.neighbours[0].distance, 0.0);
         prop_assert!(!found.cost.fell_back);
     }
@@ -107,10 +105,9 @@ proptest! {
     #[test]
     fn more_probes_find_no_fewer_candidates(values in rows(), query in prop::array::uniform5(0.0..4.0f32)) {
         let rows = Rows { values: &values, dim: DIM };
-        let size = RandomHash { planes: 6, tables: 2, buckets: 64, probes: 1 };
         let candidates = |probes| {
-            let options = SearchOptions { k: 1, probes: Some(probes), ..SearchOptions::default() };
-            hashed(rows, size, &query, &options).cost.candidates
+            let size = RandomHash { planes: 6, tables: 2, buckets: 64, probes };
+            hashed(rows, size, &query, 1).cost.candidates
         };
         prop_assert!(candidates(1) <= candidates(2) && candidates(2) <= candidates(7));
     }
@@ -132,4 +129,22 @@ fn buckets_that_make_no_sense_are_empty() {
     }
     let buckets = Buckets { directory: &[0, 3], ids: &[0, 7, u32::MAX] };
     assert_eq!(tables::union(buckets, &[0, 0], 5), [0], "ids past the last row are left out");
+}
+
+#[test]
+fn what_cannot_be_wanted_of_a_search_is_told() {
+    let wrong = [
+        Effort::Recall(0.0),
+        Effort::Recall(1.01),
+        Effort::Recall(f64::NAN),
+        Effort::Success { eps: -0.1, success: 0.5 },
+        Effort::Success { eps: f64::INFINITY, success: 0.5 },
+        Effort::Success { eps: 0.05, success: 0.0 },
+    ];
+    for effort in wrong {
+        let error = check(&[0.0], &SearchOptions { k: 1, effort }).expect_err("it cannot be");
+        assert!(matches!(error, SearchError::Effort { .. }), "{effort:?}: {error}");
+    }
+    check(&[0.0], &SearchOptions { k: 1, effort: Effort::Success { eps: 0.0, success: 1.0 } })
+        .expect("it can be");
 }

@@ -1,6 +1,6 @@
 //! Options of recognition that several subcommands share.
 
-use grasp_index::VoteOptions;
+use grasp_index::{Effort, SearchOptions, VoteOptions};
 
 use crate::recognise::{DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
@@ -39,7 +39,7 @@ impl RecogniseArguments {
             hand: self.hand,
             rolls: self.rolls,
             k: self.k,
-            exact: self.exact,
+            effort: if self.exact { Effort::Exact } else { SearchOptions::default().effort },
             vote: VoteOptions {
                 sigma: self.sigma,
                 sigma_scale: self.sigma_scale,

@@ -67,7 +67,7 @@ pub(super) fn best(
 ) -> Result<Hypothesis, RecogniseError> {
     let rolls = options.rolls.max(1);
     let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
-    let search = SearchOptions { k, exact: options.exact, ..SearchOptions::default() };
+    let search = SearchOptions { k, effort: options.effort };
     let mut best: Option<(f64, Hypothesis)> = None;
     let mut describer = Describer::new(&index.catalogue().descriptor);
     for turn in 0..rolls {

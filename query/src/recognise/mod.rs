@@ -7,7 +7,9 @@ mod timings;
 
 use std::time::Instant;
 
-use grasp_index::{DESCRIBED_SIDE, HandImage, HandImageError, Index, SearchError, VoteOptions};
+use grasp_index::{
+    DESCRIBED_SIDE, Effort, HandImage, HandImageError, Index, SearchError, SearchOptions, VoteOptions,
+};
 
 pub use hypothesis::Hypothesis;
 pub use side::{HandChoice, Side};
@@ -31,8 +33,8 @@ pub struct RecogniseOptions {
     pub rolls: usize,
     /// How many neighbours vote; `None` takes the index's own number.
     pub k: Option<usize>,
-    /// Compare with every entry instead of searching the tables.
-    pub exact: bool,
+    /// How hard to look for neighbours.
+    pub effort: Effort,
     /// How neighbours are weighed.
     pub vote: VoteOptions,
     /// The numbers of the segmentation.
@@ -45,7 +47,7 @@ impl Default for RecogniseOptions {
             hand: HandChoice::default(),
             rolls: DEFAULT_ROLLS,
             k: None,
-            exact: false,
+            effort: SearchOptions::default().effort,
             vote: VoteOptions::default(),
             segment: SegmentParams::default(),
         }
