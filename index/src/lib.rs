@@ -58,6 +58,7 @@ mod descriptor;
 mod file;
 mod hand_image;
 mod index;
+pub mod npy;
 mod resample;
 mod rotation;
 mod search;
