@@ -44,8 +44,8 @@ class Contender:
     """How the table calls it, with the parameters of the build."""
     package: str
     """The distribution whose version is reported."""
-    batch = True
-    """Whether one call answers all queries."""
+    needs_vectors = False
+    """Whether `load` needs the vectors beside what `build` saved; they then count as part of the index on disk."""
 
     def prepare(self) -> None:
         """Imports the library; apart from `load`, so that its code does not count as the index's memory."""

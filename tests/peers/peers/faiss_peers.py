@@ -123,7 +123,7 @@ class IvfPqFastScan(Ivf):
 
 
 class Hnsw(Faiss):
-    def __init__(self, links: int = 16, width: int = 200) -> None:
+    def __init__(self, links: int = 32, width: int = 500) -> None:
         self.links, self.width = links, width
         self.name, self.title = "faiss-hnsw", f"FAISS HNSW (M {links}, efConstruction {width})"
 

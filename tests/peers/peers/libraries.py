@@ -27,8 +27,7 @@ def contenders() -> dict[str, Contender]:
         Annoy(),
         ScaNN(),
         SymphonyQg(),
-        Glass(16),
-        Glass(32),
+        Glass(),
         Svs(),
     ]
     return {contender.name: contender for contender in table}

@@ -62,7 +62,7 @@ class Process:
         finally:
             timer.cancel()
         if late.is_set():
-            raise Failed(f"{request['do']} stopped after {limit:.0f} s")
+            raise Failed(f"{request['do']} stopped after {limit:g} s")
         if not line:
             code = self.child.wait()
             how = signal.Signals(-code).name if code < 0 else f"status {code}"
@@ -116,6 +116,8 @@ class Store:
             self.build(contender, folder, note, limit)
         facts = json.loads(note.read_text())
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file() and path != note)
+        if contender.needs_vectors:
+            size += Path(self.run.base).stat().st_size
         return Built(folder, facts["seconds"], facts["threads"], size)
 
     def build(self, contender: Contender, folder: Path, note: Path, limit: float) -> None:

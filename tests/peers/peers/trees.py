@@ -11,7 +11,6 @@ from .contender import Contender, Run, Setting
 
 class Annoy(Contender):
     package = "annoy"
-    batch = False
 
     def __init__(self, trees: int = 100) -> None:
         self.trees = trees
