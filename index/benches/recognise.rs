@@ -4,7 +4,7 @@
 mod support;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use grasp_index::{Describer, DescriptorParams, Effort, Index, SearchOptions, VoteOptions};
+use grasp_index::{Describer, DescriptorParams, Effort, Index, IndexWriter, SearchOptions, VoteOptions};
 use std::hint::black_box;
 
 fn describe(c: &mut Criterion) {
@@ -31,9 +31,8 @@ fn upscaled(hand: &grasp_index::HandImage, side: usize) -> Vec<u8> {
 fn search(c: &mut Criterion) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("balls.idx");
-    let writer = support::writer(support::params(6), 60, 15);
-    let summary =
-        writer.finish(&path, &|_, _| std::ops::ControlFlow::Continue(())).expect("the index is written");
+    let writer = IndexWriter::create(&path, support::params(6)).expect("the file can be written");
+    let summary = support::finish(support::fill(writer, 60, 15)).expect("the index is written");
     println!("{:?} {:?} sigma {:?}", summary.hash, summary.measured, summary.sigma);
     let index = Index::open(&path).expect("the index opens");
     let queries: Vec<_> = (0..60u16)

@@ -27,7 +27,7 @@
 //! };
 //!
 //! let class = |name: &str, cutkosky| ClassInfo { name: name.into(), cutkosky };
-//! let mut writer = IndexWriter::new(IndexParams {
+//! let mut writer = IndexWriter::create(&path, IndexParams {
 //!     classes: vec![class("large-diameter", 1), class("pinch", 9)],
 //!     hand_shapes: vec!["mean".into()],
 //!     stages: vec!["grasp".into()],
@@ -42,7 +42,7 @@
 //!         ..NewEntry::default()
 //!     })?;
 //! }
-//! writer.finish(&path, &|_phase, _share| std::ops::ControlFlow::Continue(()))?;
+//! writer.finish(&|_phase, _share| std::ops::ControlFlow::Continue(()))?;
 //!
 //! let index = Index::open(&path)?;
 //! let query = index.describe(&picture(1, 100));

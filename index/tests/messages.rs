@@ -33,7 +33,7 @@ fn of_an_index_from_a_newer_version() {
     bytes[8] = 3;
     let hash = xxh3_64(&bytes[..56]);
     bytes[56..64].copy_from_slice(&hash.to_le_bytes());
-    assert_snapshot!(opening(&bytes), @"written for readers >= 3, this is 1: use a newer grasp-query, or build the file again with this grasp-builder");
+    assert_snapshot!(opening(&bytes), @"written for readers >= 3, this is 2: use a newer grasp-query, or build the file again with this grasp-builder");
 }
 
 #[test]
@@ -87,10 +87,7 @@ fn of_entries_that_do_not_fit() {
 
 #[test]
 fn of_paths_that_cannot_be_written() {
-    let write = |path: &Path| {
-        let go_on = |_, _| std::ops::ControlFlow::Continue(());
-        support::small().finish(path, &go_on).expect_err("the path cannot be written").to_string()
-    };
+    let write = |path: &Path| support::write_small(path).expect_err("the path cannot be written").to_string();
     assert_snapshot!(write(Path::new("/nowhere/at/all.idx")), @"there is no folder /nowhere/at: create it first");
     assert_snapshot!(write(Path::new("/dev/null")), @"/dev/null is not a regular file: name the file to write");
     let folder = tempfile::tempdir().expect("a folder");

@@ -3,13 +3,10 @@
 mod support;
 
 use grasp_index::{
-    AtomicFile, BuildError, Effort, Index, IndexParams, SearchError, SearchOptions, WriteError,
+    AtomicFile, BuildError, Effort, Index, IndexParams, IndexWriter, OpenError, SearchError, SearchOptions,
+    WriteError,
 };
 use std::ops::ControlFlow;
-
-fn go_on(_: grasp_index::Phase, _: f64) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn files_in(folder: &std::path::Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("the folder can be read");
@@ -41,7 +38,7 @@ fn the_number_of_threads_does_not_change_a_byte() {
 fn a_file_holds_the_bytes_that_are_built_in_memory() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("small.idx");
-    let summary = support::small().finish(&path, &go_on).expect("the index is written");
+    let summary = support::write_small(&path).expect("the index is written");
     let bytes = std::fs::read(&path).expect("the index is there");
     assert_eq!(summary.bytes, bytes.len() as u64);
     assert!(bytes == support::small().finish_bytes().expect("the index is built"));
@@ -52,7 +49,7 @@ fn a_file_holds_the_bytes_that_are_built_in_memory() {
 fn mapped_read_and_copied_indexes_answer_alike() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("small.idx");
-    support::small().finish(&path, &go_on).expect("the index is written");
+    support::write_small(&path).expect("the index is written");
     let bytes = std::fs::read(&path).expect("the index is there");
     let answers = [Index::open(&path), Index::read(&path), Index::from_bytes(&bytes)].map(|index| {
         let index = index.expect("the index opens");
@@ -67,9 +64,10 @@ fn mapped_read_and_copied_indexes_answer_alike() {
 fn a_reader_goes_on_with_the_old_index_while_a_new_one_takes_its_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("grasp.idx");
-    support::small().finish(&path, &go_on).expect("the index is written");
+    support::write_small(&path).expect("the index is written");
     let old = Index::open(&path).expect("the index opens");
-    support::writer(support::params(2), 3, 2).finish(&path, &go_on).expect("the index is written again");
+    let again = IndexWriter::create(&path, support::params(2)).expect("a part beside the old index");
+    support::finish(support::fill(again, 3, 2)).expect("the index is written again");
     assert_eq!(old.len(), 36);
     assert!(old.verify().is_sound());
     assert_eq!(Index::open(&path).expect("the index opens").len(), 12);
@@ -80,25 +78,53 @@ fn a_second_writer_is_told_and_the_first_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("grasp.idx");
     let first = AtomicFile::create(&path).expect("nobody writes yet");
-    let second = support::small().finish(&path, &go_on).expect_err("somebody writes already");
+    let second = support::write_small(&path).expect_err("somebody writes already");
     assert!(second.to_string().contains("another program is writing"), "{second}");
     assert!(AtomicFile::create(&folder.path().join("other.idx")).is_ok(), "another file is free");
-    support::small().finish_into(first, &go_on).expect("the first writer ends");
+    let first = IndexWriter::create_in(first, support::params(2)).expect("the parameters are sound");
+    support::finish(support::fill(first, 3, 2)).expect("the first writer ends");
     assert_eq!(files_in(folder.path()), ["grasp.idx"]);
     AtomicFile::create(&path).expect("the lock is gone");
+}
+
+/// What is written before the header is no index, should anybody look.
+#[test]
+fn a_part_is_no_index() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    let writer = IndexWriter::create(&path, support::small_params()).expect("the file can be written");
+    // As many as no buffer holds.
+    let writer = support::fill(writer, 60, 30);
+    let part = folder.path().join(".grasp.idx.part");
+    assert!(
+        std::fs::metadata(&part).expect("the part is there").len() > 1 << 19,
+        "descriptors are not held back"
+    );
+    assert!(matches!(Index::open(&part), Err(OpenError::NotAnIndex)));
+    // Thumbnails wait in a file without a name.
+    assert_eq!(files_in(folder.path()), [".grasp.idx.part"]);
+    drop(writer);
+    assert_eq!(files_in(folder.path()), [""; 0]);
+}
+
+#[test]
+fn an_index_in_memory_has_no_file_to_finish() {
+    let error = support::finish(support::small()).expect_err("there is no path");
+    assert!(matches!(error, BuildError::InMemory), "{error:?}");
 }
 
 #[test]
 fn a_writer_that_gives_up_leaves_the_old_file_and_no_other() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("grasp.idx");
-    support::small().finish(&path, &go_on).expect("the index is written");
+    support::write_small(&path).expect("the index is written");
     let before = std::fs::read(&path).expect("the index is there");
     let stop_at = |stop| {
         move |phase, _: f64| if phase == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     for phase in [grasp_index::Phase::Tune, grasp_index::Phase::Write] {
-        let stopped = support::writer(support::params(2), 3, 2).finish(&path, &stop_at(phase));
+        let writer = IndexWriter::create(&path, support::params(2)).expect("a part beside the old index");
+        let stopped = support::fill(writer, 3, 2).finish(&stop_at(phase));
         assert!(matches!(stopped, Err(BuildError::Stopped)), "{stopped:?}");
     }
     assert!(std::fs::read(&path).expect("the index is there") == before);
@@ -110,7 +136,7 @@ fn the_part_of_a_writer_that_was_killed_is_taken_over() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("grasp.idx");
     std::fs::write(folder.path().join(".grasp.idx.part"), vec![7; 1 << 20]).expect("a part is left behind");
-    support::small().finish(&path, &go_on).expect("the index is written");
+    support::write_small(&path).expect("the index is written");
     assert!(Index::open(&path).expect("the index opens").verify().is_sound());
     assert_eq!(files_in(folder.path()), ["grasp.idx"]);
 }
@@ -121,7 +147,7 @@ fn the_part_of_a_writer_that_was_killed_is_taken_over() {
 fn a_full_disk_leaves_the_old_file_and_no_other() {
     if let Some(folder) = std::env::var_os("GRASP_INDEX_FULL_DISK") {
         let path = std::path::Path::new(&folder).join("grasp.idx");
-        let failed = support::small().finish(&path, &go_on).expect_err("the disk is full");
+        let failed = support::write_small(&path).expect_err("the disk is full");
         assert!(matches!(failed, BuildError::Write(WriteError::Io { .. })), "{failed:?}");
         return;
     }

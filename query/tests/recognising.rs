@@ -1,7 +1,6 @@
 //! From a picture to a record, over a small index made here.
 
 use std::io::Cursor;
-use std::ops::ControlFlow;
 
 use grasp_index::{
     ClassInfo, DescriptorParams, HandImage, Index, IndexParams, IndexWriter, NewEntry, mirror_orientation,
@@ -38,8 +37,6 @@ fn orientation(n: u32) -> UnitQuaternion<f64> {
 }
 
 fn index() -> Index {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.idx");
     let class = |name: &str, cutkosky| ClassInfo { name: name.into(), cutkosky };
     let params = DescriptorParams::default();
     let mut writer = IndexWriter::new(IndexParams {
@@ -66,8 +63,7 @@ fn index() -> Index {
         };
         writer.push(entry).unwrap();
     }
-    writer.finish(&path, &|_, _| ControlFlow::Continue(())).unwrap();
-    Index::read(&path).unwrap()
+    Index::from_bytes(&writer.finish_bytes().unwrap()).unwrap()
 }
 
 fn png(image: RgbImage) -> Vec<u8> {

@@ -86,7 +86,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
         Source::Plan(plan) => planned::names(plan)?,
         Source::Sets(sets) => sets::names(sets)?,
     };
-    let mut collected = Collector::new(source, &names, recipe)?;
+    let mut collected = Collector::new(file, source, &names, recipe)?;
     let bar = progress.bar(source.len() as u64, "describing", "views");
     let mut take = |batch: Vec<Described>| -> anyhow::Result<()> {
         bar.inc(batch.len() as u64);
@@ -109,7 +109,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     }
     writer.add_provenance(inputs.provenance());
     let spinner = progress.spinner("hashing");
-    let summary = writer.finish_into(file, &|phase, _| {
+    let summary = writer.finish(&|phase, _| {
         spinner.set_message(match phase {
             Phase::Sigma => "measuring sigma",
             Phase::Tune => "choosing K and T",
@@ -154,7 +154,7 @@ struct Collector {
 }
 
 impl Collector {
-    fn new(source: &Source, names: &Names, recipe: &Recipe) -> anyhow::Result<Self> {
+    fn new(file: AtomicFile, source: &Source, names: &Names, recipe: &Recipe) -> anyhow::Result<Self> {
         let params = IndexParams {
             descriptor: recipe.descriptor,
             classes: names.classes.clone(),
@@ -168,7 +168,7 @@ impl Collector {
         let inputs = Inputs::new(source, &params);
         let report =
             Report { written: None, entries: 0, reused: 0, without_hand: 0, elapsed: Duration::default() };
-        Ok(Self { writer: IndexWriter::new(params)?, inputs, report })
+        Ok(Self { writer: IndexWriter::create_in(file, params)?, inputs, report })
     }
 
     fn take(&mut self, batch: Vec<Described>) -> anyhow::Result<()> {

@@ -79,8 +79,13 @@ impl AtomicFile {
             fs::remove_file(&part).map_err(failed)?;
         }
         let file = loop {
-            let file =
-                OpenOptions::new().write(true).create(true).truncate(false).open(&part).map_err(failed)?;
+            let file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&part)
+                .map_err(failed)?;
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(WriteError::Locked { path }),
@@ -98,6 +103,16 @@ impl AtomicFile {
     /// The file that will be replaced.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The folder that the file is in.
+    pub(crate) fn folder(&self) -> &Path {
+        self.part.parent().unwrap_or(Path::new("."))
+    }
+
+    /// Another handle to the file on its way, which may be read as well.
+    pub(crate) fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
     }
 
     /// Puts the file in its place: all of it is on the disk before the name changes hands.

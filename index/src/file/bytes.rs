@@ -1,11 +1,12 @@
-//! The bytes of an index: mapped, or read into memory. The one place where a file is mapped.
+//! The bytes of an index, mapped or in memory. The one place where a file is mapped.
 
 use super::header::{self, Header};
 use super::{ALIGNMENT, OpenError};
 use memmap2::Mmap;
 use rkyv::util::AlignedVec;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
+use std::marker::PhantomData;
 use std::ops::Deref;
 use std::path::Path;
 
@@ -76,6 +77,38 @@ impl Bytes {
         let mut held = AlignedVec::with_capacity(bytes.len());
         held.extend_from_slice(bytes);
         Self::Held(held)
+    }
+}
+
+/// What a writer has written so far, to look at: mapped, or in its memory. The writer is borrowed meanwhile.
+pub(crate) enum Written<'a> {
+    Mapped(Mmap, PhantomData<&'a mut File>),
+    Held(&'a [u8]),
+}
+
+impl<'a> Written<'a> {
+    /// Maps a file that this program alone writes, and that it writes through `file` alone.
+    pub(crate) fn map(file: &'a mut File) -> io::Result<Self> {
+        // An empty file cannot be mapped.
+        if file.metadata()?.len() == 0 {
+            return Ok(Self::Held(&[]));
+        }
+        // SAFETY: the mapping is read-only, and `file`, whose only handle the caller lends for as long as the mapping
+        // lives, is not written meanwhile. The file is the locked part of an index or has no name, so no other program
+        // changes or truncates it unless it goes out of its way; then what holds for `Bytes::map` holds here.
+        let map = unsafe { Mmap::map(&*file)? };
+        Ok(Self::Mapped(map, PhantomData))
+    }
+}
+
+impl Deref for Written<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::Mapped(map, _) => map,
+            Self::Held(bytes) => bytes,
+        }
     }
 }
 

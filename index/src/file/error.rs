@@ -48,6 +48,16 @@ pub enum OpenError {
         /// This reader's version.
         reader: u32,
     },
+    /// The file is of a version that is no longer read.
+    #[error(
+        "built by an older version of grasp-builder (format {wrote}; this reads {oldest} and later): build it again"
+    )]
+    TooOld {
+        /// The version that wrote the file.
+        wrote: u32,
+        /// The oldest version that this reader reads.
+        oldest: u32,
+    },
     /// The descriptors follow a definition that this program no longer has, or does not have yet.
     #[error("its descriptors were made by another version of this program: build the index again")]
     OtherDescriptors,

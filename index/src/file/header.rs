@@ -20,7 +20,9 @@ const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
 /// The header's length in bytes.
 pub(crate) const LENGTH: usize = 64;
 /// The version of the format that this crate reads and writes. It grows when older readers cannot read new files.
-pub(crate) const VERSION: u32 = 1;
+pub(crate) const VERSION: u32 = 2;
+/// The oldest version that this crate reads. Version 1 was written by no release.
+const OLDEST: u32 = 2;
 
 /// Where the catalogue lies, and the hash of its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +77,10 @@ impl Header {
         let needs = (u64_at(bytes, 8) & u64::from(u32::MAX)) as u32;
         if needs > VERSION {
             return Err(OpenError::TooNew { needs, reader: VERSION });
+        }
+        let wrote = (u64_at(bytes, 8) >> 32) as u32;
+        if wrote < OLDEST {
+            return Err(OpenError::TooOld { wrote, oldest: OLDEST });
         }
         let header = Self {
             file_length: u64_at(bytes, 16),

@@ -88,6 +88,11 @@ pub enum BuildError {
     /// The file was not written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The index has no file to be written to.
+    #[error(
+        "the index is built in memory: take its bytes with `finish_bytes`, or start it with `IndexWriter::create`"
+    )]
+    InMemory,
     /// The caller's callback asked to stop.
     #[error("stopped before the index was written")]
     Stopped,

@@ -87,8 +87,10 @@ pub enum SectionKind {
 }
 
 impl SectionKind {
-    /// All sections, in the order of the file: what every search touches lies last, together.
+    /// All sections, in the order of the file: descriptors first, because they are written first; what every search touches
+    /// lies last, together.
     pub(crate) const ALL: [Self; 17] = [
+        Self::Descriptors,
         Self::Thumbnails,
         Self::FileOffsets,
         Self::FileText,
@@ -101,7 +103,6 @@ impl SectionKind {
         Self::HandShapes,
         Self::Labels,
         Self::Orientations,
-        Self::Descriptors,
         Self::BucketIds,
         Self::BucketDirectory,
         Self::PlaneOffsets,

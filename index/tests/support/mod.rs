@@ -2,8 +2,12 @@
 
 #![allow(dead_code, reason = "every test and benchmark uses its own part")]
 
-use grasp_index::{ClassInfo, HandImage, HashParams, IndexParams, IndexWriter, NewEntry};
+use grasp_index::{
+    BuildError, ClassInfo, HandImage, HashParams, IndexParams, IndexWriter, NewEntry, Summary,
+};
 use nalgebra::{UnitQuaternion, Vector3};
+use std::ops::ControlFlow;
+use std::path::Path;
 
 pub(crate) const SIDE: usize = 48;
 
@@ -81,11 +85,15 @@ pub(crate) fn params(classes: u16) -> IndexParams {
     }
 }
 
-/// A writer of `classes` times `azimuths * elevations` views of the ball hand.
+/// An index in memory of `classes` times `azimuths * elevations` views of the ball hand.
 pub(crate) fn writer(params: IndexParams, azimuths: u16, elevations: u16) -> IndexWriter {
-    let classes = params.classes.len() as u16;
-    let (descriptor, thumbnail_side) = (params.descriptor, params.thumbnail_side as usize);
-    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    fill(IndexWriter::new(params).expect("the parameters are sound"), azimuths, elevations)
+}
+
+/// Adds the views of all classes.
+pub(crate) fn fill(mut writer: IndexWriter, azimuths: u16, elevations: u16) -> IndexWriter {
+    let classes = writer.params().classes.len() as u16;
+    let (descriptor, thumbnail_side) = (writer.params().descriptor, writer.params().thumbnail_side as usize);
     for (class, e, a) in
         (0..classes).flat_map(|c| (0..elevations).flat_map(move |e| (0..azimuths).map(move |a| (c, e, a))))
     {
@@ -113,6 +121,21 @@ pub(crate) fn writer(params: IndexParams, azimuths: u16, elevations: u16) -> Ind
 
 /// An index of a few dozen entries, small enough to break at every byte.
 pub(crate) fn small() -> IndexWriter {
+    writer(small_params(), 4, 3)
+}
+
+/// Writes the same to a file.
+pub(crate) fn write_small(path: impl AsRef<Path>) -> Result<Summary, BuildError> {
+    finish(fill(IndexWriter::create(path, small_params())?, 4, 3))
+}
+
+/// The parameters of [`small`].
+pub(crate) fn small_params() -> IndexParams {
     let hash = HashParams::Fixed { k: 3, t: 3, buckets: 4 };
-    writer(IndexParams { hash, thumbnail_side: 4, ..params(3) }, 4, 3)
+    IndexParams { hash, thumbnail_side: 4, ..params(3) }
+}
+
+/// Writes the index to its file.
+pub(crate) fn finish(writer: IndexWriter) -> Result<Summary, BuildError> {
+    writer.finish(&|_, _| ControlFlow::Continue(()))
 }

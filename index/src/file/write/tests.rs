@@ -49,11 +49,11 @@ fn the_index_is_sound_before_it_is_spoilt() {
 #[test]
 fn numbers_of_nothing_are_found_and_refused() {
     let cases: [(&str, SectionKind, Spoil); 5] = [
-        ("class", SectionKind::Labels, |w| w.labels[3] = 2),
-        ("stage", SectionKind::Stages, |w| w.stages[3] = 1),
-        ("hand shape", SectionKind::HandShapes, |w| w.hand_shapes[3] = 1),
-        ("object", SectionKind::Objects, |w| w.object_of[3] = 1),
-        ("orientation", SectionKind::Orientations, |w| w.orientations[3] = [0.0; 4]),
+        ("class", SectionKind::Labels, |w| w.columns.labels[3] = 2),
+        ("stage", SectionKind::Stages, |w| w.columns.stages[3] = 1),
+        ("hand shape", SectionKind::HandShapes, |w| w.columns.hand_shapes[3] = 1),
+        ("object", SectionKind::Objects, |w| w.columns.object_of[3] = 1),
+        ("orientation", SectionKind::Orientations, |w| w.columns.orientations[3] = [0.0; 4]),
     ];
     for (what, kind, spoil) in cases {
         let index = spoilt(spoil);
@@ -70,7 +70,7 @@ fn numbers_of_nothing_are_found_and_refused() {
 
 #[test]
 fn text_that_is_none_is_found_and_refused() {
-    let index = spoilt(|w| w.files.offsets[4] = 900);
+    let index = spoilt(|w| w.columns.files.offsets[4] = 900);
     let problems = index.verify().problems;
     let is_offset =
         |problem: &Problem| matches!(problem, Problem::Element { kind: SectionKind::FileOffsets, at: 5, .. });

@@ -1,0 +1,134 @@
+//! Where the bytes of an index go on their way: in order, hashed as they come, to a file or to memory.
+
+use crate::file::bytes::Written;
+use crate::file::sections::{Section, SectionKind};
+use crate::file::{ALIGNMENT, align};
+use rkyv::util::AlignedVec;
+use std::fs::File;
+use std::io::{self, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+use xxhash_rust::xxh3::Xxh3;
+
+/// What a file's buffer holds, and how many bytes are written between two looks at whether to go on.
+const PIECE: usize = 1 << 20;
+
+/// Bytes written one after the other, of which a section may be open.
+pub(super) struct Sink {
+    to: To,
+    length: u64,
+    /// Of the open section.
+    start: u64,
+    hash: Xxh3,
+}
+
+enum To {
+    Memory(AlignedVec<{ ALIGNMENT as usize }>),
+    File(BufWriter<File>),
+}
+
+impl Sink {
+    /// Into memory.
+    pub(super) fn memory() -> Self {
+        Self::to(To::Memory(AlignedVec::new()))
+    }
+
+    /// Into an empty file that nobody else writes.
+    pub(super) fn file(file: File) -> Self {
+        Self::to(To::File(BufWriter::with_capacity(PIECE, file)))
+    }
+
+    /// Into a file without a name in `folder`: the operating system removes it, however the program ends.
+    pub(super) fn unnamed(folder: &Path) -> io::Result<Self> {
+        Ok(Self::file(tempfile::tempfile_in(folder)?))
+    }
+
+    fn to(to: To) -> Self {
+        Self { to, length: 0, start: 0, hash: Xxh3::new() }
+    }
+
+    /// How many bytes were written.
+    pub(super) fn len(&self) -> u64 {
+        self.length
+    }
+
+    /// Writes bytes after the others. They belong to the open section.
+    pub(super) fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match &mut self.to {
+            To::Memory(held) => held.extend_from_slice(bytes),
+            To::File(file) => file.write_all(bytes)?,
+        }
+        self.hash.update(bytes);
+        self.length += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Opens a section: at the next multiple of 64, with zeros up to there.
+    pub(super) fn open(&mut self) -> io::Result<()> {
+        let start = align(self.length).ok_or_else(|| io::Error::from(io::ErrorKind::FileTooLarge))?;
+        self.append(&[0; ALIGNMENT as usize][..(start - self.length) as usize])?;
+        self.start = start;
+        self.hash.reset();
+        Ok(())
+    }
+
+    /// Closes the open section: what was written since [`Self::open`].
+    pub(super) fn close(&self, kind: SectionKind) -> Section {
+        Section {
+            kind,
+            element: kind.element(),
+            offset: self.start,
+            length: self.length - self.start,
+            xxh3: self.hash.digest(),
+        }
+    }
+
+    /// Writes a whole section. `wrote` hears of every piece how many bytes it had, and stops the work by an error.
+    pub(super) fn section<E: From<io::Error>>(
+        &mut self,
+        kind: SectionKind,
+        bytes: &[u8],
+        wrote: &mut dyn FnMut(usize) -> Result<(), E>,
+    ) -> Result<Section, E> {
+        self.open()?;
+        for piece in bytes.chunks(PIECE) {
+            self.append(piece)?;
+            wrote(piece.len())?;
+        }
+        Ok(self.close(kind))
+    }
+
+    /// All that was written, to look at. Nothing more is written meanwhile.
+    pub(super) fn written(&mut self) -> io::Result<Written<'_>> {
+        match &mut self.to {
+            To::Memory(held) => Ok(Written::Held(held)),
+            To::File(file) => {
+                file.flush()?;
+                Written::map(file.get_mut())
+            }
+        }
+    }
+
+    /// Writes over the first bytes, which were zeros, as the last thing of all.
+    pub(super) fn finish(&mut self, first: &[u8]) -> io::Result<()> {
+        match &mut self.to {
+            To::Memory(held) => held.iter_mut().zip(first).for_each(|(to, from)| *to = *from),
+            To::File(file) => {
+                file.flush()?;
+                file.seek(SeekFrom::Start(0))?;
+                file.write_all(first)?;
+                file.flush()?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::fmt::Debug for Sink {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let to = match self.to {
+            To::Memory(_) => "memory",
+            To::File(_) => "a file",
+        };
+        write!(f, "{} bytes in {to}", self.length)
+    }
+}
