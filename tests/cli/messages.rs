@@ -14,6 +14,7 @@ fn help_texts() {
     insta::assert_snapshot!("builder_build", help("grasp-builder", &["build"]));
     insta::assert_snapshot!("query", help("grasp-query", &[]));
     insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));
+    insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
 }
 

@@ -22,6 +22,7 @@ Examples:
   grasp-query evaluate labels.csv
   grasp-query evaluate labels.csv --where kind=camera --where stage=grasp --part choose
   grasp-query evaluate labels.csv --json --predictions answers.csv
+  grasp-query evaluate labels.csv --exact                what the search costs in accuracy
 
 LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage, hand, qx, qy, qz, qw
 (camera_from_hand) and any others. Exit status: 0, or 2 where the table or a picture of it could not be used.";
@@ -35,8 +36,6 @@ pub(super) struct Evaluate {
     labels: PathBuf,
     #[command(flatten)]
     index: IndexFile,
-    #[command(flatten)]
-    recognise: RecogniseArguments,
     /// Score only rows whose column has this value; several must all hold.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_condition)]
     conditions: Vec<(String, String)>,
@@ -52,6 +51,8 @@ pub(super) struct Evaluate {
     /// Print the report as one JSON record.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
 }
 
 impl Evaluate {

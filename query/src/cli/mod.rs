@@ -1,11 +1,13 @@
 //! The command line: one file a subcommand, shared options and exit status here.
 
 mod completions;
+mod effort;
 mod evaluate;
 mod index_file;
 mod man;
 mod options;
 mod recognise;
+mod search;
 
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -37,6 +39,7 @@ Examples:
   ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
                                                          every frame of a video
   grasp-query evaluate labels.csv                        score labelled pictures
+  grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
 
 Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
 
@@ -55,6 +58,7 @@ struct Global {
 enum Command {
     Recognise(recognise::Recognise),
     Evaluate(evaluate::Evaluate),
+    Search(search::Search),
     Completions(completions::Completions),
     Man(man::Man),
 }
@@ -92,6 +96,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     match &arguments.command {
         Command::Recognise(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),
+        Command::Search(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }

@@ -1,7 +1,8 @@
 //! Options of recognition that several subcommands share.
 
-use grasp_index::{Effort, SearchOptions, VoteOptions};
+use grasp_index::VoteOptions;
 
+use super::effort::EffortArguments;
 use crate::recognise::{DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
 /// How pictures are recognised.
@@ -16,9 +17,6 @@ pub(super) struct RecogniseArguments {
     /// How many neighbours vote; without it, what the index was calibrated with.
     #[arg(long, value_name = "N", value_parser = parse_k)]
     k: Option<usize>,
-    /// Compare with every entry of the index instead of searching its tables.
-    #[arg(long)]
-    exact: bool,
     /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the index's own.
     #[arg(long, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
     sigma: Option<f64>,
@@ -31,6 +29,8 @@ pub(super) struct RecogniseArguments {
     /// Average Euler angles, as Equation 4 is printed, instead of rotations.
     #[arg(long)]
     euler_mean: bool,
+    #[command(flatten)]
+    effort: EffortArguments,
 }
 
 impl RecogniseArguments {
@@ -39,7 +39,7 @@ impl RecogniseArguments {
             hand: self.hand,
             rolls: self.rolls,
             k: self.k,
-            effort: if self.exact { Effort::Exact } else { SearchOptions::default().effort },
+            effort: self.effort.effort(),
             vote: VoteOptions {
                 sigma: self.sigma,
                 sigma_scale: self.sigma_scale,
@@ -60,7 +60,7 @@ fn parse_rolls(text: &str) -> Result<usize, String> {
     parse_count(text, 360)
 }
 
-fn parse_k(text: &str) -> Result<usize, String> {
+pub(super) fn parse_k(text: &str) -> Result<usize, String> {
     parse_count(text, 100_000)
 }
 

@@ -25,6 +25,7 @@ Examples:
   grasp-query recognise --segmented hand-on-black.png --hand right
   grasp-query recognise cup.png --depth depth.png --depth-range 400..900
   grasp-query recognise cup.jpg --explain why.png
+  grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, PNM).
@@ -36,8 +37,6 @@ pub(super) struct Recognise {
     images: Vec<PathBuf>,
     #[command(flatten)]
     index: IndexFile,
-    #[command(flatten)]
-    recognise: RecogniseArguments,
     /// The pictures are segmented already: a hand on black.
     #[arg(long, conflicts_with_all = ["mask", "depth"])]
     segmented: bool,
@@ -59,6 +58,8 @@ pub(super) struct Recognise {
     /// Say how long each step took.
     #[arg(long)]
     timings: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
     /// Some drawing could not be written.
     #[arg(skip)]
     undrawn: AtomicBool,

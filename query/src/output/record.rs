@@ -138,6 +138,10 @@ pub struct SearchRecord {
     pub share_of_database: f64,
     /// Whether every entry was measured.
     pub exact: bool,
+    /// Candidates whose distance was measured by the original descriptors.
+    pub reranked: u32,
+    /// The share of the true 10 nearest that such a search found when the index was measured; null where that is unknown.
+    pub predicted_recall: Option<f64>,
     /// How many such searches were made: hands times rolls. The other numbers are those of the best one.
     pub searches: usize,
 }
@@ -206,6 +210,8 @@ impl Record {
                 candidates: best.cost.candidates,
                 share_of_database: best.cost.share_of_database,
                 exact: best.cost.exact,
+                reranked: best.cost.reranked,
+                predicted_recall: best.cost.predicted_recall,
                 searches: best.tried,
             },
             strategy: None,

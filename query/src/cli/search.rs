@@ -1,0 +1,321 @@
+//! `grasp-query search`.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use grasp_index::npy::{NpyError, NpyHeader, NpyType};
+use grasp_index::{AtomicFile, Index, Neighbour, SearchOptions};
+use serde::Serialize;
+
+use super::Global;
+use super::effort::EffortArguments;
+use super::index_file::IndexFile;
+use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
+
+const EXAMPLES: &str = "\
+Examples:
+  grasp-query search queries.npy                         the neighbours of the first queries, to look at
+  grasp-query search queries.npy --out ids.npy --distances distances.npy
+  grasp-query search queries.npy --eps 0.05 --success 0.99 --out ids.npy
+  grasp-query search queries.npy --rounds 7 --threads 1 --json
+  grasp-query search queries.npy --neighbours | jq .neighbours[0].id
+
+QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
+
+/// Queries that a person is shown.
+const SHOWN: usize = 3;
+
+/// Search for raw descriptors: rows in, the numbers of the nearest entries out.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Search {
+    /// The queries, an array of float32; `-` reads it from standard input.
+    #[arg(value_name = "QUERIES.npy")]
+    queries: PathBuf,
+    #[command(flatten)]
+    index: IndexFile,
+    /// How many neighbours to find for each query.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = super::options::parse_k)]
+    k: usize,
+    /// Write the neighbours' numbers, uint32, a row of k for each query, nearest first; 4294967295 where the index has
+    /// fewer entries. `-` writes to standard output.
+    #[arg(long, value_name = "IDS.npy")]
+    out: Option<PathBuf>,
+    /// Write their distances, float32, in the same order. `-` writes to standard output.
+    #[arg(long, value_name = "DISTANCES.npy")]
+    distances: Option<PathBuf>,
+    /// Search N times and report the median time; where N > 1, once more before that, to warm up.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    rounds: u32,
+    /// Say on standard error how long it took and what it cost.
+    #[arg(long)]
+    timings: bool,
+    /// Print one JSON record about the whole search: its time and cost.
+    #[arg(long)]
+    json: bool,
+    /// Print each query's neighbours as a line of JSON.
+    #[arg(long, conflicts_with = "json")]
+    neighbours: bool,
+    #[command(flatten)]
+    effort: EffortArguments,
+}
+
+/// What `--json` prints. Its keys are an interface: they may be added to, never renamed.
+#[derive(Debug, Serialize)]
+struct Summary {
+    file: String,
+    queries: usize,
+    k: usize,
+    dim: usize,
+    entries: usize,
+    /// The median of `rounds`.
+    ns_per_query: f64,
+    /// Nanoseconds a query, round by round: the wall time of all queries, divided by their number.
+    rounds: Vec<f64>,
+    /// How long it took to open the index.
+    open_ns: u64,
+    threads: usize,
+    #[serde(flatten)]
+    cost: MeanCost,
+}
+
+/// A line of `--neighbours`.
+#[derive(Serialize)]
+struct QueryRecord<'a> {
+    query: usize,
+    neighbours: Vec<NeighbourRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct NeighbourRecord<'a> {
+    id: u32,
+    distance: f32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grasp: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<&'a str>,
+}
+
+impl Search {
+    pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        self.refuse_clashes()?;
+        let started = Instant::now();
+        let index = self.index.open()?;
+        let open = started.elapsed();
+        let name = self.queries.display();
+        let queries =
+            read_queries(&self.queries, &index).with_context(|| format!("cannot use the queries {name}"))?;
+        let count = queries.len() / index.dim().max(1);
+        if count == 0 {
+            bail!("{name} holds no query");
+        }
+        // Before the search: a missing folder should not be found out after it.
+        let out = self.out.as_deref().map(Target::create).transpose()?;
+        let distances = self.distances.as_deref().map(Target::create).transpose()?;
+
+        let options = SearchOptions { k: self.k, effort: self.effort.effort() };
+        let mut batch = Batch::new(&index, &queries, options, threads(global))?;
+        if self.rounds > 1 {
+            batch.run()?;
+        }
+        let rounds = (0..self.rounds).map(|_| batch.run()).collect::<Result<Vec<Duration>, _>>()?;
+
+        if let Some(target) = out {
+            target
+                .write(NpyType::U32, count, self.k, batch.found(), |neighbour| neighbour.id.to_le_bytes())?;
+        }
+        if let Some(target) = distances {
+            let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
+            target.write(NpyType::F32, count, self.k, batch.found(), bytes)?;
+        }
+        if self.neighbours {
+            return print_neighbours(&index, batch.found());
+        }
+        if self.json || self.timings {
+            let summary = Summary {
+                file: name.to_string(),
+                queries: count,
+                k: self.k,
+                dim: index.dim(),
+                entries: index.len(),
+                ns_per_query: median_ns(&rounds, count),
+                rounds: rounds.iter().map(|&round| ns_per_query(round, count)).collect(),
+                open_ns: u64::try_from(open.as_nanos()).unwrap_or(u64::MAX),
+                threads: batch.threads(),
+                cost: mean_cost(&index, &queries, &options)?,
+            };
+            self.report(&summary)?;
+        }
+        if self.out.is_none() && self.distances.is_none() && !self.json {
+            show(&index, batch.found(), count)?;
+        }
+        Ok(super::SUCCESS)
+    }
+
+    /// Refuses outputs that would destroy an input or each other.
+    fn refuse_clashes(&self) -> anyhow::Result<()> {
+        let index = self.index.path();
+        let mut printed = usize::from(self.json || self.neighbours);
+        for out in self.out.iter().chain(&self.distances) {
+            if is_standard(out) {
+                printed += 1;
+            } else {
+                super::refuse_overwriting(out, [self.queries.as_path(), index.as_path()])?;
+            }
+        }
+        if printed > 1 {
+            bail!("only one of --out -, --distances -, --json and --neighbours can have standard output");
+        }
+        let files = (&self.out, &self.distances);
+        if matches!(files, (Some(out), Some(distances)) if out == distances && !is_standard(out)) {
+            bail!("--out and --distances name the same file: name two");
+        }
+        Ok(())
+    }
+
+    fn report(&self, summary: &Summary) -> anyhow::Result<()> {
+        if self.timings {
+            let Summary { queries, k, threads, ns_per_query, cost, .. } = summary;
+            let touched = if cost.exact {
+                "every entry compared".into()
+            } else {
+                let share = 100.0 * cost.share_of_database;
+                format!("{:.0} candidates a query, {share:.2} % of the index", cost.candidates)
+            };
+            let recall = cost.predicted_recall.map(|recall| format!(", recall@10 predicted {recall:.3}"));
+            // Standard error may be closed; the answers are what counts.
+            let _ = writeln!(
+                io::stderr(),
+                "{queries} queries, {k} neighbours each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in \
+                 {:.2} ms; {touched}{}",
+                ns_per_query / 1e3,
+                summary.rounds.len(),
+                summary.open_ns as f64 / 1e6,
+                recall.unwrap_or_default(),
+            );
+        }
+        if self.json {
+            let mut out = io::stdout().lock();
+            serde_json::to_writer(&mut out, summary).map_err(io::Error::from)?;
+            out.write_all(b"\n")?;
+        }
+        Ok(())
+    }
+}
+
+/// As many as wanted, or as there are cores.
+fn threads(global: &Global) -> usize {
+    match usize::from(global.threads) {
+        0 => std::thread::available_parallelism().map_or(1, Into::into),
+        threads => threads,
+    }
+}
+
+fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+fn read_queries(path: &Path, index: &Index) -> Result<Vec<f32>, NpyError> {
+    if is_standard(path) {
+        return read_array(io::stdin().lock(), index);
+    }
+    read_array(BufReader::new(File::open(path)?), index)
+}
+
+fn read_array(mut reader: impl Read, index: &Index) -> Result<Vec<f32>, NpyError> {
+    let header = NpyHeader::read(&mut reader, NpyType::F32)?;
+    if header.columns != index.dim() as u64 {
+        return Err(NpyError::Columns { found: header.columns, expected: index.dim() });
+    }
+    header.read_values(&mut reader)
+}
+
+/// Where an array goes.
+enum Target {
+    Standard,
+    File(AtomicFile),
+}
+
+impl Target {
+    fn create(path: &Path) -> anyhow::Result<Self> {
+        Ok(if is_standard(path) { Self::Standard } else { Self::File(AtomicFile::create(path)?) })
+    }
+
+    fn write<'f>(
+        self,
+        element: NpyType,
+        rows: usize,
+        columns: usize,
+        found: impl Iterator<Item = &'f [Neighbour]>,
+        bytes: impl Fn(&Neighbour) -> [u8; 4],
+    ) -> anyhow::Result<()> {
+        let header = NpyHeader { element, rows: rows as u64, columns: columns as u64, offset: 0 };
+        let write = |out: &mut dyn Write| -> io::Result<()> {
+            let mut out = BufWriter::with_capacity(1 << 16, out);
+            out.write_all(&header.to_bytes())?;
+            for neighbour in found.flatten() {
+                out.write_all(&bytes(neighbour))?;
+            }
+            out.flush()
+        };
+        match self {
+            Self::Standard => Ok(write(&mut io::stdout().lock())?),
+            Self::File(mut file) => {
+                let name = file.path().display().to_string();
+                write(&mut file).with_context(|| format!("cannot write {name}"))?;
+                Ok(file.commit()?)
+            }
+        }
+    }
+}
+
+/// Every query's neighbours as a line of JSON.
+fn print_neighbours<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>) -> anyhow::Result<u8> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    for (query, neighbours) in found.enumerate() {
+        let neighbours = present(neighbours).map(|neighbour| {
+            let (grasp, file) = names(index, neighbour.id);
+            NeighbourRecord { id: neighbour.id, distance: neighbour.distance, grasp, file }
+        });
+        let record = QueryRecord { query, neighbours: neighbours.collect() };
+        serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
+        out.write_all(b"\n")?;
+    }
+    out.flush()?;
+    Ok(super::SUCCESS)
+}
+
+/// The neighbours of the first queries, for a person.
+fn show<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>, count: usize) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    for (query, neighbours) in found.take(SHOWN).enumerate() {
+        writeln!(out, "query {query}")?;
+        for neighbour in present(neighbours) {
+            let (grasp, file) = names(index, neighbour.id);
+            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {name}"));
+            writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
+        }
+    }
+    if count > SHOWN {
+        let more = count - SHOWN;
+        let _ = writeln!(io::stderr(), "and {more} more: --out IDS.npy writes all, --neighbours prints all");
+    }
+    Ok(())
+}
+
+/// Without the places that the index had no entry for.
+fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
+    neighbours.iter().filter(|neighbour| neighbour.id != u32::MAX)
+}
+
+/// An entry's class and file, where the index knows them.
+fn names(index: &Index, id: u32) -> (Option<&str>, Option<&str>) {
+    let Ok(entry) = index.entry(id) else {
+        return (None, None);
+    };
+    let class = index.catalogue().classes.get(usize::from(entry.class));
+    (class.map(|class| class.name.as_str()), Some(entry.file).filter(|file| !file.is_empty()))
+}
