@@ -118,11 +118,12 @@ class Glass(Contender):
         self.searcher.optimize(1)
 
     def settings(self, run: Run) -> list[Setting]:
-        return [{"ef": ef} for ef in widths(*EF, least=run.k)]
+        # Only one and a half times as many as asked for are re-ranked, so asking for more pays where recall must be high.
+        return [{"ef": ef, "ask": ask} for ask in (run.k, 2 * run.k) for ef in widths(*EF, least=ask)]
 
     def search(self, queries: np.ndarray, k: int, setting: Setting) -> np.ndarray:
         self.searcher.set_ef(setting["ef"])
-        found = self.searcher.batch_search(queries, k, 1)
+        found = self.searcher.batch_search(queries, setting["ask"], 1)
         ids = found[0] if isinstance(found, tuple) else found
         return np.asarray(ids).reshape(len(queries), -1)[:, :k]
 

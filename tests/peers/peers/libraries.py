@@ -16,7 +16,6 @@ def contenders() -> dict[str, Contender]:
     table = [
         Grasp(),
         Flat(),
-        IvfFlat(1),
         IvfFlat(4),
         IvfPqFastScan(1, 2),
         IvfPqFastScan(4, 2),

@@ -122,10 +122,12 @@ def one_turn(entry: Entry, worker: Process, plan: Plan, judge: Judge, first: boo
 
 
 def sweep(entry: Entry, worker: Process, plan: Plan, judge: Judge, settings: list[Setting]) -> None:
-    """The first round: every setting, with its answers judged."""
+    """The first round: every setting that may win, with its answers judged."""
     out = plan.scratch / f"{entry.contender.name}.npy"
     warm = False
     for setting in settings:
+        if hopeless(setting, entry.points, plan.levels):
+            continue
         try:
             if not warm:
                 worker.ask(plan.limit, do="search", setting=setting, repeats=1, out="")
@@ -139,6 +141,17 @@ def sweep(entry: Entry, worker: Process, plan: Plan, judge: Judge, settings: lis
         entry.points.append(Point(setting, judge.score(np.load(out)), [answer["ns"]]))
     if not entry.points:
         raise Failed(entry.refused[0] if entry.refused else "no settings")
+
+
+def hopeless(setting: Setting, points: list[Point], levels: list[Level]) -> bool:
+    """Whether a setting costs more than one that reaches every level already: it asks no less in any parameter than
+    another that did cost more."""
+    able = [point.median_us for point in points if all(point.reaches(level) for level in levels)]
+    dear = NEAR_BEST * min(able, default=float("inf"))
+    return any(
+        point.median_us > dear and all(setting[name] >= value for name, value in point.setting.items())
+        for point in points
+    )
 
 
 def contending(points: list[Point], levels: list[Level]) -> list[Point]:
