@@ -38,12 +38,15 @@ def table(entries: list[Entry], levels: list[Level], cold: dict[str, Cold], run:
     heads = ["us a query, one core", *names, "build s", "memory MB", "disk MB", "cold start ms"]
     rows = [heads, ["---"] * len(heads)]
     for entry in entries:
-        rows.append(line(entry, levels, least, cold))
+        rows.append(line(entry, run, levels, least, cold))
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def line(entry: Entry, levels: list[Level], least: list[float | None], cold: dict[str, Cold]) -> list[str]:
-    title = entry.contender.title
+def line(
+    entry: Entry, run: Run, levels: list[Level], least: list[float | None], cold: dict[str, Cold]
+) -> list[str]:
+    how = entry.contender.parameters(run)
+    title = f"{entry.contender.title} ({how})" if how else entry.contender.title
     if entry.failed:
         return [title, f"did not run: {entry.failed}".replace("|", "/"), *[""] * (len(levels) + 3)]
     cells = []

@@ -41,11 +41,15 @@ class Contender:
     name: str
     """How `--only` and `--skip` call it."""
     title: str
-    """How the table calls it, with the parameters of the build."""
+    """How the table calls it."""
     package: str
     """The distribution whose version is reported."""
     needs_vectors = False
     """Whether `load` needs the vectors beside what `build` saved; they then count as part of the index on disk."""
+
+    def parameters(self, run: Run) -> str:
+        """How the index is built, for the table; indexes on disk are kept apart by it."""
+        return ""
 
     def prepare(self) -> None:
         """Imports the library; apart from `load`, so that its code does not count as the index's memory."""
@@ -76,3 +80,13 @@ class Contender:
 def widths(*values: int, least: int = 0) -> list[int]:
     """The values of a search width that are not below `least`, which most libraries refuse."""
     return [value for value in values if value >= least]
+
+
+def hnsw_size(n: int) -> tuple[int, int]:
+    """Edges a node, and the width of the search that chooses them, of every library with an HNSW graph.
+
+    The usual 16 and 200 are the faster at thousands of vectors. At half a million of these, which lie in tight
+    clusters (the views of one hand), such a graph stops at a recall of 0.95 however wide the search; twice the
+    size does not.
+    """
+    return (16, 200) if n < 50_000 else (32, 500)

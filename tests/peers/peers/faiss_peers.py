@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .contender import Contender, Run, Setting, widths
+from .contender import Contender, Run, Setting, hnsw_size, widths
 
 FILE = "faiss.index"
 
@@ -21,6 +21,9 @@ class Faiss(Contender):
         import faiss
 
         self.faiss = faiss
+
+    def parameters(self, run: Run) -> str:
+        return self.factory(run)
 
     def factory(self, run: Run) -> str:
         """The index in the words of `faiss.index_factory`."""
@@ -52,7 +55,7 @@ class Faiss(Contender):
 
 
 class Flat(Faiss):
-    name, title = "faiss-flat", "FAISS Flat (exact)"
+    name, title = "faiss-flat", "FAISS exact"
 
     def factory(self, run: Run) -> str:
         return "Flat"
@@ -88,7 +91,7 @@ class IvfFlat(Ivf):
     def __init__(self, share: float) -> None:
         super().__init__(share)
         self.name = f"faiss-ivf-{share:g}"
-        self.title = f"FAISS IVF-Flat ({share:g} sqrt N lists)"
+        self.title = "FAISS IVF-Flat"
 
     def factory(self, run: Run) -> str:
         return f"IVF{lists(run.n, self.share)},Flat"
@@ -123,15 +126,16 @@ class IvfPqFastScan(Ivf):
 
 
 class Hnsw(Faiss):
-    def __init__(self, links: int = 32, width: int = 500) -> None:
-        self.links, self.width = links, width
-        self.name, self.title = "faiss-hnsw", f"FAISS HNSW (M {links}, efConstruction {width})"
+    name, title = "faiss-hnsw", "FAISS HNSW"
+
+    def parameters(self, run: Run) -> str:
+        return "M {}, efConstruction {}".format(*hnsw_size(run.n))
 
     def factory(self, run: Run) -> str:
-        return f"HNSW{self.links},Flat"
+        return f"HNSW{hnsw_size(run.n)[0]},Flat"
 
     def tune_build(self, index, run: Run) -> None:
-        index.hnsw.efConstruction = self.width
+        index.hnsw.efConstruction = hnsw_size(run.n)[1]
 
     def settings(self, run: Run) -> list[Setting]:
         return [

@@ -6,25 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from .contender import Contender, Run, Setting, widths
+from .contender import Contender, Run, Setting, hnsw_size, widths
 
 EF = (10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 64, 80, 96, 128, 192, 256)
 """Widths of a graph's search. All of these libraries want at least k."""
 
 
-LINKS, WIDTH = 32, 500
-"""Edges a node and width of the search that chooses them, of all libraries with an HNSW graph.
-
-The usual 16 and 200 build twice as fast, and stop at a recall of 0.95 at half a million of these vectors, which lie in
-tight clusters: views of one hand."""
-
-
 class HnswLib(Contender):
-    package = "hnswlib"
+    name, title, package = "hnswlib", "hnswlib", "hnswlib"
 
-    def __init__(self, links: int = LINKS, width: int = WIDTH) -> None:
-        self.links, self.width = links, width
-        self.name, self.title = "hnswlib", f"hnswlib (M {links}, ef_construction {width})"
+    def parameters(self, run: Run) -> str:
+        return "M {}, ef_construction {}".format(*hnsw_size(run.n))
 
     def prepare(self) -> None:
         import hnswlib
@@ -32,8 +24,9 @@ class HnswLib(Contender):
         self.hnswlib = hnswlib
 
     def build(self, run: Run, folder: Path) -> None:
+        links, width = hnsw_size(run.n)
         index = self.hnswlib.Index(space="l2", dim=run.dim)
-        index.init_index(max_elements=run.n, M=self.links, ef_construction=self.width, random_seed=run.seed)
+        index.init_index(max_elements=run.n, M=links, ef_construction=width, random_seed=run.seed)
         index.add_items(run.base_vectors(), num_threads=run.build_threads)
         index.save_index(str(folder / "hnswlib.index"))
 
@@ -53,10 +46,12 @@ class HnswLib(Contender):
 class USearch(Contender):
     package = "usearch"
 
-    def __init__(self, dtype: str, links: int = LINKS, width: int = WIDTH) -> None:
-        self.dtype, self.links, self.width = dtype, links, width
-        self.name = f"usearch-{dtype}"
-        self.title = f"USearch {dtype} (connectivity {links}, expansion_add {width})"
+    def __init__(self, dtype: str) -> None:
+        self.dtype = dtype
+        self.name, self.title = f"usearch-{dtype}", f"USearch {dtype}"
+
+    def parameters(self, run: Run) -> str:
+        return "connectivity {}, expansion_add {}".format(*hnsw_size(run.n))
 
     def prepare(self) -> None:
         from usearch.index import Index
@@ -64,12 +59,9 @@ class USearch(Contender):
         self.Index = Index
 
     def build(self, run: Run, folder: Path) -> None:
+        links, width = hnsw_size(run.n)
         index = self.Index(
-            ndim=run.dim,
-            metric="l2sq",
-            dtype=self.dtype,
-            connectivity=self.links,
-            expansion_add=self.width,
+            ndim=run.dim, metric="l2sq", dtype=self.dtype, connectivity=links, expansion_add=width
         )
         index.add(np.arange(run.n), run.base_vectors(), threads=run.build_threads)
         index.save(str(folder / "usearch.index"))
@@ -93,12 +85,11 @@ class Glass(Contender):
     Its half-precision vectors are left out: they reach a recall of 0.87 on these data, however wide the search.
     """
 
-    package = "pyglass-portable"
+    name, title, package = "glass", "Glass HNSW SQ8U, refined", "pyglass-portable"
     needs_vectors = True
 
-    def __init__(self, links: int = LINKS, width: int = WIDTH) -> None:
-        self.links, self.width = links, width
-        self.name, self.title = "glass", f"Glass HNSW SQ8U, refined (R {links}, L {width})"
+    def parameters(self, run: Run) -> str:
+        return "R {}, L {}".format(*hnsw_size(run.n))
 
     def prepare(self) -> None:
         import glass
@@ -107,7 +98,8 @@ class Glass(Contender):
 
     def build(self, run: Run, folder: Path) -> None:
         self.glass.set_num_threads(run.build_threads)
-        index = self.glass.Index("HNSW", "L2", "FP32", R=self.links, L=self.width)
+        links, width = hnsw_size(run.n)
+        index = self.glass.Index("HNSW", "L2", "FP32", R=links, L=width)
         index.build(run.base_vectors()).save(str(folder / "glass.graph"))
 
     def load(self, run: Run, folder: Path) -> None:
@@ -118,7 +110,7 @@ class Glass(Contender):
         self.searcher.optimize(1)
 
     def settings(self, run: Run) -> list[Setting]:
-        # Only one and a half times as many as asked for are re-ranked, so asking for more pays where recall must be high.
+        # It re-ranks one and a half times as many as asked for: to ask for more pays where recall must be high.
         return [{"ef": ef, "ask": ask} for ask in (run.k, 2 * run.k) for ef in widths(*EF, least=ask)]
 
     def search(self, queries: np.ndarray, k: int, setting: Setting) -> np.ndarray:
@@ -129,11 +121,11 @@ class Glass(Contender):
 
 
 class SymphonyQg(Contender):
-    package = "rabitqlib"
+    name, title, package = "symphonyqg", "SymphonyQG", "rabitqlib"
+    degree, width = 32, 400
 
-    def __init__(self, degree: int = 32, width: int = 400) -> None:
-        self.degree, self.width = degree, width
-        self.name, self.title = "symphonyqg", f"SymphonyQG (degree {degree}, ef_construction {width})"
+    def parameters(self, run: Run) -> str:
+        return f"degree {self.degree}, ef_construction {self.width}"
 
     def prepare(self) -> None:
         import rabitqlib
@@ -159,11 +151,11 @@ class SymphonyQg(Contender):
 class Svs(Contender):
     """SVS' Vamana graph. Its compressed vectors (LVQ, LeanVec) refuse to run on other than Intel processors."""
 
-    package = "scalable-vs"
+    name, title, package = "svs", "SVS Vamana", "scalable-vs"
+    dtype, degree, width = "float16", 32, 400
 
-    def __init__(self, dtype: str = "float16", degree: int = 32, width: int = 400) -> None:
-        self.dtype, self.degree, self.width = dtype, degree, width
-        self.name, self.title = "svs", f"SVS Vamana {dtype} (degree {degree}, window {width})"
+    def parameters(self, run: Run) -> str:
+        return f"{self.dtype}, degree {self.degree}, window {self.width}"
 
     def prepare(self) -> None:
         import svs

@@ -104,8 +104,7 @@ class Store:
 
     def built(self, contender: Contender, limit: float, again: bool = False) -> Built:
         """The index of a contender, built where it is not there; a half-built one is never taken for whole."""
-        parameters = {name: value for name, value in vars(contender).items() if name not in ("name", "title")}
-        what = repr((sorted(parameters.items()), version(contender), self.run.seed, self.run.k))
+        what = repr((contender.parameters(self.run), version(contender), self.run.seed, self.run.k))
         digest = hashlib.blake2b(what.encode(), digest_size=6).hexdigest()
         folder = self.root / f"{contender.name}-{digest}"
         note = folder / "built.json"

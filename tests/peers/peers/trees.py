@@ -10,11 +10,11 @@ from .contender import Contender, Run, Setting
 
 
 class Annoy(Contender):
-    package = "annoy"
+    name, title, package = "annoy", "Annoy", "annoy"
+    trees = 100
 
-    def __init__(self, trees: int = 100) -> None:
-        self.trees = trees
-        self.name, self.title = "annoy", f"Annoy ({trees} trees; one call a query)"
+    def parameters(self, run: Run) -> str:
+        return f"{self.trees} trees, one call a query"
 
     def prepare(self) -> None:
         from annoy import AnnoyIndex
@@ -48,13 +48,18 @@ class Annoy(Contender):
 
 
 class ScaNN(Contender):
-    """Tree, 4-bit anisotropic codes and re-ranking. SOAR is for inner products only, and refuses this distance."""
+    """Tree, 4-bit codes and re-ranking.
 
-    package = "scann"
+    SOAR and codes of residuals are for inner products only, so that many must be re-ranked at this distance.
+    """
 
-    def __init__(self, share: float = 2.0) -> None:
-        self.share = share
-        self.name, self.title = "scann", f"ScaNN ({share:g} sqrt N leaves, 2 dimensions a code)"
+    name, title, package = "scann", "ScaNN", "scann"
+
+    def parameters(self, run: Run) -> str:
+        return f"{self.leaves(run.n)} leaves, 2 dimensions a code"
+
+    def leaves(self, n: int) -> int:
+        return max(8, int(2 * n**0.5))
 
     def prepare(self) -> None:
         from scann import scann_ops_pybind
@@ -62,7 +67,7 @@ class ScaNN(Contender):
         self.scann = scann_ops_pybind
 
     def build(self, run: Run, folder: Path) -> None:
-        leaves = max(8, int(self.share * run.n**0.5))
+        leaves = self.leaves(run.n)
         builder = self.scann.builder(run.base_vectors(), run.k, "squared_l2")
         builder.set_n_training_threads(run.build_threads)
         builder.tree(leaves, max(1, leaves // 20), training_sample_size=min(run.n, 250_000))
@@ -74,8 +79,8 @@ class ScaNN(Contender):
         self.searcher = self.scann.load_searcher(str(folder))
 
     def settings(self, run: Run) -> list[Setting]:
-        leaves = (1, 2, 3, 4, 6, 8, 10, 12, 16, 20, 25, 30, 40, 50, 70, 100)
-        reorder = (20, 30, 50, 80, 120, 200)
+        leaves = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 30, 50)
+        reorder = (20, 30, 50, 80, 120, 200, 300, 500, 800)
         return [{"leaves": leaf, "reorder": again} for again in reorder for leaf in leaves]
 
     def search(self, queries: np.ndarray, k: int, setting: Setting) -> np.ndarray:
