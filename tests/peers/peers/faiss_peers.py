@@ -104,21 +104,23 @@ class IvfFlat(Ivf):
 
 
 class IvfPqFastScan(Ivf):
-    """4-bit codes of the residuals, scanned by byte shuffles, the best re-ranked with the whole vectors."""
+    """4-bit codes of two dimensions each, scanned by byte shuffles, the best re-ranked with the whole vectors.
 
-    def __init__(self, share: float, dims_a_code: int) -> None:
+    Codes of the residuals are the better ones, codes of the vectors need one set of tables a query.
+    """
+
+    title = "FAISS IVF-PQFastScan, refined"
+
+    def __init__(self, share: float, residuals: bool) -> None:
         super().__init__(share)
-        self.dims_a_code = dims_a_code
-        self.name = f"faiss-pq-{share:g}-{dims_a_code}"
-        self.title = (
-            f"FAISS IVF-PQFastScan, refined ({share:g} sqrt N lists, {dims_a_code} dimensions a code)"
-        )
+        self.residuals = residuals
+        self.name = f"faiss-pq-{'residuals' if residuals else 'vectors'}"
 
     def factory(self, run: Run) -> str:
-        return f"IVF{lists(run.n, self.share)},PQ{run.dim // self.dims_a_code}x4fsr,RFlat"
+        return f"IVF{lists(run.n, self.share)},PQ{run.dim // 2}x4fs{'r' if self.residuals else ''},RFlat"
 
     def settings(self, run: Run) -> list[Setting]:
-        return [{"nprobe": p, "k_factor": f} for f in (2, 4, 6, 8, 12, 20) for p in self.probes(run)]
+        return [{"nprobe": p, "k_factor": f} for f in (2, 4, 6, 8, 12, 20, 40) for p in self.probes(run)]
 
     def set(self, setting: Setting) -> None:
         self.faiss.extract_index_ivf(self.index).nprobe = setting["nprobe"]
