@@ -4,6 +4,7 @@
 //!
 //! - [`build`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
 //!   from an existing index whatever has not changed;
+//! - [`experiment`] varies something and measures what the search does;
 //! - [`cli`] is the command line, one file a subcommand;
 //! - [`progress`] shows how far long work has come, and [`interrupt`] lets it be stopped.
 //!
@@ -11,5 +12,6 @@
 
 pub mod build;
 pub mod cli;
+pub mod experiment;
 pub mod interrupt;
 pub mod progress;

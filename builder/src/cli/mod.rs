@@ -2,6 +2,7 @@
 
 mod build;
 mod completions;
+mod experiment;
 mod inspect;
 mod man;
 mod plan;
@@ -38,6 +39,7 @@ Examples:
   grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
+  grasp-builder experiment scale --out scale             how the search grows with the index
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left; run the
 same command again).";
@@ -63,6 +65,7 @@ impl Global {
 enum Command {
     Render(render::Render),
     Build(build::Build),
+    Experiment(experiment::Experiment),
     Inspect(inspect::Inspect),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -97,6 +100,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     match &arguments.command {
         Command::Render(command) => command.run(&arguments.global),
         Command::Build(command) => command.run(&arguments.global),
+        Command::Experiment(command) => command.run(&arguments.global),
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),
         Command::Completions(command) => command.run(),

@@ -1,0 +1,3 @@
+//! Experiments: what the search does when something is varied, as tables and pictures.
+
+pub mod scale;
