@@ -75,11 +75,6 @@ impl Experiment {
 impl Scale {
     fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let sizes: BTreeSet<u64> = if self.sizes.is_empty() {
-            default_sizes(self.largest)
-        } else {
-            self.sizes.iter().copied().collect()
-        };
         let hashes = if self.hash.is_empty() { Hash::ALL.to_vec() } else { self.hash.clone() };
         let most = |hash| if hash == Hash::Random { self.random_largest } else { u64::MAX };
         let data = match (&self.descriptors, &self.queries) {
@@ -87,6 +82,11 @@ impl Scale {
                 Data::Files { descriptors: descriptors.clone(), queries: queries.clone() }
             }
             _ => Data::Rendered,
+        };
+        let sizes: BTreeSet<u64> = if self.sizes.is_empty() {
+            default_sizes(self.largest.min(data.most()?))
+        } else {
+            self.sizes.iter().copied().collect()
         };
         let settings = Settings {
             data,

@@ -43,6 +43,17 @@ pub enum Data {
 }
 
 impl Data {
+    /// How many descriptors there are; as many as anybody wants where they are rendered.
+    ///
+    /// # Errors
+    /// Where the array cannot be read.
+    pub fn most(&self) -> anyhow::Result<u64> {
+        match self {
+            Self::Rendered => Ok(u64::MAX),
+            Self::Files { descriptors, .. } => Ok(open(descriptors)?.0.rows),
+        }
+    }
+
     /// By which results of the same data know each other.
     #[must_use]
     pub fn name(&self, seed: u64) -> String {
