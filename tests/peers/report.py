@@ -56,7 +56,7 @@ def line(
         cells.append(f"**{cell}**" if best and best.median_us == record else cell)
     start = cold.get(entry.contender.name)
     cells.append(number(entry.built.seconds))
-    cells.append(number(entry.memory_bytes / 1e6) if entry.memory_bytes else "mapped")
+    cells.append("mapped" if entry.contender.ours else number(entry.memory_bytes / 1e6))
     cells.append(number(entry.built.disk_bytes / 1e6))
     cells.append(
         "-" if start is None else number(start.whole) + (f" ({number(start.inside)})" if start.inside else "")

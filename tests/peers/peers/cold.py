@@ -45,6 +45,7 @@ def measure(
             call = command(entry, run, query, scratch)
             if call:
                 calls[entry.contender.name] = call
+    own = {entry.contender.name for entry in entries if entry.contender.ours}
     whole: dict[str, list[float]] = {name: [] for name in calls}
     inside: dict[str, list[float]] = {name: [] for name in calls}
     environment = {**os.environ, **{name: "1" for name in THREAD_VARIABLES}}
@@ -64,7 +65,7 @@ def measure(
             if done.returncode != 0 or number == 0:  # round 0 fills the page cache
                 continue
             whole[name].append(took)
-            if name != "grasp":
+            if name not in own:
                 inside[name].append(json.loads(done.stdout)["ns"] / 1e6)
     return {
         name: Cold(statistics.median(whole[name]), statistics.median(inside[name]) if inside[name] else None)
@@ -76,7 +77,7 @@ def measure(
 def command(entry: Entry, run: Run, query: Path, scratch: Path) -> list[str]:
     """The command line of a contender's cold start; empty where it has none."""
     name, folder = entry.contender.name, entry.built.folder
-    if name == "grasp":
+    if entry.contender.ours:
         out = str(scratch / "one-ids.npy")
         index = str(folder / FILE)
         return [

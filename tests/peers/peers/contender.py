@@ -47,6 +47,9 @@ class Contender:
     needs_vectors = False
     """Whether `load` needs the vectors beside what `build` saved; they then count as part of the index on disk."""
 
+    ours = False
+    """Whether it is this project: programs of their own, without a version that tells one build from the next."""
+
     def parameters(self, run: Run) -> str:
         """How the index is built, for the table; indexes on disk are kept apart by it."""
         return ""

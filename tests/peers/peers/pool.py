@@ -108,8 +108,7 @@ class Store:
         digest = hashlib.blake2b(what.encode(), digest_size=6).hexdigest()
         folder = self.root / f"{contender.name}-{digest}"
         note = folder / "built.json"
-        if again or (not contender.package and note.exists()):
-            # Our own programs have no version that would tell one build from the next.
+        if again or contender.ours:
             shutil.rmtree(folder, ignore_errors=True)
         if not note.exists():
             self.build(contender, folder, note, limit)

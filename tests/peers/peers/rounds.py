@@ -149,7 +149,7 @@ def hopeless(setting: Setting, points: list[Point], levels: list[Level]) -> bool
     able = [point.median_us for point in points if all(point.reaches(level) for level in levels)]
     dear = NEAR_BEST * min(able, default=float("inf"))
     return any(
-        point.median_us > dear and all(setting[name] >= value for name, value in point.setting.items())
+        point.median_us > dear and all(setting.get(name, 0) >= value for name, value in point.setting.items())
         for point in points
     )
 
