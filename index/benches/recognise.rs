@@ -37,11 +37,8 @@ fn search(c: &mut Criterion) {
     let index = Index::open(&path).expect("the index opens");
     let queries: Vec<_> = (0..60u16)
         .map(|n| {
-            index.describe(&support::hand(
-                n % 6,
-                1.0,
-                &support::view(f64::from(n) * 6.2, f64::from(n % 15) * 5.9),
-            ))
+            let view = support::view(f64::from(n) * 6.2, f64::from(n % 15) * 5.9);
+            index.describe(&support::hand(n % 6, 1.0, &view)).expect("pictures are described")
         })
         .collect();
     for (name, effort) in [("search/hashed", Effort::Recall(0.95)), ("search/exact", Effort::Exact)] {

@@ -2,8 +2,9 @@
 
 use crate::file::OpenError;
 use crate::file::bytes::Bytes;
-use crate::file::catalogue::{Catalogue, HashInfo};
+use crate::file::catalogue::{Catalogue, HashInfo, Originals};
 use crate::file::open::Opened;
+use crate::file::pack;
 use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
 use crate::hand_image::HandImage;
@@ -12,7 +13,9 @@ use crate::search::searcher::Searcher;
 use crate::search::tables::Buckets;
 use crate::search::{Neighbour, Rows, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
-use nalgebra::{Quaternion, UnitQuaternion};
+use half::f16;
+use nalgebra::UnitQuaternion;
+use std::borrow::Cow;
 use std::path::Path;
 use thiserror::Error;
 
@@ -22,27 +25,23 @@ pub struct Index {
     file: Opened,
 }
 
-/// One entry of an index.
+/// One entry of an index: of what [`Catalogue::kept`] names, everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry<'a> {
     /// Its class, a position in [`Catalogue::classes`].
-    pub class: u16,
-    /// The picture's file name.
+    pub class: Option<u16>,
+    /// The picture's file name; empty where the index keeps none.
     pub file: &'a str,
-    /// The name of the hand shape.
+    /// The name of the hand shape; empty where the index keeps none.
     pub hand_shape: &'a str,
-    /// The name of the stage.
+    /// The name of the stage; empty where the index keeps none.
     pub stage: &'a str,
-    /// What the hand holds.
+    /// What the hand holds; empty where the index keeps nothing of it.
     pub object: &'a str,
-    /// The camera's azimuth, in degrees.
-    pub azimuth_deg: f32,
-    /// The camera's elevation, in degrees.
-    pub elevation_deg: f32,
-    /// The camera's roll, in degrees.
-    pub roll_deg: f32,
+    /// The camera's azimuth (0 to 360), elevation (-180 to 180) and roll (0 to 360), in degrees.
+    pub view_deg: Option<[f32; 3]>,
     /// `camera_from_hand`.
-    pub orientation: UnitQuaternion<f64>,
+    pub orientation: Option<UnitQuaternion<f64>>,
 }
 
 /// An entry that cannot be read.
@@ -65,6 +64,22 @@ pub enum EntryError {
         /// What about it.
         what: &'static str,
     },
+}
+
+/// Why an index cannot tell what a picture shows, though it can be searched.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CannotRecognise {
+    /// Its descriptors came from elsewhere.
+    #[error(
+        "the index holds raw vectors, and how to describe a picture likewise is not known: build it with --descriptor NAME if they were made by this program, or search it for vectors with `grasp-query search`"
+    )]
+    RawDescriptors,
+    /// It knows no classes.
+    #[error(
+        "the index holds descriptors without labels, so that neighbours cannot say what they are: build it with --labels FILE, or search it for vectors with `grasp-query search`"
+    )]
+    NoLabels,
 }
 
 impl Index {
@@ -107,7 +122,8 @@ impl Index {
     /// How many entries there are, at least 1.
     #[expect(clippy::len_without_is_empty, reason = "an index is never empty")]
     pub fn len(&self) -> usize {
-        self.rows().len()
+        // More than fit a usize were refused when the index was opened.
+        self.catalogue().entries as usize
     }
 
     /// Values of a descriptor.
@@ -121,8 +137,29 @@ impl Index {
     }
 
     /// The descriptor of a hand image, made as the index's own were. [`crate::Describer`] does the same faster for many pictures.
-    pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
-        self.catalogue().descriptor.describe(hand)
+    ///
+    /// # Errors
+    /// [`CannotRecognise::RawDescriptors`].
+    pub fn describe(&self, hand: &HandImage) -> Result<Vec<f32>, CannotRecognise> {
+        let descriptor = &self.catalogue().descriptor;
+        if !descriptor.describes_pictures() {
+            return Err(CannotRecognise::RawDescriptors);
+        }
+        Ok(descriptor.describe(hand))
+    }
+
+    /// Whether the index can tell what a picture shows. Searching it for descriptors is always possible.
+    ///
+    /// # Errors
+    /// [`CannotRecognise`] says what it lacks.
+    pub fn check_recognises(&self) -> Result<(), CannotRecognise> {
+        if !self.catalogue().descriptor.describes_pictures() {
+            return Err(CannotRecognise::RawDescriptors);
+        }
+        if !self.catalogue().kept.labels {
+            return Err(CannotRecognise::NoLabels);
+        }
+        Ok(())
     }
 
     /// A search for as many neighbours as the index was calibrated with.
@@ -187,7 +224,10 @@ impl Index {
 
     fn ballot(&self, neighbour: &Neighbour) -> Option<Ballot> {
         let class = *self.labels().get(neighbour.id as usize)?;
-        let orientation = self.orientation(neighbour.id)?;
+        let orientation = match self.catalogue().kept.orientations {
+            true => Some(self.orientation(neighbour.id)?),
+            false => None,
+        };
         let distance = f64::from(neighbour.distance);
         let counts = (class as usize) < self.catalogue().classes.len() && distance.is_finite();
         counts.then_some(Ballot { class, distance, orientation })
@@ -198,46 +238,60 @@ impl Index {
     /// # Errors
     /// [`EntryError`], when there is no such entry or the file says something about it that makes no sense.
     pub fn entry(&self, id: u32) -> Result<Entry<'_>, EntryError> {
-        let at = id as usize;
-        let class = *self.labels().get(at).ok_or(EntryError::NoSuchEntry { id, entries: self.len() })?;
-        let corrupt = |what| EntryError::Corrupt { id, what };
-        let catalogue = self.catalogue();
-        if class as usize >= catalogue.classes.len() {
-            return Err(corrupt("class"));
+        if id as usize >= self.len() {
+            return Err(EntryError::NoSuchEntry { id, entries: self.len() });
         }
-        let hand_shapes: &[u16] = self.file.array(SectionKind::HandShapes);
-        let stages: &[u8] = self.file.array(SectionKind::Stages);
-        let objects: &[u32] = self.file.array(SectionKind::Objects);
-        let views: &[[f32; 3]] = self.file.array(SectionKind::Views);
-        let object = objects.get(at).and_then(|&object| {
-            self.file.text(SectionKind::ObjectOffsets, SectionKind::ObjectText, object as usize)
-        });
-        let hand_shape = hand_shapes.get(at).and_then(|&hand| catalogue.hand_shapes.get(hand as usize));
-        let stage = stages.get(at).and_then(|&stage| catalogue.stages.get(stage as usize));
-        let [azimuth_deg, elevation_deg, roll_deg] = *views.get(at).ok_or(corrupt("view"))?;
+        let kept = self.catalogue().kept;
+        let (class, [hand_shape, stage, object]) = match kept.labels {
+            true => self.named(id).map(|(class, names)| (Some(class), names))?,
+            false => (None, [""; 3]),
+        };
+        let corrupt = |what| EntryError::Corrupt { id, what };
+        let view = || {
+            let views: &[[u16; 3]] = self.file.array(SectionKind::Views);
+            let [azimuth, elevation, roll] = *views.get(id as usize).ok_or(corrupt("view"))?;
+            let degrees = pack::unpack_degrees;
+            Ok([degrees(azimuth, false), degrees(elevation, true), degrees(roll, false)])
+        };
+        let file = || self.file.text(SectionKind::FileOffsets, SectionKind::FileText, id as usize);
+        let orientation = || self.orientation(id).ok_or(corrupt("orientation"));
         Ok(Entry {
             class,
-            file: self
-                .file
-                .text(SectionKind::FileOffsets, SectionKind::FileText, at)
-                .ok_or(corrupt("file name"))?,
-            hand_shape: hand_shape.ok_or(corrupt("hand shape"))?,
-            stage: stage.ok_or(corrupt("stage"))?,
-            object: object.ok_or(corrupt("object"))?,
-            azimuth_deg,
-            elevation_deg,
-            roll_deg,
-            orientation: self.orientation(id).ok_or(corrupt("orientation"))?,
+            file: if kept.files { file().ok_or(corrupt("file name"))? } else { "" },
+            hand_shape,
+            stage,
+            object,
+            view_deg: kept.views.then(view).transpose()?,
+            orientation: kept.orientations.then(orientation).transpose()?,
         })
+    }
+
+    /// The class of an entry, and the names of its hand shape, stage and object.
+    fn named(&self, id: u32) -> Result<(u16, [&str; 3]), EntryError> {
+        let (at, catalogue) = (id as usize, self.catalogue());
+        let corrupt = |what| EntryError::Corrupt { id, what };
+        let hand_shapes: &[u16] = self.file.array(SectionKind::HandShapes);
+        let stages: &[u8] = self.file.array(SectionKind::Stages);
+        let objects: &[u16] = self.file.array(SectionKind::Objects);
+        let class = self.labels().get(at).filter(|&&class| usize::from(class) < catalogue.classes.len());
+        let hand_shape = hand_shapes.get(at).and_then(|&hand| catalogue.hand_shapes.get(usize::from(hand)));
+        let stage = stages.get(at).and_then(|&stage| catalogue.stages.get(usize::from(stage)));
+        let object = objects.get(at).and_then(|&object| {
+            self.file.text(SectionKind::ObjectOffsets, SectionKind::ObjectText, usize::from(object))
+        });
+        let class = *class.ok_or(corrupt("class"))?;
+        let names = [
+            hand_shape.ok_or(corrupt("hand shape"))?.as_str(),
+            stage.ok_or(corrupt("stage"))?.as_str(),
+            object.ok_or(corrupt("object"))?,
+        ];
+        Ok((class, names))
     }
 
     /// `camera_from_hand`; `None` where there is no such entry or what the file has is no rotation.
     fn orientation(&self, id: u32) -> Option<UnitQuaternion<f64>> {
-        let orientations: &[[f32; 4]] = self.file.array(SectionKind::Orientations);
-        let [x, y, z, w] = orientations.get(id as usize)?.map(f64::from);
-        let rotation = Quaternion::new(w, x, y, z);
-        let is_unit = (rotation.norm() - 1.0).abs() < 1e-2;
-        is_unit.then(|| UnitQuaternion::new_normalize(rotation))
+        let orientations: &[[i16; 4]] = self.file.array(SectionKind::Orientations);
+        pack::unpack_rotation(*orientations.get(id as usize)?)
     }
 
     /// The picture of an entry: [`Catalogue::thumbnail_side`] squared grey values, row-major. `None` where it has none.
@@ -249,18 +303,28 @@ impl Index {
         thumbnail.iter().any(|&grey| grey != 0).then_some(thumbnail)
     }
 
-    /// The descriptor of an entry; `None` where there is no such entry.
-    pub fn descriptor(&self, id: u32) -> Option<&[f32]> {
-        self.rows().get(id)
+    /// The descriptor of an entry, as exactly as [`Catalogue::originals`] says; `None` where there is no such entry, or
+    /// descriptors are not kept.
+    pub fn descriptor(&self, id: u32) -> Option<Cow<'_, [f32]>> {
+        match self.catalogue().originals {
+            Originals::F32 => self.rows().get(id).map(Cow::Borrowed),
+            Originals::F16 => {
+                let start = (id as usize).checked_mul(self.dim())?;
+                let halves: &[f16] = self.file.array(SectionKind::Descriptors);
+                let row = halves.get(start..start.checked_add(self.dim())?)?;
+                Some(Cow::Owned(row.iter().map(|half| half.to_f32()).collect()))
+            }
+            Originals::None => None,
+        }
     }
 
-    /// The class of each entry, in the order of their numbers.
+    /// The class of each entry, in the order of their numbers; nothing where the index keeps no labels.
     pub fn labels(&self) -> &[u16] {
         self.file.array(SectionKind::Labels)
     }
 
     /// The hash, for each entry, of what its descriptor was made from: a rebuild may take over the descriptor of an entry
-    /// with the same hash, if [`Self::params_hash`] has not changed either.
+    /// with the same hash, if [`Self::params_hash`] has not changed either. Nothing where the index keeps none.
     pub fn source_hashes(&self) -> &[u64] {
         self.file.array(SectionKind::SourceHashes)
     }
@@ -270,7 +334,12 @@ impl Index {
         self.catalogue().descriptor_fingerprint
     }
 
+    /// The descriptors as they are; none where the index keeps them otherwise.
     fn rows(&self) -> Rows<'_> {
-        Rows { values: self.file.array(SectionKind::Descriptors), dim: self.dim() }
+        let values = match self.catalogue().originals {
+            Originals::F32 => self.file.array(SectionKind::Descriptors),
+            Originals::F16 | Originals::None => &[],
+        };
+        Rows { values, dim: self.dim() }
     }
 }

@@ -45,7 +45,7 @@
 //! writer.finish(&|_phase, _share| std::ops::ControlFlow::Continue(()))?;
 //!
 //! let index = Index::open(&path)?;
-//! let query = index.describe(&picture(1, 100));
+//! let query = index.describe(&picture(1, 100))?;
 //! let found = index.search(&query, &SearchOptions::default())?;
 //! let vote = index.vote(&found.neighbours, &VoteOptions::default());
 //! assert_eq!(vote.classes[0].name, "pinch");
@@ -67,13 +67,13 @@ mod vote;
 pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
-pub use file::catalogue::{Calibration, Catalogue, ClassInfo, HashInfo};
+pub use file::catalogue::{Calibration, Catalogue, ClassInfo, HashInfo, Kept, Originals};
 pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
-pub use index::{Entry, EntryError, Index};
+pub use index::{CannotRecognise, Entry, EntryError, Index};
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;

@@ -20,7 +20,7 @@ fn another_hand_between_the_views_is_recognised_and_its_orientation_found() {
         let (mut right, mut turned) = (0, Vec::new());
         for n in 0..40u16 {
             let (class, truth) = (n % 4, support::view(f64::from(n) * 8.7, 20.0 + f64::from(n % 5) * 11.0));
-            let query = index.describe(&support::hand(class, 0.3, &truth));
+            let query = index.describe(&support::hand(class, 0.3, &truth)).expect("pictures are described");
             let found = index.search(&query, &index.search_options()).expect("the query fits");
             let vote = index.vote(&found.neighbours, &VoteOptions::default());
             right += u16::from(vote.classes[0].class == class);

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{Index, OpenError};
+use grasp_index::{Index, OpenError, Originals};
 
 use super::Recipe;
 use super::inputs::Inputs;
@@ -56,7 +56,10 @@ impl Known {
         if let Some(problem) = index.verify().problems.first() {
             return Ok(Self::useless(path, &problem.to_string()));
         }
-        let ids = index.source_hashes().iter().zip(0..).map(|(&hash, id)| (hash, id)).collect();
+        // Rounded descriptors would make another hash than those that they were rounded from.
+        let exact = index.catalogue().originals == Originals::F32;
+        let hashes = if exact { index.source_hashes() } else { &[] };
+        let ids = hashes.iter().zip(0..).map(|(&hash, id)| (hash, id)).collect();
         Ok(Self { index: Some(index), ids })
     }
 
@@ -80,7 +83,7 @@ impl Known {
     pub(super) fn get(&self, source_hash: u64) -> Option<(Vec<f32>, Option<Vec<u8>>)> {
         let id = *self.ids.get(&source_hash)?;
         let index = self.index.as_ref()?;
-        Some((index.descriptor(id)?.to_vec(), index.thumbnail(id).map(<[u8]>::to_vec)))
+        Some((index.descriptor(id)?.into_owned(), index.thumbnail(id).map(<[u8]>::to_vec)))
     }
 
     /// Whether the existing index is, byte for byte, what these inputs make.

@@ -47,23 +47,25 @@ fn as_text(name: &str, index: &Index) -> String {
     let catalogue = index.catalogue();
     let mut lines = vec![format!("{name}: {} entries, {} bytes", index.len(), index.byte_len())];
     let mut line = |label: &str, text: String| lines.push(format!("  {label:<12} {text}"));
-    line(
-        "descriptor",
-        format!(
-            "{}, D = {} (B = {}, L = {}), {:?}, {:?}",
-            catalogue.descriptor.name(),
-            index.dim(),
-            catalogue.descriptor.bins,
-            catalogue.descriptor.levels,
-            catalogue.descriptor.sampling,
-            catalogue.descriptor.tone,
+    let descriptor = &catalogue.descriptor;
+    let (name, dim) = (descriptor.name(), index.dim());
+    let described = match descriptor.describes_pictures() {
+        true => format!(
+            "{name}, D = {dim} (B = {}, L = {}), {:?}, {:?}",
+            descriptor.bins, descriptor.levels, descriptor.sampling, descriptor.tone
         ),
-    );
+        false => format!("{name}, D = {dim}: vectors from elsewhere"),
+    };
+    line("descriptor", described);
+    line("originals", catalogue.originals.name().to_owned());
+    line("keeps", some_of(&catalogue.kept.names()));
     for (class, count) in catalogue.classes.iter().zip(counts(index)) {
         line("class", format!("{:>2} {}: {count}", class.cutkosky, class.name));
     }
-    line("hand shapes", list(&catalogue.hand_shapes));
-    line("stages", list(&catalogue.stages));
+    if catalogue.kept.labels {
+        line("hand shapes", list(&catalogue.hand_shapes));
+        line("stages", list(&catalogue.stages));
+    }
     line(
         "sigma",
         format!(
@@ -117,6 +119,11 @@ fn hash_text(catalogue: &Catalogue) -> String {
     }
 }
 
+/// The names of a list, if any.
+fn some_of(names: &[&str]) -> String {
+    if names.is_empty() { "nothing else".to_owned() } else { names.join(", ") }
+}
+
 /// The first names of a list, and how many more there are.
 fn list(names: &[String]) -> String {
     const SHOWN: usize = 8;
@@ -162,6 +169,7 @@ fn as_json(name: &str, index: &Index) -> Value {
             "bins": catalogue.descriptor.bins, "levels": catalogue.descriptor.levels,
             "sampling": format!("{:?}", catalogue.descriptor.sampling), "tone": format!("{:?}", catalogue.descriptor.tone),
         },
+        "originals": catalogue.originals.name(), "keeps": catalogue.kept.names(),
         "classes": classes, "hand_shapes": catalogue.hand_shapes, "stages": catalogue.stages,
         "sigma": {"mean_distance": catalogue.sigma.mean_distance, "literal": catalogue.sigma.literal},
         "vote": {"k": catalogue.calibration.k, "sigma_scale": catalogue.calibration.sigma_scale},

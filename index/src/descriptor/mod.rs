@@ -55,7 +55,8 @@ impl Describer {
         }
     }
 
-    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0.
+    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0; all are where
+    /// [`DescriptorParams::describes_pictures`] is not so.
     pub fn describe(&mut self, hand: &HandImage) -> Vec<f32> {
         let mut descriptor = vec![0.0; self.params.dim()];
         self.describe_into(hand, &mut descriptor);
@@ -81,6 +82,7 @@ impl Describer {
                 histograms.iter_mut().for_each(|value| *value = value.sqrt());
                 histograms
             }
+            DescriptorKind::Raw { .. } => vec![0.0; self.params.dim()],
         };
         let length = out.len().min(descriptor.len());
         out[..length].swap_with_slice(&mut descriptor[..length]);

@@ -18,6 +18,11 @@ pub enum DescriptorKind {
     /// nearest cells; each level sums to 1; then the square root of every value, so that the Euclidean distance
     /// becomes the Hellinger distance.
     Default,
+    /// Vectors of `dim` values that came from elsewhere: how to describe a picture likewise is not known.
+    Raw {
+        /// Values of a vector, 1 to 65,536.
+        dim: u32,
+    },
 }
 
 /// Where in the hand image the descriptor's picture is sampled.
@@ -77,6 +82,9 @@ pub enum ParamsError {
     /// Too few or too many bins.
     #[error("{0} bins asked for: 2 to 32 work, the paper has 4")]
     Bins(u32),
+    /// Vectors too short or too long.
+    #[error("vectors of {0} values: 1 to 65,536 work")]
+    Dim(u32),
     /// Too few or too many levels.
     #[error("{0} levels asked for: 1 to 6 work, the paper has 3")]
     Levels(u32),
@@ -106,6 +114,16 @@ impl DescriptorParams {
         Self { kind: DescriptorKind::Paper, bins: 4, levels: 3, sampling: Sampling::Native, tone: Tone::AsIs }
     }
 
+    /// Vectors of `dim` values that came from elsewhere.
+    pub fn raw(dim: u32) -> Self {
+        Self { kind: DescriptorKind::Raw { dim }, ..Self::paper() }
+    }
+
+    /// Whether pictures can be described: not as vectors are that came from elsewhere.
+    pub fn describes_pictures(&self) -> bool {
+        !matches!(self.kind, DescriptorKind::Raw { .. })
+    }
+
     /// The parameters that a name stands for: `paper` or `default`.
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
@@ -115,17 +133,21 @@ impl DescriptorParams {
         }
     }
 
-    /// `paper` or `default`.
+    /// `paper`, `default` or `raw`.
     pub fn name(&self) -> &'static str {
         match self.kind {
             DescriptorKind::Paper => "paper",
             DescriptorKind::Default => "default",
+            DescriptorKind::Raw { .. } => "raw",
         }
     }
 
     /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`, 84 for B = 4, L = 3.
     pub fn dim(&self) -> usize {
         let params = self.clamped();
+        if let DescriptorKind::Raw { dim } = params.kind {
+            return dim as usize;
+        }
         let cells: usize = (0..params.levels).map(|level| 1 << (2 * level)).sum();
         params.bins as usize * cells
     }
@@ -136,6 +158,11 @@ impl DescriptorParams {
     /// [`ParamsError`], naming the value out of range and what would do.
     pub fn validate(&self) -> Result<(), ParamsError> {
         let clamped = self.clamped();
+        if let DescriptorKind::Raw { dim } = self.kind
+            && self.kind != clamped.kind
+        {
+            return Err(ParamsError::Dim(dim));
+        }
         if self.bins != clamped.bins {
             return Err(ParamsError::Bins(self.bins));
         }
@@ -161,7 +188,10 @@ impl DescriptorParams {
     pub(super) fn clamped(&self) -> Self {
         let fit = |side: u16| side.clamp(8, 1024);
         Self {
-            kind: self.kind,
+            kind: match self.kind {
+                DescriptorKind::Raw { dim } => DescriptorKind::Raw { dim: dim.clamp(1, 1 << 16) },
+                kind => kind,
+            },
             bins: self.bins.clamp(2, 32),
             levels: self.levels.clamp(1, 6),
             sampling: match self.sampling {
@@ -192,19 +222,21 @@ impl DescriptorParams {
             Tone::AsIs => (0u8, 0.0),
             Tone::Normalised { contrast } => (1, contrast),
         };
-        let kind = match self.kind {
-            DescriptorKind::Paper => 0u8,
-            DescriptorKind::Default => 1,
+        let (kind, dim) = match self.kind {
+            DescriptorKind::Paper => (0u8, None),
+            DescriptorKind::Default => (1, None),
+            DescriptorKind::Raw { dim } => (2, Some(dim)),
         };
         let mut bytes = vec![REVISION, kind, sampling, tone];
         bytes.extend(self.bins.to_le_bytes());
         bytes.extend(self.levels.to_le_bytes());
         bytes.extend(side.to_le_bytes());
         bytes.extend(contrast.to_le_bytes());
+        bytes.extend(dim.into_iter().flat_map(u32::to_le_bytes));
         xxh3_64(&bytes)
     }
 
-    /// The descriptor of a hand image: [`Self::dim`] values. [`Describer`] does the same faster for many pictures.
+    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many pictures.
     pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
         Describer::new(self).describe(hand)
     }

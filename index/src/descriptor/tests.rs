@@ -63,6 +63,7 @@ fn naive(hand: &HandImage, params: &DescriptorParams) -> Vec<f64> {
                             * share(middle(y, hand.height()) - row as f64)
                             * share(middle(x, hand.width()) - column as f64)
                     }
+                    DescriptorKind::Raw { .. } => 0.0,
                 };
             }
         }

@@ -1,7 +1,7 @@
 //! What an index is made from, and what comes of it.
 
 use super::atomic::WriteError;
-use super::catalogue::{Calibration, ClassInfo, HashInfo};
+use super::catalogue::{Calibration, ClassInfo, HashInfo, Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::search::tune::{HashParams, Measured};
 use crate::vote::Sigma;
@@ -13,7 +13,12 @@ use thiserror::Error;
 pub struct IndexParams {
     /// How the descriptors were made.
     pub descriptor: DescriptorParams,
-    /// The classes, at most 65,536.
+    /// Which form of the descriptors to keep. [`Originals::F32`] alone serves a random hash, which has nothing else to measure
+    /// distances by.
+    pub originals: Originals,
+    /// What to keep of each entry besides; the rest of what [`NewEntry`] says is ignored.
+    pub kept: Kept,
+    /// The classes, at most 65,536. Where labels are kept, there is at least one, as there is of the two lists that follow.
     pub classes: Vec<ClassInfo>,
     /// The names of the hand shapes, at most 65,536.
     pub hand_shapes: Vec<String>,
@@ -21,6 +26,9 @@ pub struct IndexParams {
     pub stages: Vec<String>,
     /// How the hash is sized.
     pub hash: HashParams,
+    /// Descriptors of hands that are not in the index, in rows: the search is measured on them, moved a little. Where there are
+    /// none, entries of the index stand in, which flatters it.
+    pub held_out: Vec<f32>,
     /// What all randomness comes from.
     pub seed: u64,
     /// The side of the thumbnails in pixels, at most 1024; 0 keeps none.
@@ -45,13 +53,13 @@ pub struct NewEntry {
     pub object: String,
     /// The picture's file name.
     pub file: String,
-    /// The camera's azimuth, in degrees.
+    /// The camera's azimuth, in degrees; kept to a hundredth, as are the other two, and modulo a full turn.
     pub azimuth_deg: f32,
     /// The camera's elevation, in degrees.
     pub elevation_deg: f32,
     /// The camera's roll, in degrees.
     pub roll_deg: f32,
-    /// `camera_from_hand`.
+    /// `camera_from_hand`; kept to 0.0035 degrees.
     pub orientation: UnitQuaternion<f64>,
     /// A hash of what the descriptor was made from, by which a rebuild knows it again.
     pub source_hash: u64,

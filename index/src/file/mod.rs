@@ -15,6 +15,7 @@ mod error;
 pub(crate) mod header;
 pub(crate) mod input;
 pub(crate) mod open;
+pub(crate) mod pack;
 pub(crate) mod sections;
 pub(crate) mod verify;
 pub(crate) mod write;

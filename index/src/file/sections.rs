@@ -1,6 +1,6 @@
 //! The sections: which there are, what they hold, and how long each must be.
 
-use super::catalogue::{Catalogue, HashInfo};
+use super::catalogue::{Catalogue, HashInfo, Originals};
 use super::{OpenError, align, header};
 use crate::search::random::MAX_PLANES;
 use rkyv::{Archive, Deserialize, Serialize};
@@ -28,10 +28,14 @@ pub enum ElementType {
     U8,
     /// 16-bit whole numbers.
     U16,
+    /// 16-bit whole numbers with a sign.
+    I16,
     /// 32-bit whole numbers.
     U32,
     /// 64-bit whole numbers.
     U64,
+    /// 16-bit floating-point numbers.
+    F16,
     /// 32-bit floating-point numbers.
     F32,
 }
@@ -40,17 +44,18 @@ impl ElementType {
     fn size(self) -> u64 {
         match self {
             Self::U8 => 1,
-            Self::U16 => 2,
+            Self::U16 | Self::I16 | Self::F16 => 2,
             Self::U32 | Self::F32 => 4,
             Self::U64 => 8,
         }
     }
 }
 
-/// What a section holds. N is the number of entries, D the length of a descriptor.
+/// What a section holds. N is the number of entries, D the length of a descriptor. What an index does not keep
+/// ([`super::catalogue::Kept`]) is a section of no length.
 #[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionKind {
-    /// N x D f32: the descriptors.
+    /// N x D f32 or f16, or nothing: the descriptors.
     Descriptors,
     /// N u16: the classes.
     Labels,
@@ -58,9 +63,9 @@ pub enum SectionKind {
     Stages,
     /// N u16: the hand shapes.
     HandShapes,
-    /// N x 4 f32: `camera_from_hand`, quaternions x, y, z, w.
+    /// N x 4 i16: `camera_from_hand`, quaternions x, y, z, w in units of 1/32767.
     Orientations,
-    /// N x 3 f32: azimuth, elevation and roll in degrees.
+    /// N x 3 u16: azimuth, elevation and roll in hundredths of a degree, modulo a full turn.
     Views,
     /// N u64: hashes of what the descriptors were made from.
     SourceHashes,
@@ -68,7 +73,7 @@ pub enum SectionKind {
     FileOffsets,
     /// UTF-8: the file names.
     FileText,
-    /// N u32: the objects.
+    /// N u16: the objects.
     Objects,
     /// objects + 1 u32: where each object's name starts and ends.
     ObjectOffsets,
@@ -109,21 +114,23 @@ impl SectionKind {
         Self::PlaneNormals,
     ];
 
-    pub(crate) fn element(self) -> ElementType {
+    /// Whether the hash, and not the entries, make the section.
+    pub(crate) fn is_of_the_hash(self) -> bool {
+        matches!(self, Self::PlaneNormals | Self::PlaneOffsets | Self::BucketDirectory | Self::BucketIds)
+    }
+
+    /// The type of the section's elements in an index that keeps `originals`.
+    pub(crate) fn element(self, originals: Originals) -> ElementType {
         match self {
+            Self::Descriptors if originals == Originals::F16 => ElementType::F16,
             Self::Stages | Self::FileText | Self::ObjectText | Self::Thumbnails => ElementType::U8,
-            Self::Labels | Self::HandShapes => ElementType::U16,
-            Self::FileOffsets
-            | Self::Objects
-            | Self::ObjectOffsets
-            | Self::BucketDirectory
-            | Self::BucketIds => ElementType::U32,
+            Self::Labels | Self::HandShapes | Self::Objects | Self::Views => ElementType::U16,
+            Self::Orientations => ElementType::I16,
+            Self::FileOffsets | Self::ObjectOffsets | Self::BucketDirectory | Self::BucketIds => {
+                ElementType::U32
+            }
             Self::SourceHashes => ElementType::U64,
-            Self::Descriptors
-            | Self::Orientations
-            | Self::Views
-            | Self::PlaneNormals
-            | Self::PlaneOffsets => ElementType::F32,
+            Self::Descriptors | Self::PlaneNormals | Self::PlaneOffsets => ElementType::F32,
         }
     }
 
@@ -135,6 +142,20 @@ impl SectionKind {
         let HashInfo::Random(hash) = catalogue.hash;
         let (tables, planes, buckets) =
             (u64::from(hash.tables), u64::from(hash.planes), u64::from(hash.buckets));
+        let kept = &catalogue.kept;
+        let is_kept = match self {
+            Self::Descriptors => catalogue.originals != Originals::None,
+            Self::Labels | Self::Stages | Self::HandShapes => kept.labels,
+            Self::Objects | Self::ObjectOffsets | Self::ObjectText => kept.labels,
+            Self::Orientations => kept.orientations,
+            Self::Views => kept.views,
+            Self::FileOffsets | Self::FileText => kept.files,
+            Self::SourceHashes => kept.sources,
+            _ => true,
+        };
+        if !is_kept {
+            return Some(Some(0));
+        }
         let count = match self {
             Self::Descriptors => n.checked_mul(dim)?,
             Self::Labels | Self::Stages | Self::HandShapes | Self::SourceHashes | Self::Objects => n,
@@ -175,7 +196,8 @@ impl Layout {
         }
         for (section, kind) in catalogue.sections.iter().zip(SectionKind::ALL) {
             let corrupt = |what| OpenError::corrupt(format_args!("the section {kind:?} {what}"));
-            if section.kind != kind || section.element != kind.element() {
+            let element = kind.element(catalogue.originals);
+            if section.kind != kind || section.element != element {
                 return Err(corrupt("is not where it should be"));
             }
             // Sections follow each other: none overlaps another, and between them there is padding alone.
@@ -183,7 +205,7 @@ impl Layout {
                 return Err(corrupt("does not start where the one before ends"));
             }
             let elements = kind.elements(catalogue).ok_or_else(|| corrupt("is too long"))?;
-            let expected = elements.map(|count| count.checked_mul(kind.element().size()));
+            let expected = elements.map(|count| count.checked_mul(element.size()));
             if expected.is_some_and(|expected| expected != Some(section.length)) {
                 return Err(corrupt("has another length than the catalogue's numbers give"));
             }
@@ -219,10 +241,15 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if catalogue.entries == 0 || catalogue.entries > u64::from(u32::MAX) {
         return corrupt("states an impossible number of entries");
     }
-    if catalogue.classes.is_empty() || catalogue.hand_shapes.is_empty() || catalogue.stages.is_empty() {
+    let unnamed =
+        catalogue.classes.is_empty() || catalogue.hand_shapes.is_empty() || catalogue.stages.is_empty();
+    if catalogue.kept.labels && unnamed {
         return corrupt("lacks classes, hand shapes or stages");
     }
     let HashInfo::Random(hash) = catalogue.hash;
+    if catalogue.originals != Originals::F32 {
+        return corrupt("states a hash that needs the descriptors, and that they are not kept");
+    }
     if hash.tables == 0
         || hash.planes == 0
         || hash.planes > MAX_PLANES

@@ -1,9 +1,12 @@
 //! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
 
+use super::catalogue::Originals;
 use super::header::LENGTH;
 use super::open::Opened;
+use super::pack;
 use super::sections::SectionKind;
 use bytemuck::AnyBitPattern;
+use half::f16;
 use rayon::prelude::*;
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
@@ -82,11 +85,11 @@ fn elements(file: &Opened) -> Vec<Problem> {
     use SectionKind::*;
     let catalogue = &file.catalogue;
     let below = |limit: usize| move |value: usize| value < limit;
-    let entries = catalogue.entries as usize;
+    let (entries, kept) = (catalogue.entries as usize, &catalogue.kept);
     let finite = |value: &f32| value.is_finite();
     let found = [
-        first(file, Descriptors, "is not a finite number", finite),
-        first(file, Views, "is not a finite number", finite),
+        descriptors(file),
+        first(file, Views, "is no angle", |&angle: &u16| angle < pack::TURN),
         first(file, PlaneNormals, "is not a finite number", finite),
         first(file, PlaneOffsets, "is not a finite number", finite),
         first(file, Labels, "is no class", |&class: &u16| below(catalogue.classes.len())(class.into())),
@@ -94,18 +97,26 @@ fn elements(file: &Opened) -> Vec<Problem> {
         first(file, HandShapes, "is no hand shape", |&hand: &u16| {
             below(catalogue.hand_shapes.len())(hand.into())
         }),
-        first(file, Objects, "is no object", |&object: &u32| object < catalogue.objects),
+        first(file, Objects, "is no object", |&object: &u16| u32::from(object) < catalogue.objects),
         first(file, BucketIds, "is no entry", |&id: &u32| below(entries)(id as usize)),
-        first(file, Orientations, "is no unit quaternion", |q: &[f32; 4]| {
-            (q.iter().map(|value| value * value).sum::<f32>() - 1.0).abs() < 1e-3
+        first(file, Orientations, "is no unit quaternion", |&packed: &[i16; 4]| {
+            pack::unpack_rotation(packed).is_some()
         }),
         ascending(file, BucketDirectory, file.array::<u32>(BucketIds).len()),
-        ascending(file, FileOffsets, file.raw(FileText).len()),
-        ascending(file, ObjectOffsets, file.raw(ObjectText).len()),
-        texts(file, FileOffsets, FileText, entries),
-        texts(file, ObjectOffsets, ObjectText, catalogue.objects as usize),
+        kept.files.then(|| ascending(file, FileOffsets, file.raw(FileText).len())).flatten(),
+        kept.labels.then(|| ascending(file, ObjectOffsets, file.raw(ObjectText).len())).flatten(),
+        kept.files.then(|| texts(file, FileOffsets, FileText, entries)).flatten(),
+        kept.labels.then(|| texts(file, ObjectOffsets, ObjectText, catalogue.objects as usize)).flatten(),
     ];
     found.into_iter().flatten().collect()
+}
+
+fn descriptors(file: &Opened) -> Option<Problem> {
+    let (kind, what) = (SectionKind::Descriptors, "is not a finite number");
+    match file.catalogue.originals {
+        Originals::F16 => first(file, kind, what, |value: &f16| value.is_finite()),
+        _ => first(file, kind, what, |value: &f32| value.is_finite()),
+    }
 }
 
 fn first<T: AnyBitPattern>(

@@ -40,10 +40,9 @@ pub(crate) fn kernel_mass(ballots: &[Ballot], sigma: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::UnitQuaternion;
 
     fn ballot(class: u16, distance: f64) -> Ballot {
-        Ballot { class, distance, orientation: UnitQuaternion::identity() }
+        Ballot { class, distance, orientation: None }
     }
 
     #[test]

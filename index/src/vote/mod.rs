@@ -54,5 +54,6 @@ pub struct ClassScore {
 pub(crate) struct Ballot {
     pub(crate) class: u16,
     pub(crate) distance: f64,
-    pub(crate) orientation: nalgebra::UnitQuaternion<f64>,
+    /// `None` where the index keeps no orientations.
+    pub(crate) orientation: Option<nalgebra::UnitQuaternion<f64>>,
 }

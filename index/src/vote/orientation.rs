@@ -20,11 +20,13 @@ pub struct OrientationEstimate {
     pub spread_deg: f64,
 }
 
-/// The orientation of class `class`. Without ballots for the class: the identity, with a spread of 180 degrees.
+/// The orientation of class `class`. Without ballots for the class, or without their orientations: the identity, with a spread of 180 degrees.
 pub(crate) fn estimate(ballots: &[Ballot], class: u16, sigma: f64, euler_mean: bool) -> OrientationEstimate {
     let same: Vec<Ballot> = ballots.iter().filter(|ballot| ballot.class == class).copied().collect();
     let weights = relative_weights(&same, sigma);
-    let rotations: Vec<_> = same.iter().map(|ballot| ballot.orientation).zip(weights).collect();
+    let weighed = same.iter().zip(weights);
+    let rotations: Vec<_> =
+        weighed.filter_map(|(ballot, weight)| Some((ballot.orientation?, weight))).collect();
     let mean = if euler_mean { cyclic_euler_mean(&rotations) } else { mean_rotation(&rotations) };
     let Some(rotation) = mean else {
         return OrientationEstimate {

@@ -36,22 +36,36 @@ pub fn mean_distance(rows: &[&[f32]]) -> f64 {
 }
 
 /// Measures sigma over `descriptors` (`dim` values a row), `labels` being the class of each row. Classes with fewer
-/// than two rows do not count.
+/// than two rows do not count. Without labels all rows are of one class.
 pub(crate) fn measure(descriptors: &[f32], dim: usize, labels: &[u16], classes: usize) -> Sigma {
-    let (mut mean, mut literal, mut counted) = (0.0, 0.0, 0.0);
-    for class in 0..classes {
-        let ids: Vec<usize> = (0..labels.len()).filter(|&id| labels[id] as usize == class).collect();
-        if ids.len() < 2 {
-            continue;
+    let rows = || descriptors.chunks_exact(dim.max(1));
+    let mut counts = vec![0usize; classes];
+    for &label in labels {
+        if let Some(count) = counts.get_mut(usize::from(label)) {
+            *count += 1;
         }
-        let paired = ids.len().min(MOST_OF_A_CLASS);
-        let rows: Vec<&[f32]> = (0..paired)
-            .map(|at| ids[at * ids.len() / paired])
-            .map(|id| &descriptors[id * dim..(id + 1) * dim])
+    }
+    if labels.is_empty() {
+        counts = vec![rows().len()];
+    }
+    let (mut mean, mut literal, mut counted) = (0.0, 0.0, 0.0);
+    for (class, &count) in counts.iter().enumerate().filter(|(_, count)| **count >= 2) {
+        let paired = count.min(MOST_OF_A_CLASS);
+        let mut of_class =
+            rows().enumerate().filter(|&(id, _)| labels.get(id).is_none_or(|&label| label as usize == class));
+        // Evenly spaced: of the rows not yet passed, the one so many further on.
+        let mut passed = 0;
+        let spaced: Vec<&[f32]> = (0..paired)
+            .filter_map(|at| {
+                let wanted = at * count / paired;
+                let skip = wanted - passed;
+                passed = wanted + 1;
+                of_class.nth(skip).map(|(_, row)| row)
+            })
             .collect();
-        let distance = mean_distance(&rows);
+        let distance = mean_distance(&spaced);
         mean += distance;
-        literal += distance * (ids.len() - 1) as f64 / std::f64::consts::SQRT_2;
+        literal += distance * (count - 1) as f64 / std::f64::consts::SQRT_2;
         counted += 1.0;
     }
     if counted == 0.0 {
@@ -78,5 +92,16 @@ mod tests {
     fn classes_without_pairs_do_not_count() {
         assert_eq!(measure(&[1.0, 5.0], 1, &[0, 1], 2).mean_distance, 0.0);
         assert_eq!(measure(&[1.0, 5.0, 7.0], 1, &[0, 1, 1], 2).mean_distance, 2.0);
+    }
+
+    #[test]
+    fn of_many_rows_evenly_spaced_ones_are_paired() {
+        // Twice as many as are paired: every second, so that only distances of 2 times a whole number are measured.
+        let (rows, paired): (Vec<f32>, Vec<f32>) =
+            (0..2 * MOST_OF_A_CLASS).map(|at| (at as f32, (at / 2 * 2) as f32)).unzip();
+        let every_second: Vec<&[f32]> = paired.chunks(2).map(|pair| &pair[..1]).collect();
+        let labels = vec![0; rows.len()];
+        assert_eq!(measure(&rows, 1, &labels, 1).mean_distance, mean_distance(&every_second));
+        assert_eq!(measure(&rows, 1, &[], 0).mean_distance, mean_distance(&every_second));
     }
 }

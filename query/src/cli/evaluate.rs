@@ -60,7 +60,7 @@ impl Evaluate {
         if let Some(out) = &self.predictions {
             super::refuse_overwriting(out, [self.labels.as_path(), self.index.path().as_path()])?;
         }
-        let index = self.index.open()?;
+        let index = self.index.open_for_pictures()?;
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let mut broken = Vec::new();
         let mut selected = Vec::new();

@@ -28,6 +28,15 @@ impl IndexFile {
         named.map_or_else(|| DEFAULT.into(), PathBuf::from)
     }
 
+    /// Opens an index that can tell what a picture shows.
+    pub(super) fn open_for_pictures(&self) -> anyhow::Result<Index> {
+        let index = self.open()?;
+        index
+            .check_recognises()
+            .with_context(|| format!("cannot use the index {}", self.path().display()))?;
+        Ok(index)
+    }
+
     pub(super) fn open(&self) -> anyhow::Result<Index> {
         let path = self.path();
         if !path.exists() {

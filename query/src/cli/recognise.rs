@@ -84,7 +84,7 @@ impl Recognise {
             let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
             super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
         }
-        let index = self.index.open()?;
+        let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
         let source = self.source()?;
 

@@ -316,6 +316,6 @@ fn names(index: &Index, id: u32) -> (Option<&str>, Option<&str>) {
     let Ok(entry) = index.entry(id) else {
         return (None, None);
     };
-    let class = index.catalogue().classes.get(usize::from(entry.class));
+    let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
     (class.map(|class| class.name.as_str()), Some(entry.file).filter(|file| !file.is_empty()))
 }

@@ -165,8 +165,8 @@ fn neighbours(
         canvas.text((x, y + SMALL + 2), SMALL, &neighbour.grasp, ink);
         canvas.text((x, y + SMALL + LINE), SMALL, &format!("d = {:.3}", neighbour.distance), colour::INK);
         let entry = found.best.neighbours.get(place).and_then(|n| index.entry(n.id).ok());
-        if let Some(entry) = entry {
-            let view = format!("az {:.0} el {:.0}", entry.azimuth_deg, entry.elevation_deg);
+        if let Some([azimuth, elevation, _]) = entry.and_then(|entry| entry.view_deg) {
+            let view = format!("az {azimuth:.0} el {elevation:.0}");
             canvas.text((x, y + SMALL + 2 * LINE), SMALL, &view, colour::INK);
         }
         canvas.text((x, y + SMALL + 3 * LINE), SMALL, &neighbour.stage, colour::FAINT);

@@ -121,8 +121,8 @@ pub struct NeighbourRecord {
     pub object: String,
     /// The distance between the descriptors.
     pub distance: f32,
-    /// Its orientation, turned and flipped to the input as the answer is.
-    pub quaternion_xyzw: [f64; 4],
+    /// Its orientation, turned and flipped to the input as the answer is; `null` where the index keeps none.
+    pub quaternion_xyzw: Option<[f64; 4]>,
 }
 
 /// What a search cost.
@@ -174,7 +174,7 @@ impl Record {
         let orientation = &best.vote.orientation;
         let neighbours = best.neighbours.iter().map(|neighbour| {
             let entry = index.entry(neighbour.id)?;
-            let class = index.catalogue().classes.get(usize::from(entry.class));
+            let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
             Ok(NeighbourRecord {
                 id: neighbour.id,
                 file: entry.file.to_owned(),
@@ -184,7 +184,7 @@ impl Record {
                 stage: entry.stage.to_owned(),
                 object: entry.object.to_owned(),
                 distance: neighbour.distance,
-                quaternion_xyzw: xyzw(&best.in_picture(&entry.orientation)),
+                quaternion_xyzw: entry.orientation.map(|rotation| xyzw(&best.in_picture(&rotation))),
             })
         });
         Ok(Self::Answer(Box::new(Answer {

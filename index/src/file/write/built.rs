@@ -54,25 +54,14 @@ impl Built {
         Ok(Self { sigma, hash: HashInfo::Random(size), measured, normals, offsets, tables })
     }
 
-    /// The bytes of a section that is held in memory: of all but descriptors and thumbnails.
-    pub(super) fn section<'a>(&'a self, columns: &'a Columns, kind: SectionKind) -> &'a [u8] {
+    /// The bytes of one of the hash's sections; none for other sections.
+    pub(super) fn section(&self, kind: SectionKind) -> &[u8] {
         match kind {
-            SectionKind::Descriptors | SectionKind::Thumbnails => &[],
-            SectionKind::Labels => bytemuck::cast_slice(&columns.labels),
-            SectionKind::Stages => &columns.stages,
-            SectionKind::HandShapes => bytemuck::cast_slice(&columns.hand_shapes),
-            SectionKind::Orientations => bytemuck::cast_slice(&columns.orientations),
-            SectionKind::Views => bytemuck::cast_slice(&columns.views),
-            SectionKind::SourceHashes => bytemuck::cast_slice(&columns.source_hashes),
-            SectionKind::FileOffsets => bytemuck::cast_slice(&columns.files.offsets),
-            SectionKind::FileText => columns.files.text.as_bytes(),
-            SectionKind::Objects => bytemuck::cast_slice(&columns.object_of),
-            SectionKind::ObjectOffsets => bytemuck::cast_slice(&columns.objects.offsets),
-            SectionKind::ObjectText => columns.objects.text.as_bytes(),
             SectionKind::PlaneNormals => bytemuck::cast_slice(&self.normals),
             SectionKind::PlaneOffsets => bytemuck::cast_slice(&self.offsets),
             SectionKind::BucketDirectory => bytemuck::cast_slice(&self.tables.directory),
             SectionKind::BucketIds => bytemuck::cast_slice(&self.tables.ids),
+            _ => &[],
         }
     }
 }

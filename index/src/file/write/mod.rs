@@ -5,19 +5,20 @@
 //! in memory ([`columns`]). The header comes last: until then zeros stand in its place, which make no index.
 
 mod built;
+mod check;
 mod columns;
 mod sink;
 
 use super::atomic::{AtomicFile, WriteError};
-use super::catalogue::Catalogue;
+use super::catalogue::{Catalogue, Originals};
 use super::header::{self, Header};
 use super::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
-use super::sections::{Section, SectionKind};
+use super::sections::{ElementType, Section, SectionKind};
 use crate::search::Rows;
-use crate::search::random::MAX_PLANES;
-use crate::search::tune::HashParams;
 use built::Built;
+use check::{check_entry, check_params, pixels};
 use columns::Columns;
+use half::f16;
 use sink::Sink;
 use std::io;
 use std::ops::ControlFlow;
@@ -28,13 +29,15 @@ use xxhash_rust::xxh3::xxh3_64;
 /// same order, with the same parameters, make the same bytes.
 ///
 /// [`Self::create`] writes to the disk from the first entry on, so that an index may be larger than the memory: what is
-/// held is some 60 bytes an entry, the entries' names, and the hash tables at the end. [`Self::new`] holds everything.
+/// held is up to 29 bytes an entry, the entries' names, and the hash tables at the end. [`Self::new`] holds everything.
 #[derive(Debug)]
 pub struct IndexWriter {
     params: IndexParams,
     columns: Columns,
     /// The file's own bytes: room for the header, and the descriptors so far.
     out: Sink,
+    /// The descriptors so far, after as much room, where the file is to keep them in another form or not at all.
+    rows: Option<Sink>,
     /// The thumbnails so far, which follow when the descriptors are complete.
     thumbnails: Sink,
     /// What `out` writes to; `None` in memory.
@@ -48,7 +51,8 @@ impl IndexWriter {
     /// [`BuildError`], where the parameters are out of range.
     pub fn new(params: IndexParams) -> Result<Self, BuildError> {
         check_params(&params)?;
-        Self::start(params, Sink::memory(), Sink::memory(), None)
+        let rows = (params.originals != Originals::F32).then(Sink::memory);
+        Self::start(params, Sink::memory(), rows, Sink::memory(), None)
     }
 
     /// An index without entries that [`Self::finish`] puts at `path`: the file there, if any, is then replaced in one
@@ -69,25 +73,27 @@ impl IndexWriter {
     pub fn create_in(file: AtomicFile, params: IndexParams) -> Result<Self, BuildError> {
         check_params(&params)?;
         let sinks = || -> io::Result<_> {
-            let thumbnails = match params.thumbnail_side {
-                0 => Sink::memory(),
-                _ => Sink::unnamed(file.folder())?,
-            };
-            Ok((Sink::file(file.handle()?), thumbnails))
+            let beside = || Sink::unnamed(file.folder());
+            let rows = (params.originals != Originals::F32).then(beside).transpose()?;
+            let thumbnails = if params.thumbnail_side > 0 { beside()? } else { Sink::memory() };
+            Ok((Sink::file(file.handle()?), rows, thumbnails))
         };
-        let (out, thumbnails) = sinks().map_err(|source| failed(Some(&file), source))?;
-        Self::start(params, out, thumbnails, Some(file))
+        let (out, rows, thumbnails) = sinks().map_err(|source| failed(Some(&file), source))?;
+        Self::start(params, out, rows, thumbnails, Some(file))
     }
 
     fn start(
         params: IndexParams,
         mut out: Sink,
+        mut rows: Option<Sink>,
         thumbnails: Sink,
         file: Option<AtomicFile>,
     ) -> Result<Self, BuildError> {
-        let started = out.append(&[0; header::LENGTH]).and_then(|()| out.open());
-        started.map_err(|source| failed(file.as_ref(), source))?;
-        Ok(Self { params, columns: Columns::default(), out, thumbnails, file })
+        for sink in [Some(&mut out), rows.as_mut()].into_iter().flatten() {
+            let started = sink.append(&[0; header::LENGTH]).and_then(|()| sink.open());
+            started.map_err(|source| failed(file.as_ref(), source))?;
+        }
+        Ok(Self { params, columns: Columns::default(), out, rows, thumbnails, file })
     }
 
     /// What the index is to be like.
@@ -119,9 +125,9 @@ impl IndexWriter {
         if let Err(what) = check_entry(&self.params, &entry) {
             return Err(BuildError::Entry { file: entry.file, what });
         }
-        self.columns.push(&entry)?;
+        self.columns.push(&entry, self.params.kept)?;
         let mut write = || -> io::Result<()> {
-            self.out.append(bytemuck::cast_slice(&entry.descriptor))?;
+            self.rows.as_mut().unwrap_or(&mut self.out).append(bytemuck::cast_slice(&entry.descriptor))?;
             match &entry.thumbnail {
                 Some(thumbnail) => self.thumbnails.append(thumbnail),
                 None => self.thumbnails.append(&vec![0; pixels(&self.params)]),
@@ -166,14 +172,18 @@ impl IndexWriter {
         if self.is_empty() {
             return Err(BuildError::Empty.into());
         }
-        let descriptors = self.out.close(SectionKind::Descriptors);
-        let built = {
-            let written = self.out.written()?;
-            let values = written.get(header::LENGTH..).unwrap_or(&[]);
-            let rows = Rows { values: bytemuck::cast_slice(values), dim: self.params.descriptor.dim() };
-            Built::new(rows, &self.columns, &self.params, progress)?
+        let Self { params, columns, out, rows, .. } = &mut *self;
+        // Where the descriptors are kept as they are, they are in their place already.
+        let in_place = rows.is_none().then(|| out.close(SectionKind::Descriptors, ElementType::F32));
+        let written = match rows {
+            Some(rows) => rows.written()?,
+            None => out.written()?,
         };
-        let sections = self.sections(descriptors, &built, progress)?;
+        let values = written.get(header::LENGTH..).unwrap_or(&[]);
+        let rows = Rows { values: bytemuck::cast_slice(values), dim: params.descriptor.dim() };
+        let built = Built::new(rows, columns, params, progress)?;
+        drop(written);
+        let sections = self.sections(in_place, &built, progress)?;
         let catalogue = self.catalogue(&built, sections);
         let archive = rkyv::to_bytes::<rkyv::rancor::Error>(&catalogue).map_err(io::Error::other)?;
         self.out.open()?;
@@ -194,18 +204,25 @@ impl IndexWriter {
         })
     }
 
-    /// Writes the sections after the descriptors, and lists all.
+    /// Writes the sections, but for descriptors that are in their place, and lists them.
     fn sections(
         &mut self,
-        descriptors: Section,
+        in_place: Option<Section>,
         built: &Built,
         progress: &dyn Fn(Phase, f64) -> ControlFlow<()>,
     ) -> Result<Vec<Section>, Failure> {
-        let Self { columns, out, thumbnails, .. } = self;
+        let Self { params, columns, out, rows, thumbnails, .. } = self;
         let thumbnails = thumbnails.written()?;
+        let rows = rows.as_mut().map(Sink::written).transpose()?;
+        let values = match (&rows, params.originals) {
+            (Some(rows), Originals::F16) => rows.get(header::LENGTH..).unwrap_or(&[]),
+            _ => &[],
+        };
         let bytes = |kind| match kind {
-            SectionKind::Thumbnails => &*thumbnails,
-            _ => built.section(columns, kind),
+            SectionKind::Descriptors => values,
+            SectionKind::Thumbnails => &thumbnails,
+            _ if kind.is_of_the_hash() => built.section(kind),
+            _ => columns.section(kind, params.kept),
         };
         let total = SectionKind::ALL.iter().map(|&kind| bytes(kind).len()).sum::<usize>().max(1);
         let mut written = 0;
@@ -216,11 +233,20 @@ impl IndexWriter {
                 ControlFlow::Break(()) => Err(Failure::Build(BuildError::Stopped)),
             }
         };
-        let section = |&kind: &SectionKind| match kind {
-            SectionKind::Descriptors => Ok(descriptors),
-            _ => out.section(kind, bytes(kind), &mut wrote),
+        let mut section = |&kind: &SectionKind| {
+            if let (SectionKind::Descriptors, Some(section)) = (kind, in_place) {
+                return Ok(section);
+            }
+            out.open()?;
+            match kind {
+                SectionKind::Descriptors if params.originals == Originals::F16 => {
+                    append_halves(out, bytes(kind), &mut wrote)?
+                }
+                _ => out.append_all(bytes(kind), &mut wrote)?,
+            }
+            Ok(out.close(kind, kind.element(params.originals)))
         };
-        SectionKind::ALL.iter().map(section).collect()
+        SectionKind::ALL.iter().map(&mut section).collect()
     }
 
     fn catalogue(&self, built: &Built, sections: Vec<Section>) -> Catalogue {
@@ -233,7 +259,9 @@ impl IndexWriter {
             classes: params.classes.clone(),
             hand_shapes: params.hand_shapes.clone(),
             stages: params.stages.clone(),
-            objects: self.columns.objects.offsets.len() as u32 - 1,
+            originals: params.originals,
+            kept: params.kept,
+            objects: self.columns.objects(),
             sigma: built.sigma,
             calibration: params.calibration,
             seed: params.seed,
@@ -244,6 +272,22 @@ impl IndexWriter {
             sections,
         }
     }
+}
+
+/// Writes values in half their size.
+fn append_halves(
+    out: &mut Sink,
+    values: &[u8],
+    wrote: &mut dyn FnMut(usize) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut halves = Vec::new();
+    for piece in bytemuck::cast_slice::<u8, f32>(values).chunks(1 << 18) {
+        halves.clear();
+        halves.extend(piece.iter().map(|&value| f16::from_f32(value)));
+        out.append(bytemuck::cast_slice(&halves))?;
+        wrote(size_of_val(piece))?;
+    }
+    Ok(())
 }
 
 /// What stops the writing: the caller, who knows the file, names it.
@@ -267,71 +311,6 @@ impl From<BuildError> for Failure {
 fn failed(file: Option<&AtomicFile>, source: io::Error) -> BuildError {
     let path = file.map_or_else(|| PathBuf::from("memory"), |file| file.path().to_path_buf());
     WriteError::Io { path, source }.into()
-}
-
-/// The pixels of a thumbnail.
-fn pixels(params: &IndexParams) -> usize {
-    (params.thumbnail_side as usize).pow(2)
-}
-
-fn check_params(params: &IndexParams) -> Result<(), BuildError> {
-    params.descriptor.validate()?;
-    if params.classes.is_empty() || params.hand_shapes.is_empty() || params.stages.is_empty() {
-        return Err(BuildError::Params("an index needs at least one class, one hand shape and one stage"));
-    }
-    if params.classes.len() > 1 << 16 || params.hand_shapes.len() > 1 << 16 || params.stages.len() > 1 << 8 {
-        return Err(BuildError::Params(
-            "at most 65,536 classes, 65,536 hand shapes and 256 stages can be numbered",
-        ));
-    }
-    if params.thumbnail_side > 1024 {
-        return Err(BuildError::Params("thumbnails of more than 1024 pixels a side are none"));
-    }
-    if !(params.calibration.sigma_scale > 0.0 && params.calibration.sigma_scale.is_finite()) {
-        return Err(BuildError::Params("the factor on sigma must be a positive number"));
-    }
-    if params.calibration.k == 0 {
-        return Err(BuildError::Params("at least one neighbour must vote"));
-    }
-    if let HashParams::Fixed { k, t, buckets } = params.hash
-        && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))
-    {
-        return Err(BuildError::Params("K is 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));
-    }
-    Ok(())
-}
-
-fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
-    let dim = params.descriptor.dim();
-    if entry.descriptor.len() != dim {
-        return Err(format!("its descriptor has {} values, the index's have {dim}", entry.descriptor.len()));
-    }
-    if let Some(at) = entry.descriptor.iter().position(|value| !value.is_finite()) {
-        return Err(format!("value {at} of its descriptor is not a finite number"));
-    }
-    let views = [entry.azimuth_deg, entry.elevation_deg, entry.roll_deg];
-    if !views.iter().all(|angle| angle.is_finite()) {
-        return Err("its view is not made of finite numbers".into());
-    }
-    let is_unit = (entry.orientation.norm() - 1.0).abs() < 1e-4;
-    if !is_unit {
-        return Err("its orientation is no unit quaternion".into());
-    }
-    for (what, number, count) in [
-        ("class", usize::from(entry.class), params.classes.len()),
-        ("stage", usize::from(entry.stage), params.stages.len()),
-        ("hand shape", usize::from(entry.hand_shape), params.hand_shapes.len()),
-    ] {
-        if number >= count {
-            return Err(format!("its {what} is number {number}, and the index has {count}"));
-        }
-    }
-    match &entry.thumbnail {
-        Some(thumbnail) if thumbnail.len() != pixels(params) => {
-            Err(format!("its thumbnail has {} pixels, the index's have {}", thumbnail.len(), pixels(params)))
-        }
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Where the bytes of an index go on their way: in order, hashed as they come, to a file or to memory.
 
 use crate::file::bytes::Written;
-use crate::file::sections::{Section, SectionKind};
+use crate::file::sections::{ElementType, Section, SectionKind};
 use crate::file::{ALIGNMENT, align};
 use rkyv::util::AlignedVec;
 use std::fs::File;
@@ -72,29 +72,27 @@ impl Sink {
     }
 
     /// Closes the open section: what was written since [`Self::open`].
-    pub(super) fn close(&self, kind: SectionKind) -> Section {
+    pub(super) fn close(&self, kind: SectionKind, element: ElementType) -> Section {
         Section {
             kind,
-            element: kind.element(),
+            element,
             offset: self.start,
             length: self.length - self.start,
             xxh3: self.hash.digest(),
         }
     }
 
-    /// Writes a whole section. `wrote` hears of every piece how many bytes it had, and stops the work by an error.
-    pub(super) fn section<E: From<io::Error>>(
+    /// Writes many bytes after the others. `wrote` hears of every piece how many bytes it had, and stops the work by an error.
+    pub(super) fn append_all<E: From<io::Error>>(
         &mut self,
-        kind: SectionKind,
         bytes: &[u8],
         wrote: &mut dyn FnMut(usize) -> Result<(), E>,
-    ) -> Result<Section, E> {
-        self.open()?;
+    ) -> Result<(), E> {
         for piece in bytes.chunks(PIECE) {
             self.append(piece)?;
             wrote(piece.len())?;
         }
-        Ok(self.close(kind))
+        Ok(())
     }
 
     /// All that was written, to look at. Nothing more is written meanwhile.

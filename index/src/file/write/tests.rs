@@ -53,7 +53,7 @@ fn numbers_of_nothing_are_found_and_refused() {
         ("stage", SectionKind::Stages, |w| w.columns.stages[3] = 1),
         ("hand shape", SectionKind::HandShapes, |w| w.columns.hand_shapes[3] = 1),
         ("object", SectionKind::Objects, |w| w.columns.object_of[3] = 1),
-        ("orientation", SectionKind::Orientations, |w| w.columns.orientations[3] = [0.0; 4]),
+        ("orientation", SectionKind::Orientations, |w| w.columns.orientations[3] = [0; 4]),
     ];
     for (what, kind, spoil) in cases {
         let index = spoilt(spoil);
@@ -65,6 +65,45 @@ fn numbers_of_nothing_are_found_and_refused() {
         let found = index.search(&query, &SearchOptions::default()).expect("the query fits");
         let vote = index.vote(&found.neighbours, &VoteOptions::default());
         assert!(vote.orientation.spread_deg.is_finite());
+    }
+}
+
+#[test]
+fn angles_beyond_a_turn_are_found() {
+    let index = spoilt(|w| w.columns.views[3] = [0, 36_000, 0]);
+    assert_eq!(problem(&index), (SectionKind::Views, 3 * 3 + 1));
+}
+
+#[test]
+fn descriptors_in_half_their_size_are_those_rounded_and_make_the_same_hash() {
+    let exact = spoilt(|_| ());
+    let halved = |originals| {
+        let mut writer = writer();
+        let mut rows = Sink::memory();
+        rows.append(&writer.out.written().expect("it is in memory")).expect("memory");
+        writer.params.originals = originals;
+        writer.out = Sink::memory();
+        writer.out.append(&[0; header::LENGTH]).expect("memory");
+        writer.rows = Some(rows);
+        writer.finish_bytes().expect("the index is built")
+    };
+    let length = |bytes: &[u8]| Header::read(bytes).expect("a header").file_length;
+    let (halves, none) = (halved(Originals::F16), halved(Originals::None));
+    let dim = exact.dim();
+    assert_eq!(exact.byte_len() - length(&halves), (2 * 8 * dim) as u64);
+    assert_eq!(exact.byte_len() - length(&none), (4 * 8 * dim) as u64);
+    // A random hash alone does not do without.
+    for bytes in [&halves, &none] {
+        let refused = Index::from_bytes(bytes).expect_err("distances cannot be measured");
+        assert!(refused.to_string().contains("states a hash that needs the descriptors"), "{refused}");
+    }
+    let halves: Vec<f16> = halves[header::LENGTH..][..2 * 8 * dim]
+        .chunks_exact(2)
+        .map(|bytes| f16::from_le_bytes([bytes[0], bytes[1]]))
+        .collect();
+    for (id, row) in (0..).zip(halves.chunks_exact(dim)) {
+        let original = exact.descriptor(id).expect("the entry is there");
+        assert!(row.iter().zip(&*original).all(|(half, value)| *half == f16::from_f32(*value)));
     }
 }
 

@@ -1,0 +1,98 @@
+//! What makes no index is refused before anything is written.
+
+use crate::file::catalogue::Originals;
+use crate::file::input::{BuildError, IndexParams, NewEntry};
+use crate::search::random::MAX_PLANES;
+use crate::search::tune::HashParams;
+use half::f16;
+
+/// The pixels of a thumbnail.
+pub(super) fn pixels(params: &IndexParams) -> usize {
+    (params.thumbnail_side as usize).pow(2)
+}
+
+/// Checks the ranges of the parameters.
+pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
+    params.descriptor.validate()?;
+    let unnamed = params.classes.is_empty() || params.hand_shapes.is_empty() || params.stages.is_empty();
+    if params.kept.labels && unnamed {
+        return Err(BuildError::Params("an index needs at least one class, one hand shape and one stage"));
+    }
+    if params.classes.len() > 1 << 16 || params.hand_shapes.len() > 1 << 16 || params.stages.len() > 1 << 8 {
+        return Err(BuildError::Params(
+            "at most 65,536 classes, 65,536 hand shapes and 256 stages can be numbered",
+        ));
+    }
+    if params.thumbnail_side > 1024 {
+        return Err(BuildError::Params("thumbnails of more than 1024 pixels a side are none"));
+    }
+    if !(params.calibration.sigma_scale > 0.0 && params.calibration.sigma_scale.is_finite()) {
+        return Err(BuildError::Params("the factor on sigma must be a positive number"));
+    }
+    if params.calibration.k == 0 {
+        return Err(BuildError::Params("at least one neighbour must vote"));
+    }
+    if !params.held_out.len().is_multiple_of(params.descriptor.dim()) {
+        return Err(BuildError::Params("the held-out descriptors are as long as the index's own"));
+    }
+    if !params.held_out.iter().all(|value| value.is_finite()) {
+        return Err(BuildError::Params("the held-out descriptors are made of finite numbers"));
+    }
+    if params.originals != Originals::F32 {
+        return Err(BuildError::Params("a random hash needs the original descriptors as they are (f32)"));
+    }
+    if let HashParams::Fixed { k, t, buckets } = params.hash
+        && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))
+    {
+        return Err(BuildError::Params("K is 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));
+    }
+    Ok(())
+}
+
+/// Checks an entry against them; says what does not fit.
+pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
+    let dim = params.descriptor.dim();
+    if entry.descriptor.len() != dim {
+        return Err(format!("its descriptor has {} values, the index's have {dim}", entry.descriptor.len()));
+    }
+    if let Some(at) = entry.descriptor.iter().position(|value| !value.is_finite()) {
+        return Err(format!("value {at} of its descriptor is not a finite number"));
+    }
+    if params.originals == Originals::F16
+        && let Some(at) = entry.descriptor.iter().position(|value| value.abs() > f16::MAX.to_f32())
+    {
+        return Err(format!(
+            "value {at} of its descriptor is too large for 16 bits: keep the originals as f32"
+        ));
+    }
+    let views = [entry.azimuth_deg, entry.elevation_deg, entry.roll_deg];
+    if !views.iter().all(|angle| angle.is_finite()) {
+        return Err("its view is not made of finite numbers".into());
+    }
+    let is_unit = (entry.orientation.norm() - 1.0).abs() < 1e-4;
+    if !is_unit {
+        return Err("its orientation is no unit quaternion".into());
+    }
+    if !params.kept.labels {
+        return check_thumbnail(params, entry);
+    }
+    for (what, number, count) in [
+        ("class", usize::from(entry.class), params.classes.len()),
+        ("stage", usize::from(entry.stage), params.stages.len()),
+        ("hand shape", usize::from(entry.hand_shape), params.hand_shapes.len()),
+    ] {
+        if number >= count {
+            return Err(format!("its {what} is number {number}, and the index has {count}"));
+        }
+    }
+    check_thumbnail(params, entry)
+}
+
+fn check_thumbnail(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
+    match &entry.thumbnail {
+        Some(thumbnail) if thumbnail.len() != pixels(params) => {
+            Err(format!("its thumbnail has {} pixels, the index's have {}", thumbnail.len(), pixels(params)))
+        }
+        _ => Ok(()),
+    }
+}
