@@ -3,6 +3,7 @@
 
 use std::fs::File;
 use std::io::{BufReader, Write as _};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -21,10 +22,12 @@ use crate::progress::Progress;
 const VIEWS: u64 = 5400;
 const QUERIES: usize = 1000;
 /// Hand shapes that are asked for, and never indexed: the index's own are counted up from 0.
-const HELD_OUT: std::ops::Range<u64> = 1_000_000..1_000_008;
+const ASKED: Range<u64> = 1_000_000..1_000_008;
+/// Hand shapes that an index is tuned by: neither indexed nor asked for.
+const TUNED_BY: Range<u64> = 2_000_000..2_000_004;
 /// How far a query is moved along the difference of two others. Descriptors of one renderer lie closer to each other than
 /// to pictures from elsewhere; moved so, their nearest neighbours are as far as those of real pictures.
-const MOVED: std::ops::Range<f32> = 0.15..0.40;
+const MOVED: Range<f32> = 0.15..0.40;
 /// Rows that are read at a time.
 const PIECE: u64 = 1 << 14;
 
@@ -73,6 +76,8 @@ pub struct Prepared {
     pub base: Base,
     /// Rows of the same length.
     pub queries: Vec<f32>,
+    /// Rows that the index may be tuned by; none where all that is known is indexed.
+    pub held_out: Vec<f32>,
 }
 
 /// Descriptors on the disk.
@@ -143,7 +148,7 @@ fn given(descriptors: &Path, queries: &Path, size: u64) -> anyhow::Result<Prepar
     let queries = asked.read_values(&mut reader).with_context(|| queries.display().to_string())?;
     let base =
         Base { dim: header.columns as usize, rows: size, files: vec![(descriptors.to_path_buf(), size)] };
-    Ok(Prepared { base, queries })
+    Ok(Prepared { base, queries, held_out: Vec::new() })
 }
 
 fn open(path: &Path) -> anyhow::Result<(NpyHeader, BufReader<File>)> {
@@ -173,25 +178,35 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let path = work.join("queries.npy");
-    if !path.exists() {
-        write(&path, &queries(settings.seed, &params)?, params.dim())?;
-    }
-    let (header, mut reader) = open(&path)?;
-    Ok(Prepared { base, queries: header.read_values(&mut reader)? })
+    let kept = |name: &str, make: &dyn Fn() -> anyhow::Result<Vec<f32>>| -> anyhow::Result<Vec<f32>> {
+        let path = work.join(name);
+        if !path.exists() {
+            write(&path, &make()?, params.dim())?;
+        }
+        let (header, mut reader) = open(&path)?;
+        Ok(header.read_values(&mut reader)?)
+    };
+    let queries = kept("queries.npy", &|| {
+        Ok(moved(&others(ASKED, settings.seed, &params)?, settings.seed, params.dim()))
+    })?;
+    let held_out = kept("held-out.npy", &|| others(TUNED_BY, settings.seed, &params))?;
+    Ok(Prepared { base, queries, held_out })
 }
 
-/// Views of other hand shapes, from between the index's views, in another light; each moved a little.
-fn queries(seed: u64, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+/// Views of other hand shapes, from between the index's views, in another light.
+fn others(shapes: Range<u64>, seed: u64, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
     let plan = RenderPlan {
-        hand_shapes: HELD_OUT.map(HandShape::sample).collect(),
+        hand_shapes: shapes.map(HandShape::sample).collect(),
         grid: ViewGrid { step_deg: 17.0, elevation_deg: [3.0, 81.0], ..ViewGrid::default() },
         look: Look { distance_variation: 0.2, light_variation: 0.3, ..Look::default() },
         seed,
         ..RenderPlan::preset(Preset::Paper)
     };
-    let all = describe(&plan, params)?;
-    let dim = params.dim();
+    describe(&plan, params)
+}
+
+/// Queries: some of the rows, evenly spread over them, each moved a little.
+fn moved(all: &[f32], seed: u64, dim: usize) -> Vec<f32> {
     let rows: Vec<&[f32]> = all.chunks_exact(dim).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut moved = Vec::with_capacity(QUERIES * dim);
@@ -202,11 +217,10 @@ fn queries(seed: u64, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
         let step: Vec<f32> = row(from).iter().zip(row(to)).map(|(from, to)| to - from).collect();
         let length = step.iter().map(|value| value * value).sum::<f32>().sqrt().max(f32::MIN_POSITIVE);
         let scale = rng.random_range(MOVED) / length;
-        // Evenly over all hands and grasps.
         let at = row(n * rows.len() / QUERIES.min(rows.len()));
         moved.extend(at.iter().zip(&step).map(|(value, step)| value + scale * step));
     }
-    Ok(moved)
+    moved
 }
 
 /// The descriptors of all renders of a plan, in its order, without those that show no hand.

@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
 use grasp_index::{
-    BuildError, ClassInfo, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, Neighbour, NewEntry,
-    SearchOptions,
+    BuildError, DescriptorParams, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, Kept, Neighbour,
+    NewEntry, SearchOptions,
 };
 use rayon::prelude::*;
 
-use super::data::Base;
+use super::data::Prepared;
 use super::table::Row;
 use crate::interrupt::{self, Interrupted};
 
@@ -54,19 +54,19 @@ impl Hash {
 /// The true K nearest of each query, a row each.
 pub(super) type Truth = Vec<Neighbour>;
 
-/// Builds an index of `base` at `path` and measures it with `queries`. `truth` is filled by the first to need it.
+/// Builds an index at `path` and measures it with the queries. `truth` is filled by the first to need it.
 pub(super) fn measure(
-    base: &Base,
-    queries: &[f32],
+    data: &Prepared,
     hash: Hash,
     seed: u64,
     path: &Path,
     truth: &mut Option<Truth>,
 ) -> anyhow::Result<Row> {
     let started = Instant::now();
-    build(base, hash, seed, path)?;
+    build(data, hash, seed, path)?;
     let build_s = started.elapsed().as_secs_f64();
     let index = Index::open(path)?;
+    let (queries, dim) = (data.queries.as_slice(), index.dim().max(1));
     let truth = match truth {
         Some(truth) => truth,
         missing => missing.insert(exact(&index, queries)?),
@@ -87,9 +87,9 @@ pub(super) fn measure(
         searcher.batch(queries, &options, &mut found)?;
         rounds.push(started.elapsed());
     }
-    let count = (queries.len() / base.dim.max(1)).max(1) as f64;
+    let count = (queries.len() / dim).max(1) as f64;
     let mut costs = Vec::new();
-    for query in queries.chunks_exact(base.dim.max(1)) {
+    for query in queries.chunks_exact(dim) {
         costs.push(searcher.search(query, &options)?.cost);
     }
     let (mut near_enough, mut true_neighbours) = (0, 0);
@@ -118,20 +118,17 @@ pub(super) fn measure(
     })
 }
 
-fn build(base: &Base, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<()> {
+fn build(data: &Prepared, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<()> {
     let params = IndexParams {
-        classes: vec![ClassInfo { name: "any".into(), cutkosky: 0 }],
-        hand_shapes: vec!["any".into()],
-        stages: vec!["any".into()],
+        descriptor: DescriptorParams::raw(u32::try_from(data.base.dim)?),
+        kept: Kept::nothing(),
+        held_out: data.held_out.clone(),
         hash: hash.params(),
         seed,
         ..IndexParams::default()
     };
-    if params.descriptor.dim() != base.dim {
-        bail!("rows have {} values, a descriptor has {}", base.dim, params.descriptor.dim());
-    }
     let mut writer = IndexWriter::create(path, params)?;
-    base.each(|row| Ok(writer.push(NewEntry { descriptor: row.to_vec(), ..NewEntry::default() })?))?;
+    data.base.each(|row| Ok(writer.push(NewEntry { descriptor: row.to_vec(), ..NewEntry::default() })?))?;
     let stop =
         |_, _| if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
     match writer.finish(&stop) {

@@ -23,7 +23,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::interrupt;
 use crate::progress::Progress;
-use data::{Data, Prepared};
+use data::Data;
 use measure::Truth;
 use table::Row;
 
@@ -81,13 +81,12 @@ pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) 
             continue;
         }
         let prepared = data::prepare(settings, size, &work.folder, progress)?;
-        let Prepared { base, queries } = &prepared;
         let mut truth: Option<Truth> = None;
         for hash in missing {
             let index = work.folder.join("scale.idx");
             let spinner = progress.spinner("measuring");
-            spinner.set_message(format!("{} entries, {} hash", base.rows, hash.name()));
-            let measured = measure::measure(base, queries, hash, settings.seed, &index, &mut truth);
+            spinner.set_message(format!("{} entries, {} hash", prepared.base.rows, hash.name()));
+            let measured = measure::measure(&prepared, hash, settings.seed, &index, &mut truth);
             spinner.finish_and_clear();
             // The index has served: the next one may need its room.
             let _ = fs::remove_file(&index);
