@@ -20,6 +20,8 @@ const PANEL: [f64; 2] = [WIDTH / COLUMNS as f64, (HEIGHT - HEAD) / 2.0];
 /// From a panel's edges to its axes: left, top, right, bottom.
 const MARGIN: [f64; 4] = [62.0, 34.0, 22.0, 42.0];
 const GREY: &str = "#888";
+/// More labels than that run into each other.
+const MOST_TICKS: usize = 6;
 
 /// A panel's curve: what it shows of a row.
 type Value = fn(&Row) -> f64;
@@ -202,7 +204,7 @@ impl Axis {
         self.from + share * (self.to - self.from)
     }
 
-    /// Round numbers within the axis: decades, and where they are few, their doubles and fives.
+    /// Round numbers within the axis: decades, and what fits between them.
     fn ticks(&self) -> Vec<f64> {
         if !self.logarithmic {
             let step = if self.high - self.low > 0.3 { 0.1 } else { 0.05 };
@@ -216,8 +218,8 @@ impl Axis {
                 decades.clone().flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
             all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
         };
-        let few = ticks(&[1.0]);
-        if few.len() >= 3 { few } else { ticks(&[1.0, 2.0, 5.0]) }
+        let dense = [ticks(&[1.0, 2.0, 5.0]), ticks(&[1.0, 3.0])];
+        dense.into_iter().find(|ticks| ticks.len() <= MOST_TICKS).unwrap_or_else(|| ticks(&[1.0]))
     }
 }
 
@@ -318,7 +320,8 @@ mod tests {
     #[test]
     fn ticks_are_round() {
         let axis = |low, high, logarithmic| Axis { low, high, logarithmic, from: 0.0, to: 1.0 };
-        assert_eq!(axis(4e3, 2e6, true).ticks(), [1e4, 1e5, 1e6]);
+        assert_eq!(axis(4e3, 2e6, true).ticks(), [1e4, 3e4, 1e5, 3e5, 1e6]);
+        assert_eq!(axis(4e3, 2e9, true).ticks(), [1e4, 1e5, 1e6, 1e7, 1e8, 1e9]);
         assert_eq!(axis(4e3, 6e4, true).ticks(), [5e3, 1e4, 2e4, 5e4]);
         assert_eq!(axis(0.85, 1.0, false).ticks().len(), 4);
         assert_eq!([2e4, 5e6, 0.05, 1.0].map(number), ["20 k", "5 M", "0.05", "1"]);
