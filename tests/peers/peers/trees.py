@@ -73,7 +73,7 @@ class ScaNN(Contender):
         builder.tree(leaves, max(1, leaves // 20), training_sample_size=min(run.n, 250_000))
         builder.score_ah(2, anisotropic_quantization_threshold=float("nan"))
         builder.reorder(100)
-        builder.build().serialize(str(folder))
+        builder.build().serialize(str(folder), relative_path=True)
 
     def load(self, run: Run, folder: Path) -> None:
         self.searcher = self.scann.load_searcher(str(folder))
