@@ -10,8 +10,11 @@
 //!
 //! What a hand looks like is `grasp-renders`' business; what an index is, `grasp-index`'.
 
+mod array;
 pub mod build;
 pub mod cli;
 pub mod experiment;
+pub mod export;
+pub mod held_out;
 pub mod interrupt;
 pub mod progress;

@@ -15,7 +15,7 @@ pub(super) struct Inputs {
 }
 
 impl Inputs {
-    pub(super) fn new(source: &Source, params: &IndexParams) -> Self {
+    pub(super) fn new(source: &Source, params: &IndexParams, held_out: Option<String>) -> Self {
         let mut provenance =
             vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
         match source {
@@ -37,7 +37,9 @@ impl Inputs {
                 );
                 ("render set".to_owned(), text)
             })),
+            Source::Vectors(vectors) => provenance.push(("vectors".to_owned(), vectors.provenance())),
         }
+        provenance.extend(held_out.map(|held_out| ("held out".to_owned(), held_out)));
         let mut hash = Xxh3::new();
         // Debug prints every field, and floats so that they read back exactly.
         hash.update(format!("{} {params:?} {provenance:?}", grasp_index::FORMAT_VERSION).as_bytes());

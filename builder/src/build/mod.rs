@@ -7,8 +7,10 @@
 
 mod inputs;
 mod known;
+mod labels;
 mod planned;
 mod sets;
+mod vectors;
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -18,16 +20,18 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use grasp_index::{
     AtomicFile, BACKGROUND, BuildError, ClassInfo, DESCRIBED_SIDE, DescriptorParams, HandImage,
-    HandImageError, HashParams, IndexParams, IndexWriter, NewEntry, Phase, Summary,
+    HandImageError, HashParams, IndexParams, IndexWriter, Kept, NewEntry, Originals, Phase, Summary,
 };
 use grasp_renders::RenderPlan;
 
+use crate::held_out::HeldOut;
 use crate::interrupt::{self, Interrupted};
 use crate::progress::Progress;
 use inputs::Inputs;
 use known::Known;
 
 pub use sets::{RenderSet, SetError};
+pub use vectors::Vectors;
 
 /// The side of the thumbnails that an index keeps for showing its neighbours, in pixels.
 pub const THUMBNAIL_SIDE: u32 = 48;
@@ -39,6 +43,8 @@ pub enum Source {
     Plan(Box<RenderPlan>),
     /// Read from the disk.
     Sets(Vec<RenderSet>),
+    /// Described elsewhere.
+    Vectors(Box<Vectors>),
 }
 
 /// What kind of index to make of them.
@@ -48,6 +54,10 @@ pub struct Recipe {
     pub descriptor: DescriptorParams,
     /// How the hash is sized.
     pub hash: HashParams,
+    /// Which form of the descriptors is kept.
+    pub originals: Originals,
+    /// What the search is measured by.
+    pub held_out: HeldOut,
     /// The side of the thumbnails in pixels; 0 keeps none.
     pub thumbnail_side: u32,
     /// What all randomness comes from.
@@ -85,9 +95,14 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     let names = match source {
         Source::Plan(plan) => planned::names(plan)?,
         Source::Sets(sets) => sets::names(sets)?,
+        Source::Vectors(vectors) => vectors::names(vectors),
     };
     let mut collected = Collector::new(file, source, &names, recipe)?;
-    let bar = progress.bar(source.len() as u64, "describing", "views");
+    let (doing, unit) = match source {
+        Source::Plan(_) | Source::Sets(_) => ("describing", "views"),
+        Source::Vectors(_) => ("reading", "rows"),
+    };
+    let bar = progress.bar(source.len() as u64, doing, unit);
     let mut take = |batch: Vec<Described>| -> anyhow::Result<()> {
         bar.inc(batch.len() as u64);
         interrupt::check()?;
@@ -96,6 +111,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     match source {
         Source::Plan(plan) => planned::describe(plan, &names, recipe, &known, &mut take)?,
         Source::Sets(sets) => sets::describe(sets, &names, recipe, &known, &mut take)?,
+        Source::Vectors(vectors) => vectors::describe(vectors, &mut take)?,
     }
     bar.finish_and_clear();
 
@@ -108,6 +124,9 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
         return Ok(report);
     }
     writer.add_provenance(inputs.provenance());
+    let spinner = progress.spinner("rendering held-out hands");
+    writer.hold_out(recipe.held_out.describe(&recipe.descriptor)?)?;
+    spinner.finish_and_clear();
     let spinner = progress.spinner("hashing");
     let summary = writer.finish(&|phase, _| {
         spinner.set_message(match phase {
@@ -136,6 +155,7 @@ impl Source {
         match self {
             Self::Plan(plan) => plan.renders(),
             Self::Sets(sets) => sets.iter().map(RenderSet::len).sum(),
+            Self::Vectors(vectors) => vectors.len(),
         }
     }
 
@@ -161,11 +181,13 @@ impl Collector {
             hand_shapes: names.hand_shapes.names.clone(),
             stages: names.stages.names.clone(),
             hash: recipe.hash,
+            originals: recipe.originals,
+            kept: names.kept,
             seed: recipe.seed,
             thumbnail_side: recipe.thumbnail_side,
             ..IndexParams::default()
         };
-        let inputs = Inputs::new(source, &params);
+        let inputs = Inputs::new(source, &params, recipe.held_out.provenance()?);
         let report =
             Report { written: None, entries: 0, reused: 0, without_hand: 0, elapsed: Duration::default() };
         Ok(Self { writer: IndexWriter::create_in(file, params)?, inputs, report })
@@ -187,14 +209,17 @@ impl Collector {
 }
 
 /// The names that entries refer to by number.
+#[derive(Clone, Debug, Default)]
 struct Names {
+    /// What is known of the entries.
+    kept: Kept,
     classes: Vec<ClassInfo>,
     hand_shapes: Numbered,
     stages: Numbered,
 }
 
 /// Names in the order of their first use; a name's number is its position.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 struct Numbered {
     names: Vec<String>,
     numbers: HashMap<String, usize>,

@@ -7,14 +7,13 @@ use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::{Described, Grey, Known, Names, Numbered, Recipe, complete};
+use super::{Described, Grey, Known, Names, Recipe, complete};
 
 /// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
 const SCENES_AT_ONCE: usize = 16;
 
 pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
-    let mut names =
-        Names { classes: classes(plan), hand_shapes: Numbered::default(), stages: Numbered::default() };
+    let mut names = Names { classes: classes(plan), ..Names::default() };
     for shape in &plan.hand_shapes {
         names.hand_shapes.add(&shape.name)?;
     }

@@ -12,7 +12,7 @@ use image::{ImageReader, Limits};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::{Described, Grey, Known, Names, Numbered, Recipe, complete};
+use super::{Described, Grey, Known, Names, Recipe, complete};
 
 /// Pictures that are read and held at a time.
 const PICTURES_AT_ONCE: usize = 1024;
@@ -90,6 +90,11 @@ impl RenderSet {
         self.manifest_hash
     }
 
+    /// The hand shape of each picture.
+    pub(crate) fn hand_shapes(&self) -> impl Iterator<Item = &str> {
+        self.manifest.rows.iter().map(|row| row.hand_shape.as_str())
+    }
+
     fn rows(&self) -> impl Iterator<Item = (&Self, &ManifestRow)> {
         self.manifest.rows.iter().map(move |row| (self, row))
     }
@@ -97,8 +102,7 @@ impl RenderSet {
 
 /// The names that the sets' rows use: classes by number, the others in the order of their first use.
 pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
-    let mut names =
-        Names { classes: Vec::new(), hand_shapes: Numbered::default(), stages: Numbered::default() };
+    let mut names = Names::default();
     for (_, row) in sets.iter().flat_map(RenderSet::rows) {
         names.hand_shapes.add(&row.hand_shape)?;
         names.stages.add(row.stage.name())?;

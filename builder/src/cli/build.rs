@@ -1,17 +1,20 @@
 //! `grasp-builder build`.
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{DescriptorParams, HashInfo, HashParams};
+use grasp_index::{DescriptorParams, HashInfo, HashParams, Originals};
+use grasp_renders::RenderPlan;
 
 use super::Global;
 use super::plan::PlanOptions;
-use crate::build::{Recipe, RenderSet, Source, THUMBNAIL_SIDE, build};
+use crate::build::{Recipe, RenderSet, Source, THUMBNAIL_SIDE, Vectors, build};
+use crate::held_out::{self, Hands, HeldOut};
 use crate::interrupt;
 
-/// Build an index from render sets, or straight from hand shapes.
+/// Build an index from render sets, straight from hand shapes, or from vectors that were described elsewhere.
 ///
 /// RENDERS are folders with a manifest.csv, as `grasp-builder render` or any other program wrote them. Without RENDERS the
 /// views are rendered on the fly. An existing index at FILE gives what it knows of the same pictures, and is replaced in
@@ -21,10 +24,11 @@ use crate::interrupt;
 Examples:
   grasp-builder build --out grasp.idx
   grasp-builder build --hands 30 --rolls 12 --step 12 --out many.idx
-  grasp-builder build renders blender-renders --out grasp.idx --descriptor paper")]
+  grasp-builder build renders blender-renders --out grasp.idx --descriptor paper
+  grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
     /// Render sets to index; none renders on the fly.
-    #[arg(value_name = "RENDERS", conflicts_with_all = ["preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
+    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
     renders: Vec<PathBuf>,
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
@@ -33,17 +37,35 @@ pub(crate) struct Build {
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
     #[command(flatten)]
+    vectors: VectorOptions,
+    #[command(flatten)]
     index: IndexOptions,
     #[command(flatten)]
     plan: PlanOptions,
 }
 
 #[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Vectors in place of pictures")]
+struct VectorOptions {
+    /// Index the rows of this array: 32-bit floating-point numbers in NumPy's format, of any length of row.
+    #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
+    descriptors: Option<PathBuf>,
+    /// What the rows are, a line each: a table with the column `grasp` and any of `file`, `cutkosky`, `stage`, `hand`, `hand_shape`,
+    /// `object`, `azimuth`, `elevation`, `roll`, `qx`, `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.
+    #[arg(long, value_name = "Y.csv", requires = "descriptors")]
+    labels: Option<PathBuf>,
+    /// Measure the search by the rows of this array, which are like what will be searched for and not in the index.
+    #[arg(long, value_name = "Q.npy", requires = "descriptors")]
+    held_out: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to make of it")]
 struct IndexOptions {
-    /// How hand images are described: `default`, or `paper` for the paper's own form.
-    #[arg(long, default_value = "default", value_name = "NAME", value_parser = ["default", "paper"])]
-    descriptor: String,
+    /// How hand images are described: `default`, or `paper` for the paper's own form. With --descriptors, how the rows were made:
+    /// `raw` (somehow else), unless this is given.
+    #[arg(long, value_name = "NAME", value_parser = ["default", "paper"])]
+    descriptor: Option<String>,
     /// How entries are hashed into buckets: `random` hyperplanes as in the paper.
     #[arg(long, default_value = "random", value_name = "NAME", value_parser = ["random"])]
     hash: String,
@@ -56,38 +78,79 @@ struct IndexOptions {
     /// Buckets a table (the paper's H), for --tables and --planes.
     #[arg(long, value_name = "H", default_value_t = 4096, requires = "tables", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     buckets: u32,
+    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`), or none.
+    #[arg(long, default_value = "f32", value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
+    originals: String,
     /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none.
     #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, value_parser = clap::value_parser!(u32).range(0..=1024))]
     thumbnails: u32,
 }
 
 impl IndexOptions {
-    fn recipe(&self, seed: u64) -> anyhow::Result<Recipe> {
-        let descriptor = DescriptorParams::by_name(&self.descriptor)
-            .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
+    /// How the descriptors are made, `None` where no name was given.
+    fn descriptor(&self) -> anyhow::Result<Option<DescriptorParams>> {
+        let by_name = |name: &String| {
+            DescriptorParams::by_name(name).with_context(|| format!("there is no descriptor named {name}"))
+        };
+        self.descriptor.as_ref().map(by_name).transpose()
+    }
+
+    fn recipe(&self, source: &Source, held_out: HeldOut, seed: u64) -> anyhow::Result<Recipe> {
         let hash = match (self.planes, self.tables) {
             (Some(k), Some(t)) => HashParams::Fixed { k, t, buckets: self.buckets },
             _ => HashParams::Auto,
         };
-        Ok(Recipe { descriptor, hash, thumbnail_side: self.thumbnails, seed })
+        let originals = Originals::by_name(&self.originals)
+            .with_context(|| format!("there is no form of descriptors named {}", self.originals))?;
+        let named = self.descriptor()?;
+        let (descriptor, thumbnail_side) = match source {
+            Source::Plan(_) | Source::Sets(_) => (named.unwrap_or_default(), self.thumbnails),
+            Source::Vectors(vectors) => {
+                let descriptor = named.unwrap_or(DescriptorParams::raw(vectors.dim()));
+                if descriptor.dim() != vectors.dim() as usize {
+                    bail!(
+                        "the rows have {} values, and those of the descriptor `{}` have {}: leave --descriptor out",
+                        vectors.dim(),
+                        descriptor.name(),
+                        descriptor.dim()
+                    );
+                }
+                (descriptor, 0)
+            }
+        };
+        Ok(Recipe { descriptor, hash, originals, held_out, thumbnail_side, seed })
     }
 }
 
 impl Build {
+    fn source(&self) -> anyhow::Result<(Source, HeldOut)> {
+        let seed = self.seed;
+        let held_out = |plan: &RenderPlan, known: &[String]| {
+            HeldOut::Rendered(Box::new(Hands::beside(plan, known, held_out::HANDS, held_out::VIEWS, seed)))
+        };
+        if let Some(path) = &self.vectors.descriptors {
+            let labels = self.vectors.labels.as_deref();
+            let vectors = Vectors::open(path, labels, &self.plan.grasps()?)?;
+            let held_out = self.vectors.held_out.clone().map_or(HeldOut::Nothing, HeldOut::File);
+            return Ok((Source::Vectors(Box::new(vectors)), held_out));
+        }
+        let plan = self.plan.plan(seed)?;
+        if self.renders.is_empty() {
+            let held_out = held_out(&plan, &[]);
+            return Ok((Source::Plan(Box::new(plan)), held_out));
+        }
+        let grasps = self.plan.grasps()?;
+        let sets: Vec<RenderSet> =
+            self.renders.iter().map(|folder| RenderSet::open(folder, &grasps)).collect::<Result<_, _>>()?;
+        let known: BTreeSet<&str> = sets.iter().flat_map(RenderSet::hand_shapes).collect();
+        let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
+        Ok((Source::Sets(sets), held_out(&plan, &known)))
+    }
+
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let recipe = self.index.recipe(self.seed)?;
-        let source = if self.renders.is_empty() {
-            Source::Plan(Box::new(self.plan.plan(self.seed)?))
-        } else {
-            let grasps = self.plan.grasps()?;
-            Source::Sets(
-                self.renders
-                    .iter()
-                    .map(|folder| RenderSet::open(folder, &grasps))
-                    .collect::<Result<_, _>>()?,
-            )
-        };
+        let (source, held_out) = self.source()?;
+        let recipe = self.index.recipe(&source, held_out, self.seed)?;
         if source.is_empty() {
             bail!("the render sets hold no picture");
         }
@@ -99,14 +162,19 @@ impl Build {
             writeln!(stdout, "{out} is up to date: {} entries, checked in {seconds:.2} s", report.entries)?;
             return Ok(());
         };
-        writeln!(
+        write!(
             stdout,
-            "{out}: {} entries, {:.1} MB, in {seconds:.2} s ({} reused, {} described)",
+            "{out}: {} entries, {:.1} MB, in {seconds:.2} s",
             summary.entries,
-            summary.bytes as f64 / 1e6,
-            report.reused,
-            report.entries - report.reused,
+            summary.bytes as f64 / 1e6
         )?;
+        match source {
+            Source::Vectors(_) => writeln!(stdout)?,
+            Source::Plan(_) | Source::Sets(_) => {
+                let described = report.entries - report.reused;
+                writeln!(stdout, " ({} reused, {described} described)", report.reused)?;
+            }
+        }
         if report.without_hand > 0 {
             writeln!(stdout, "  {} views show no hand and were left out", report.without_hand)?;
         }

@@ -3,9 +3,11 @@
 mod build;
 mod completions;
 mod experiment;
+mod export;
 mod inspect;
 mod man;
 mod plan;
+mod queries;
 mod render;
 mod verify;
 
@@ -39,6 +41,7 @@ Examples:
   grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
+  grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
   grasp-builder experiment scale --out scale             how the search grows with the index
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left; run the
@@ -68,6 +71,8 @@ enum Command {
     Experiment(experiment::Experiment),
     Inspect(inspect::Inspect),
     Verify(verify::Verify),
+    Export(export::Export),
+    Queries(queries::Queries),
     Completions(completions::Completions),
     Man(man::Man),
 }
@@ -103,6 +108,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Experiment(command) => command.run(&arguments.global),
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),
+        Command::Export(command) => command.run(&arguments.global),
+        Command::Queries(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }

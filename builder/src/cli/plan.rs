@@ -52,6 +52,11 @@ pub(super) struct PlanOptions {
 }
 
 impl PlanOptions {
+    /// How many hand shapes are asked for.
+    pub(super) fn hands(&self) -> Option<usize> {
+        self.hands.map(|hands| hands as usize)
+    }
+
     /// The grasps, which are also the classes of a render set.
     pub(super) fn grasps(&self) -> anyhow::Result<GraspSet> {
         match &self.grasps {

@@ -32,12 +32,7 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     if params.calibration.k == 0 {
         return Err(BuildError::Params("at least one neighbour must vote"));
     }
-    if !params.held_out.len().is_multiple_of(params.descriptor.dim()) {
-        return Err(BuildError::Params("the held-out descriptors are as long as the index's own"));
-    }
-    if !params.held_out.iter().all(|value| value.is_finite()) {
-        return Err(BuildError::Params("the held-out descriptors are made of finite numbers"));
-    }
+    check_held_out(&params.held_out, params.descriptor.dim())?;
     if params.originals != Originals::F32 {
         return Err(BuildError::Params("a random hash needs the original descriptors as they are (f32)"));
     }
@@ -45,6 +40,17 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
         && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))
     {
         return Err(BuildError::Params("K is 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));
+    }
+    Ok(())
+}
+
+/// Checks that held-out descriptors are rows of `dim` finite values.
+pub(super) fn check_held_out(held_out: &[f32], dim: usize) -> Result<(), BuildError> {
+    if !held_out.len().is_multiple_of(dim.max(1)) {
+        return Err(BuildError::Params("the held-out descriptors must be as long as the index's own"));
+    }
+    if !held_out.iter().all(|value| value.is_finite()) {
+        return Err(BuildError::Params("the held-out descriptors must be made of finite numbers"));
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use super::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 use super::sections::{ElementType, Section, SectionKind};
 use crate::search::Rows;
 use built::Built;
-use check::{check_entry, check_params, pixels};
+use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
 use half::f16;
 use sink::Sink;
@@ -104,6 +104,16 @@ impl IndexWriter {
     /// Adds to [`IndexParams::provenance`] what is known only when all entries are in.
     pub fn add_provenance(&mut self, provenance: impl IntoIterator<Item = (String, String)>) {
         self.params.provenance.extend(provenance);
+    }
+
+    /// Gives [`IndexParams::held_out`] when all entries are in.
+    ///
+    /// # Errors
+    /// [`BuildError::Params`], where they are no rows of descriptors.
+    pub fn hold_out(&mut self, held_out: Vec<f32>) -> Result<(), BuildError> {
+        check_held_out(&held_out, self.params.descriptor.dim())?;
+        self.params.held_out = held_out;
+        Ok(())
     }
 
     /// How many entries have been added.

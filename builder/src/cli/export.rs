@@ -1,0 +1,66 @@
+//! `grasp-builder export`.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use grasp_index::Index;
+
+use super::Global;
+use crate::{export, interrupt};
+
+/// Write what an index holds for other programs: its descriptors, its labels, or both.
+///
+/// `grasp-builder build --descriptors X.npy --labels Y.csv --descriptor NAME` makes an index of them again, which gives the
+/// same answers.
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("what").required(true).multiple(true)), after_help = "\
+Examples:
+  grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
+  grasp-builder build --descriptors x.npy --labels y.csv --descriptor default --out again.idx
+  python -c 'import numpy; print(numpy.load(\"x.npy\", mmap_mode=\"r\").shape)'")]
+pub(crate) struct Export {
+    /// The index.
+    #[arg(value_name = "FILE")]
+    index: PathBuf,
+    /// Write the descriptors here: 32-bit floating-point numbers in NumPy's format, a row an entry.
+    #[arg(long, value_name = "X.npy", group = "what")]
+    descriptors: Option<PathBuf>,
+    /// Write the labels here: a table, a line an entry.
+    #[arg(long, value_name = "Y.csv", group = "what")]
+    labels: Option<PathBuf>,
+}
+
+/// Writes one thing that an index holds.
+type Write = fn(&Index, &Path, &dyn Fn(u64)) -> anyhow::Result<()>;
+
+impl Export {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let name = self.index.display();
+        let index = Index::open(&self.index).with_context(|| format!("cannot export {name}"))?;
+        for out in [&self.descriptors, &self.labels].into_iter().flatten() {
+            if is_same(out, &self.index) {
+                bail!("{} is the index itself: name another file to write", out.display());
+            }
+        }
+        let outputs: [(_, _, Write); 2] = [
+            (&self.descriptors, "descriptors", export::descriptors),
+            (&self.labels, "labels", export::labels),
+        ];
+        for (out, what, write) in outputs {
+            let Some(out) = out else { continue };
+            let bar = global.progress().bar(index.len() as u64, "writing", what);
+            let written = write(&index, out, &|done| bar.set_position(done));
+            bar.finish_and_clear();
+            written.with_context(|| format!("the {what} of {name} were not written"))?;
+            writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether two paths name one file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+}

@@ -1,0 +1,67 @@
+//! `grasp-builder queries`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use grasp_index::DescriptorParams;
+
+use super::plan::PlanOptions;
+use crate::held_out::{self, Hands};
+use crate::{array, interrupt};
+
+/// Write descriptors of hands that no plan renders, to search an index for: an array for benchmarks.
+///
+/// Each is moved a little in a direction in which hands differ, so that its nearest neighbours are about as far as those of
+/// real pictures; those of our own renders, as they are, lie closer and make any search look better than it is.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder queries --out q.npy
+  grasp-builder queries --out q.npy --preset wide --hands 8 --count 10000
+  grasp-query search q.npy --index grasp.idx --out ids.npy --timings")]
+pub(crate) struct Queries {
+    /// The array to write: 32-bit floating-point numbers in NumPy's format, a row a query.
+    #[arg(long, value_name = "Q.npy")]
+    out: PathBuf,
+    /// Render about N views; those that show no hand are left out.
+    #[arg(long, default_value_t = held_out::VIEWS as u32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    count: u32,
+    /// Leave the descriptors as they are.
+    #[arg(long)]
+    clean: bool,
+    /// What all randomness comes from.
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    seed: u64,
+    /// How hand images are described: `default`, or `paper` for the paper's own form.
+    #[arg(long, default_value = "default", value_name = "NAME", value_parser = ["default", "paper"])]
+    descriptor: String,
+    #[command(flatten)]
+    plan: PlanOptions,
+}
+
+impl Queries {
+    pub(crate) fn run(&self) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let params = DescriptorParams::by_name(&self.descriptor)
+            .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
+        let plan = self.plan.plan(self.seed)?;
+        let hands = self.plan.hands().unwrap_or(held_out::HANDS);
+        let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
+        let clean = hands.describe(&params)?;
+        let dim = params.dim();
+        let rows = if self.clean { clean } else { held_out::moved(&clean, dim, self.seed) };
+        let count = rows.len() / dim;
+        if count == 0 {
+            bail!("none of the {} views shows a hand: ask for more with --count", self.count);
+        }
+        let mut next = rows.chunks_exact(dim);
+        array::write(&self.out, count as u64, dim, |_, values| {
+            values.extend_from_slice(next.next().unwrap_or_default());
+            Ok(())
+        })?;
+        let moved = if self.clean { "" } else { ", each moved" };
+        writeln!(std::io::stdout().lock(), "{}: {count} descriptors{moved}; {hands}", self.out.display())?;
+        Ok(())
+    }
+}

@@ -1,0 +1,213 @@
+//! Descriptors of hands that an index does not hold, to measure its search by: what is asked in practice is never a hand
+//! that was rendered for the index.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Context as _;
+use grasp_index::{BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, mean_distance};
+use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, View};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::array::Rows;
+use crate::interrupt;
+
+/// Sampled hands from this seed on are nobody's: plans count theirs up from 0.
+const FIRST_SEED: u64 = 2_000_000;
+/// Hand shapes that a build holds out.
+pub const HANDS: usize = 4;
+/// Views of them.
+pub const VIEWS: usize = 2_000;
+/// How far light and distance vary at least.
+const LIGHT: f64 = 0.3;
+const DISTANCE: f64 = 0.2;
+/// How far [`moved`] moves a descriptor, in units of sigma: own renders lie closer to each other than to pictures from
+/// elsewhere; moved so, their nearest neighbours are about as far as those of real pictures.
+const STEP: std::ops::Range<f64> = 0.15..0.42;
+/// Rows that sigma is measured over, at most.
+const PAIRED: usize = 1_000;
+
+/// Where held-out descriptors come from.
+#[derive(Clone, Debug)]
+pub enum HeldOut {
+    /// There are none: entries of the index stand in.
+    Nothing,
+    /// Rendered.
+    Rendered(Box<Hands>),
+    /// Read from an array.
+    File(PathBuf),
+}
+
+impl HeldOut {
+    /// What the index says of them: as long as it is the same, so are they.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn provenance(&self) -> anyhow::Result<Option<String>> {
+        Ok(match self {
+            Self::Nothing => None,
+            Self::Rendered(hands) => Some(hands.to_string()),
+            Self::File(path) => {
+                let rows = Rows::open(path)?;
+                let (name, len) = (path.file_name().unwrap_or_default().to_string_lossy(), rows.len());
+                let values = rows.all().with_context(|| cannot_use(path))?;
+                Some(format!("{name}, {len} rows, xxh3 {:016x}", xxh3_64(bytemuck::cast_slice(&values))))
+            }
+        })
+    }
+
+    /// The descriptors, in rows.
+    ///
+    /// # Errors
+    /// When the file cannot be read or has rows of another length, or the work was interrupted.
+    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+        match self {
+            Self::Nothing => Ok(Vec::new()),
+            Self::Rendered(hands) => hands.describe(params),
+            Self::File(path) => {
+                let rows = Rows::open(path)?;
+                let (found, dim) = (rows.columns(), params.dim());
+                if found != dim as u64 {
+                    anyhow::bail!(
+                        "{} has rows of {found} values, the index's have {dim}: they must be alike",
+                        path.display()
+                    );
+                }
+                rows.all().with_context(|| cannot_use(path))
+            }
+        }
+    }
+}
+
+fn cannot_use(path: &Path) -> String {
+    format!("cannot use {}", path.display())
+}
+
+/// Views of hand shapes that a plan does not have, in its grasps, in varied light, from anywhere between its views.
+#[derive(Clone, Debug)]
+pub struct Hands {
+    hand_shapes: Vec<HandShape>,
+    plan: RenderPlan,
+    views: usize,
+    seed: u64,
+}
+
+impl std::fmt::Display for Hands {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let names: Vec<&str> = self.hand_shapes.iter().map(|shape| shape.name.as_str()).collect();
+        write!(f, "{} views of {}, seed {}", self.views, names.join(", "), self.seed)
+    }
+}
+
+impl Hands {
+    /// `hands` hand shapes beside those of `plan` and those `known`, and about `views` views of them.
+    #[must_use]
+    pub fn beside(plan: &RenderPlan, known: &[String], hands: usize, views: usize, seed: u64) -> Self {
+        let is_new = |shape: &HandShape| !known.contains(&shape.name) && !plan.hand_shapes.contains(shape);
+        let hand_shapes = (FIRST_SEED..).map(HandShape::sample).filter(is_new).take(hands).collect();
+        let look = Look {
+            light_variation: plan.look.light_variation.max(LIGHT),
+            distance_variation: plan.look.distance_variation.max(DISTANCE),
+            ..plan.look.clone()
+        };
+        // The shapes that the views are not of are not needed.
+        let plan = RenderPlan { hand_shapes: Vec::new(), look, ..plan.clone() };
+        Self { hand_shapes, plan, views, seed }
+    }
+
+    /// The descriptors of all views that show a hand, in rows: hand by hand, grasp by grasp.
+    ///
+    /// # Errors
+    /// When the work was interrupted.
+    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+        let mut all = Vec::new();
+        for scenes in self.scenes().chunks(rayon::current_num_threads().max(1)) {
+            interrupt::check()?;
+            let described: Vec<Vec<f32>> = scenes
+                .par_iter()
+                .map(|(spec, views)| described(spec, views, params))
+                .collect::<anyhow::Result<_>>()?;
+            all.extend(described.into_iter().flatten());
+        }
+        Ok(all)
+    }
+
+    /// Each hand in each grasp, at a stage and with an object drawn from the plan's, and its share of the views.
+    fn scenes(&self) -> Vec<(SceneSpec, Vec<View>)> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let plan = &self.plan;
+        let count = self.hand_shapes.len() * plan.grasps.len();
+        let grasps: Vec<_> = plan.grasps.iter().cloned().map(Arc::new).collect();
+        let mut scenes = Vec::with_capacity(count);
+        for shape in self.hand_shapes.iter().cloned().map(Arc::new) {
+            for grasp in &grasps {
+                let stage = rng.random_range(0..plan.stages.len().max(1) as u64) as usize;
+                let size = rng.random_range(0.2..0.8);
+                let spec = SceneSpec {
+                    hand_shape: Arc::clone(&shape),
+                    grasp: Arc::clone(grasp),
+                    stage: plan.stages.get(stage).copied().unwrap_or(Stage::Grasp),
+                    object: grasp.object.object(size),
+                    look: plan.look.clone(),
+                    // Another light than that of the index's own views from the same direction.
+                    seed: plan.seed.wrapping_add(FIRST_SEED),
+                };
+                // So that they sum up to what is asked for.
+                let at = scenes.len();
+                let views = (at + 1) * self.views / count - at * self.views / count;
+                let views = (0..views).map(|_| self.view(&mut rng)).collect();
+                scenes.push((spec, views));
+            }
+        }
+        scenes
+    }
+
+    fn view(&self, rng: &mut ChaCha8Rng) -> View {
+        let grid = &self.plan.grid;
+        let [low, high] = grid.elevation_deg;
+        let elevation: f64 = rng.random_range(0.0..1.0);
+        let roll = rng.random_range(0..grid.rolls_deg.len().max(1) as u64) as usize;
+        View {
+            azimuth_deg: rng.random_range(0.0..360.0),
+            elevation_deg: low + (high - low) * elevation,
+            roll_deg: grid.rolls_deg.get(roll).copied().unwrap_or(0.0),
+        }
+    }
+}
+
+fn described(spec: &SceneSpec, views: &[View], params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+    let scene = spec.build().context("cannot render")?;
+    let mut rows = Vec::with_capacity(views.len() * params.dim());
+    for view in views {
+        let render = scene.render(view);
+        match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
+            Ok(hand) => rows.extend(params.describe(&hand.shrunk_to(DESCRIBED_SIDE))),
+            Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(rows)
+}
+
+/// `rows` rows of `dim` values, each moved along the difference of two others: what to search an index of renders for, if
+/// it is to be as far from its nearest neighbours as real pictures are.
+#[must_use]
+pub fn moved(values: &[f32], dim: usize, seed: u64) -> Vec<f32> {
+    let rows: Vec<&[f32]> = values.chunks_exact(dim.max(1)).collect();
+    let spaced: Vec<&[f32]> = rows.iter().copied().step_by(rows.len().div_ceil(PAIRED).max(1)).collect();
+    let sigma = mean_distance(&spaced);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(1);
+    let mut moved = Vec::with_capacity(values.len());
+    for row in &rows {
+        let [from, to] = [(); 2].map(|()| rows[rng.random_range(0..rows.len() as u64) as usize]);
+        let step: Vec<f64> = from.iter().zip(to).map(|(from, to)| f64::from(to - from)).collect();
+        let length = step.iter().map(|value| value * value).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        let scale = rng.random_range(STEP) * sigma / length;
+        moved.extend(row.iter().zip(&step).map(|(value, step)| (f64::from(*value) + scale * step) as f32));
+    }
+    moved
+}
