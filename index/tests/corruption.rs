@@ -2,7 +2,9 @@
 
 mod support;
 
-use grasp_index::{Effort, Index, OpenError, SearchOptions, VoteOptions};
+use grasp_index::{
+    Effort, Index, IndexParams, IndexWriter, Kept, NewEntry, OpenError, SearchOptions, VoteOptions,
+};
 
 fn small() -> Vec<u8> {
     support::small().finish_bytes().expect("the index is built")
@@ -54,9 +56,34 @@ fn every_truncation_is_told() {
     }
 }
 
+/// The same vectors, and nothing that is known of them.
+fn vectors_alone() -> Vec<u8> {
+    let params = IndexParams {
+        kept: Kept::nothing(),
+        classes: Vec::new(),
+        thumbnail_side: 0,
+        ..support::small_params()
+    };
+    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    let whole = Index::from_bytes(&small()).expect("the index opens");
+    for id in 0..whole.len() as u32 {
+        let descriptor = whole.descriptor(id).expect("the entry is there").into_owned();
+        writer.push(NewEntry { descriptor, ..NewEntry::default() }).expect("the entry fits");
+    }
+    writer.finish_bytes().expect("the index is built")
+}
+
 #[test]
 fn every_flipped_byte_is_found_and_none_does_harm() {
-    let sound = small();
+    flip_every_byte(small());
+}
+
+#[test]
+fn nor_does_one_of_vectors_alone() {
+    flip_every_byte(vectors_alone());
+}
+
+fn flip_every_byte(sound: Vec<u8>) {
     let mut bytes = sound.clone();
     for at in 0..bytes.len() {
         for flip in [0xff, 0x01, 0x80] {
