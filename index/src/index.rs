@@ -8,12 +8,15 @@ use crate::file::pack;
 use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
 use crate::hand_image::HandImage;
-use crate::search::random::RandomHyperplanes;
+use crate::search::blocks::Blocks;
+use crate::search::learned::Learned;
+use crate::search::learned::axes::Axes;
+use crate::search::random::tables::Buckets;
+use crate::search::random::{Random, RandomHyperplanes};
 use crate::search::searcher::Searcher;
-use crate::search::tables::Buckets;
-use crate::search::{Neighbour, Rows, Search, SearchError, SearchOptions};
+use crate::search::stored::{Stored, Values};
+use crate::search::{Hash, Neighbour, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
-use half::f16;
 use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
 use std::path::Path;
@@ -169,18 +172,35 @@ impl Index {
 
     /// Searches the index, query after query.
     pub fn searcher(&self) -> Searcher<'_> {
-        let HashInfo::Random(size) = self.catalogue().hash;
-        let hash = RandomHyperplanes {
-            size,
-            dim: self.dim(),
-            normals: self.file.array(SectionKind::PlaneNormals),
-            offsets: self.file.array(SectionKind::PlaneOffsets),
+        let stored = self.stored();
+        let hash: Box<dyn Hash> = match self.catalogue().hash {
+            HashInfo::Random(size) => Box::new(Random {
+                hyperplanes: RandomHyperplanes {
+                    size,
+                    dim: self.dim(),
+                    normals: self.file.array(SectionKind::PlaneNormals),
+                    offsets: self.file.array(SectionKind::PlaneOffsets),
+                },
+                buckets: Buckets {
+                    directory: self.file.array(SectionKind::BucketDirectory),
+                    ids: self.file.array(SectionKind::BucketIds),
+                },
+                entries: stored.entries,
+            }),
+            HashInfo::Learned(size) => {
+                let axes = size.axes as usize;
+                Box::new(Learned {
+                    size,
+                    axes: Axes { count: axes, projection: self.file.array(SectionKind::Axes) },
+                    groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
+                    group_directory: self.file.array(SectionKind::GroupDirectory),
+                    centres: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
+                    bucket_directory: self.file.array(SectionKind::BucketDirectory),
+                    entries: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
+                })
+            }
         };
-        let buckets = Buckets {
-            directory: self.file.array(SectionKind::BucketDirectory),
-            ids: self.file.array(SectionKind::BucketIds),
-        };
-        Searcher::new(self.rows(), hash, buckets, self.catalogue().measured)
+        Searcher::new(stored, hash, &self.catalogue().measured)
     }
 
     /// The nearest neighbours of a descriptor. For many queries, [`Self::searcher`] is faster.
@@ -306,16 +326,7 @@ impl Index {
     /// The descriptor of an entry, as exactly as [`Catalogue::originals`] says; `None` where there is no such entry, or
     /// descriptors are not kept.
     pub fn descriptor(&self, id: u32) -> Option<Cow<'_, [f32]>> {
-        match self.catalogue().originals {
-            Originals::F32 => self.rows().get(id).map(Cow::Borrowed),
-            Originals::F16 => {
-                let start = (id as usize).checked_mul(self.dim())?;
-                let halves: &[f16] = self.file.array(SectionKind::Descriptors);
-                let row = halves.get(start..start.checked_add(self.dim())?)?;
-                Some(Cow::Owned(row.iter().map(|half| half.to_f32()).collect()))
-            }
-            Originals::None => None,
-        }
+        self.stored().get(id)
     }
 
     /// The class of each entry, in the order of their numbers; nothing where the index keeps no labels.
@@ -334,12 +345,12 @@ impl Index {
         self.catalogue().descriptor_fingerprint
     }
 
-    /// The descriptors as they are; none where the index keeps them otherwise.
-    fn rows(&self) -> Rows<'_> {
+    fn stored(&self) -> Stored<'_> {
         let values = match self.catalogue().originals {
-            Originals::F32 => self.file.array(SectionKind::Descriptors),
-            Originals::F16 | Originals::None => &[],
+            Originals::F32 => Values::F32(self.file.array(SectionKind::Descriptors)),
+            Originals::F16 => Values::F16(self.file.array(SectionKind::Descriptors)),
+            Originals::None => Values::None,
         };
-        Rows { values, dim: self.dim() }
+        Stored { dim: self.dim(), entries: self.len(), values }
     }
 }

@@ -75,9 +75,12 @@ pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
 pub use index::{CannotRecognise, Entry, EntryError, Index};
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
+pub use search::build::{HashParams, RandomParams};
+pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
+pub use search::learned::LearnedHash;
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
-pub use search::tune::{EPS, HashParams, Measured};
+
 pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
 pub use vote::{
     ClassScore, OrientationEstimate, Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance,

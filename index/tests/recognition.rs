@@ -3,7 +3,7 @@
 mod support;
 
 use grasp_index::{
-    DescriptorParams, Effort, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation,
+    DescriptorParams, EPS, Effort, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -37,9 +37,10 @@ fn another_hand_between_the_views_is_recognised_and_its_orientation_found() {
 #[test]
 fn the_measured_search_keeps_what_it_promises() {
     let index = index(DescriptorParams::default());
-    let measured = index.catalogue().measured;
-    assert!(measured.eps_success >= 0.95, "{measured:?}");
-    assert!(measured.share_of_database < 0.5, "{measured:?}");
+    let effort = Effort::Success { eps: EPS, success: 0.95 };
+    let point = index.catalogue().measured.enough(effort).expect("some effort is enough");
+    assert!(point.success() >= 0.95, "{point:?}");
+    assert!(point.share_of_database < 0.5, "{point:?}");
 }
 
 #[test]

@@ -131,7 +131,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     let summary = writer.finish(&|phase, _| {
         spinner.set_message(match phase {
             Phase::Sigma => "measuring sigma",
-            Phase::Tune => "choosing K and T",
+            Phase::Tune => "choosing the hash",
             Phase::Tables => "filling the hash tables",
             Phase::Measure => "measuring the search",
             _ => "writing",

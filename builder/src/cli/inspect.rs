@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{Catalogue, HashInfo, Index};
+use grasp_index::{Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured};
 use serde_json::{Value, json};
 
 /// Show what is in an index: its entries, parameters, origin, and how well its search does.
@@ -75,19 +75,19 @@ fn as_text(name: &str, index: &Index) -> String {
     );
     line("vote", format!("k = {}, sigma x {}", catalogue.calibration.k, catalogue.calibration.sigma_scale));
     line("hash", hash_text(catalogue));
-    let measured = &catalogue.measured;
-    line(
-        "measured",
-        format!(
-            "{} queries, noise {} sigma: eps-success {:.3} at eps {}, recall@10 {:.3}, {:.1} % of the database",
-            measured.queries,
-            measured.noise,
-            measured.eps_success,
-            measured.eps,
-            measured.recall_at_10,
-            measured.share_of_database * 100.0
-        ),
-    );
+    line("measured", measured_text(&catalogue.measured));
+    for point in &catalogue.measured.curve {
+        line(
+            "effort",
+            format!(
+                "{:>4} probes: recall@10 {:.4}, eps-success {:.4} at {EPS}, {:.3} % of the database",
+                point.probes,
+                point.recall_at_10,
+                point.success(),
+                point.share_of_database * 100.0
+            ),
+        );
+    }
     line("thumbnails", format!("{} pixels a side", catalogue.thumbnail_side));
     line("seed", catalogue.seed.to_string());
     for (key, value) in &catalogue.provenance {
@@ -112,8 +112,12 @@ fn as_text(name: &str, index: &Index) -> String {
 fn hash_text(catalogue: &Catalogue) -> String {
     match catalogue.hash {
         HashInfo::Random(hash) => format!(
-            "random, T = {} tables of K = {} hyperplanes, H = {} buckets, {} probes a table",
-            hash.tables, hash.planes, hash.buckets, hash.probes
+            "random, T = {} tables of K = {} hyperplanes, H = {} buckets",
+            hash.tables, hash.planes, hash.buckets
+        ),
+        HashInfo::Learned(hash) => format!(
+            "learned, K = {} hyperplanes, {} principal axes, {} groups of centres",
+            hash.planes, hash.axes, hash.groups
         ),
         _ => "of a kind that this version does not know".to_owned(),
     }
@@ -122,6 +126,12 @@ fn hash_text(catalogue: &Catalogue) -> String {
 /// The names of a list, if any.
 fn some_of(names: &[&str]) -> String {
     if names.is_empty() { "nothing else".to_owned() } else { names.join(", ") }
+}
+
+fn measured_text(measured: &Measured) -> String {
+    let whose = if measured.held_out { "held-out hands" } else { "entries, each held out for its own query" };
+    let [least, most] = measured.noise;
+    format!("{} queries of {whose}, moved by {least} to {most} sigma", measured.queries)
 }
 
 /// The first names of a list, and how many more there are.
@@ -156,10 +166,22 @@ fn as_json(name: &str, index: &Index) -> Value {
     let hash = match catalogue.hash {
         HashInfo::Random(hash) => json!({
             "kind": "random", "tables": hash.tables, "planes": hash.planes, "buckets": hash.buckets,
-            "probes": hash.probes,
+        }),
+        HashInfo::Learned(hash) => json!({
+            "kind": "learned", "tables": 1, "planes": hash.planes, "axes": hash.axes, "groups": hash.groups,
         }),
         _ => Value::Null,
     };
+    let curve: Vec<Value> = measured
+        .curve
+        .iter()
+        .map(|point| {
+            json!({
+                "probes": point.probes, "recall_at_10": point.recall_at_10, "eps_success": point.eps_success,
+                "share_of_database": point.share_of_database,
+            })
+        })
+        .collect();
     let provenance: Vec<Value> =
         catalogue.provenance.iter().map(|(name, value)| json!({"name": name, "value": value})).collect();
     json!({
@@ -175,9 +197,8 @@ fn as_json(name: &str, index: &Index) -> Value {
         "vote": {"k": catalogue.calibration.k, "sigma_scale": catalogue.calibration.sigma_scale},
         "hash": hash,
         "measured": {
-            "queries": measured.queries, "noise": measured.noise, "eps": measured.eps,
-            "eps_success": measured.eps_success, "recall_at_10": measured.recall_at_10,
-            "share_of_database": measured.share_of_database,
+            "queries": measured.queries, "held_out": measured.held_out, "noise": measured.noise,
+            "eps": EPS_GRID, "curve": curve,
         },
         "thumbnail_side": catalogue.thumbnail_side, "seed": catalogue.seed,
         "provenance": provenance, "sections": sections,

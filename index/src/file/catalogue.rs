@@ -2,8 +2,9 @@
 
 use crate::descriptor::DescriptorParams;
 use crate::file::sections::Section;
+use crate::search::effort::Measured;
+use crate::search::learned::LearnedHash;
 use crate::search::random::RandomHash;
-use crate::search::tune::Measured;
 use crate::vote::Sigma;
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -146,9 +147,11 @@ impl Default for Calibration {
 }
 
 /// Which hash the buckets were made by.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HashInfo {
     /// The paper's random hyperplanes.
     Random(RandomHash),
+    /// Hyperplanes fitted to the data.
+    Learned(LearnedHash),
 }

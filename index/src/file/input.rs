@@ -3,7 +3,8 @@
 use super::atomic::WriteError;
 use super::catalogue::{Calibration, ClassInfo, HashInfo, Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
-use crate::search::tune::{HashParams, Measured};
+use crate::search::build::HashParams;
+use crate::search::effort::Measured;
 use crate::vote::Sigma;
 use nalgebra::UnitQuaternion;
 use thiserror::Error;
@@ -24,10 +25,11 @@ pub struct IndexParams {
     pub hand_shapes: Vec<String>,
     /// The names of the stages, at most 256.
     pub stages: Vec<String>,
-    /// How the hash is sized.
+    /// Which hash, and how it is sized.
     pub hash: HashParams,
-    /// Descriptors of hands that are not in the index, in rows: the search is measured on them, moved a little. Where there are
-    /// none, entries of the index stand in, which flatters it.
+    /// Descriptors from outside the index, rows of [`DescriptorParams::dim`] values: what the search is tuned and measured
+    /// with. Those of hand shapes that the index does not hold are best. Where there are none, the index's own are used,
+    /// each held out for its own query.
     pub held_out: Vec<f32>,
     /// What all randomness comes from.
     pub seed: u64,
@@ -111,9 +113,9 @@ pub enum BuildError {
 pub enum Phase {
     /// Measuring sigma.
     Sigma,
-    /// Choosing K and T.
+    /// Choosing the hash.
     Tune,
-    /// Putting every entry into its buckets.
+    /// Fitting the hash and putting every entry into its buckets.
     Tables,
     /// Measuring the search.
     Measure,

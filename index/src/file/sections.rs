@@ -2,7 +2,10 @@
 
 use super::catalogue::{Catalogue, HashInfo, Originals};
 use super::{OpenError, align, header};
-use crate::search::random::MAX_PLANES;
+use crate::search::blocks::{LANES, MAX_AXES, centre_stride, entry_stride};
+use crate::search::effort::{EffortPoint, Measured};
+use crate::search::learned::LearnedHash;
+use crate::search::random::{MAX_PLANES, RandomHash};
 use rkyv::{Archive, Deserialize, Serialize};
 use std::ops::Range;
 
@@ -81,20 +84,30 @@ pub enum SectionKind {
     ObjectText,
     /// N x side x side u8, or nothing: thumbnails, all 0 where an entry has none.
     Thumbnails,
-    /// T x K x D f32: the hyperplanes' normals.
+    /// T x K x D f32: the normals of random hyperplanes.
     PlaneNormals,
-    /// T x K f32: the hyperplanes' offsets.
+    /// T x K f32: the offsets of random hyperplanes.
     PlaneOffsets,
-    /// T x H + 1 u32: where each bucket starts and ends.
+    /// Buckets + 1 u32: where each bucket starts and ends, in ids (T x H buckets of a random hash) or in blocks.
     BucketDirectory,
-    /// T x N u32: the ids in the buckets.
+    /// T x N u32: the ids in the buckets of a random hash.
     BucketIds,
+    /// (D + 1) x P f32: what each value of a vector adds to its coordinates in the principal axes, and their offsets.
+    Axes,
+    /// Blocks of sixteen: the centres of a learned hash's groups.
+    GroupCentres,
+    /// Groups + 1 u32: where the blocks of each group's centres start and end.
+    GroupDirectory,
+    /// Blocks of sixteen: the centres of a learned hash's buckets.
+    BucketCentres,
+    /// Blocks of sixteen: the entries in the buckets of a learned hash.
+    EntryBlocks,
 }
 
 impl SectionKind {
     /// All sections, in the order of the file: descriptors first, because they are written first; what every search touches
     /// lies last, together.
-    pub(crate) const ALL: [Self; 17] = [
+    pub(crate) const ALL: [Self; 22] = [
         Self::Descriptors,
         Self::Thumbnails,
         Self::FileOffsets,
@@ -109,28 +122,52 @@ impl SectionKind {
         Self::Labels,
         Self::Orientations,
         Self::BucketIds,
+        Self::EntryBlocks,
         Self::BucketDirectory,
         Self::PlaneOffsets,
         Self::PlaneNormals,
+        Self::BucketCentres,
+        Self::GroupDirectory,
+        Self::GroupCentres,
+        Self::Axes,
     ];
 
     /// Whether the hash, and not the entries, make the section.
     pub(crate) fn is_of_the_hash(self) -> bool {
-        matches!(self, Self::PlaneNormals | Self::PlaneOffsets | Self::BucketDirectory | Self::BucketIds)
+        matches!(
+            self,
+            Self::PlaneNormals
+                | Self::PlaneOffsets
+                | Self::BucketDirectory
+                | Self::BucketIds
+                | Self::Axes
+                | Self::GroupCentres
+                | Self::GroupDirectory
+                | Self::BucketCentres
+                | Self::EntryBlocks
+        )
     }
 
     /// The type of the section's elements in an index that keeps `originals`.
     pub(crate) fn element(self, originals: Originals) -> ElementType {
         match self {
             Self::Descriptors if originals == Originals::F16 => ElementType::F16,
-            Self::Stages | Self::FileText | Self::ObjectText | Self::Thumbnails => ElementType::U8,
+            Self::Stages
+            | Self::FileText
+            | Self::ObjectText
+            | Self::Thumbnails
+            | Self::GroupCentres
+            | Self::BucketCentres
+            | Self::EntryBlocks => ElementType::U8,
             Self::Labels | Self::HandShapes | Self::Objects | Self::Views => ElementType::U16,
             Self::Orientations => ElementType::I16,
-            Self::FileOffsets | Self::ObjectOffsets | Self::BucketDirectory | Self::BucketIds => {
-                ElementType::U32
-            }
+            Self::FileOffsets
+            | Self::ObjectOffsets
+            | Self::BucketDirectory
+            | Self::GroupDirectory
+            | Self::BucketIds => ElementType::U32,
             Self::SourceHashes => ElementType::U64,
-            Self::Descriptors | Self::PlaneNormals | Self::PlaneOffsets => ElementType::F32,
+            Self::Descriptors | Self::PlaneNormals | Self::PlaneOffsets | Self::Axes => ElementType::F32,
         }
     }
 
@@ -139,9 +176,6 @@ impl SectionKind {
     fn elements(self, catalogue: &Catalogue) -> Option<Option<u64>> {
         let n = catalogue.entries;
         let dim = u64::from(catalogue.dim);
-        let HashInfo::Random(hash) = catalogue.hash;
-        let (tables, planes, buckets) =
-            (u64::from(hash.tables), u64::from(hash.planes), u64::from(hash.buckets));
         let kept = &catalogue.kept;
         let is_kept = match self {
             Self::Descriptors => catalogue.originals != Originals::None,
@@ -165,12 +199,37 @@ impl SectionKind {
             Self::ObjectOffsets => u64::from(catalogue.objects) + 1,
             Self::FileText | Self::ObjectText => return Some(None),
             Self::Thumbnails => n.checked_mul(u64::from(catalogue.thumbnail_side).pow(2))?,
-            Self::PlaneNormals => tables.checked_mul(planes)?.checked_mul(dim)?,
-            Self::PlaneOffsets => tables.checked_mul(planes)?,
-            Self::BucketDirectory => tables.checked_mul(buckets)?.checked_add(1)?,
-            Self::BucketIds => tables.checked_mul(n)?,
+            _ => match catalogue.hash {
+                HashInfo::Random(hash) => self.elements_of_random(hash, n, dim)?,
+                HashInfo::Learned(hash) => self.elements_of_learned(hash, dim)?,
+            },
         };
         Some(Some(count))
+    }
+
+    fn elements_of_random(self, hash: RandomHash, n: u64, dim: u64) -> Option<u64> {
+        let (tables, planes) = (u64::from(hash.tables), u64::from(hash.planes));
+        Some(match self {
+            Self::PlaneNormals => tables.checked_mul(planes)?.checked_mul(dim)?,
+            Self::PlaneOffsets => tables.checked_mul(planes)?,
+            Self::BucketDirectory => tables.checked_mul(u64::from(hash.buckets))?.checked_add(1)?,
+            Self::BucketIds => tables.checked_mul(n)?,
+            _ => 0,
+        })
+    }
+
+    fn elements_of_learned(self, hash: LearnedHash, dim: u64) -> Option<u64> {
+        let axes = hash.axes as usize;
+        let (groups, centre_blocks) = (u64::from(hash.groups), u64::from(hash.centre_blocks));
+        Some(match self {
+            Self::Axes => dim.checked_add(1)?.checked_mul(u64::from(hash.axes))?,
+            Self::GroupCentres => groups.div_ceil(LANES as u64).checked_mul(centre_stride(axes) as u64)?,
+            Self::GroupDirectory => groups + 1,
+            Self::BucketCentres => centre_blocks.checked_mul(centre_stride(axes) as u64)?,
+            Self::BucketDirectory => centre_blocks.checked_mul(LANES as u64)?.checked_add(1)?,
+            Self::EntryBlocks => u64::from(hash.entry_blocks).checked_mul(entry_stride(axes) as u64)?,
+            _ => 0,
+        })
     }
 }
 
@@ -246,22 +305,34 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if catalogue.kept.labels && unnamed {
         return corrupt("lacks classes, hand shapes or stages");
     }
-    let HashInfo::Random(hash) = catalogue.hash;
-    if catalogue.originals != Originals::F32 {
+    let needs_descriptors = matches!(catalogue.hash, HashInfo::Random(_));
+    if needs_descriptors && catalogue.originals != Originals::F32 {
         return corrupt("states a hash that needs the descriptors, and that they are not kept");
     }
-    if hash.tables == 0
-        || hash.planes == 0
-        || hash.planes > MAX_PLANES
-        || hash.buckets == 0
-        || hash.probes == 0
-    {
+    let (is_possible, buckets) = match catalogue.hash {
+        HashInfo::Random(hash) => (
+            hash.tables > 0 && (1..=MAX_PLANES).contains(&hash.planes) && hash.buckets > 0,
+            hash.tables.checked_mul(hash.buckets),
+        ),
+        HashInfo::Learned(hash) => (
+            hash.groups > 0
+                && hash.centre_blocks > 0
+                && (4..=MAX_AXES as u32).contains(&hash.axes)
+                && hash.axes % 4 == 0
+                && [hash.centre_scale, hash.residual_scale]
+                    .iter()
+                    .all(|scale| scale.is_finite() && *scale > 0.0),
+            hash.centre_blocks.checked_mul(LANES as u32),
+        ),
+    };
+    if !is_possible {
         return corrupt("states an impossible hash");
     }
     // Bucket numbers are u32.
-    if hash.tables.checked_mul(hash.buckets).is_none() {
+    if buckets.is_none() {
         return corrupt("states more buckets than can be numbered");
     }
+    check_measured(&catalogue.measured)?;
     let positive = |value: f64| value.is_finite() && value >= 0.0;
     if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
         return corrupt("states an impossible sigma");
@@ -273,4 +344,18 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
         return corrupt("states an impossible calibration");
     }
     Ok(())
+}
+
+/// The curve must be one: numbers that a search may choose by.
+fn check_measured(measured: &Measured) -> Result<(), OpenError> {
+    let is_share = |share: &f64| (0.0..=1.0).contains(share);
+    let is_sound = |point: &EffortPoint| {
+        let shares = [point.recall_at_10, point.share_of_database];
+        point.probes > 0 && shares.iter().chain(&point.eps_success).all(is_share)
+    };
+    if measured.curve.iter().all(is_sound) {
+        Ok(())
+    } else {
+        Err(OpenError::corrupt("the catalogue states an impossible measurement"))
+    }
 }

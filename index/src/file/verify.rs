@@ -1,10 +1,11 @@
 //! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
 
-use super::catalogue::Originals;
+use super::catalogue::{HashInfo, Originals};
 use super::header::LENGTH;
 use super::open::Opened;
 use super::pack;
 use super::sections::SectionKind;
+use crate::search::blocks::{Blocks, LANES};
 use bytemuck::AnyBitPattern;
 use half::f16;
 use rayon::prelude::*;
@@ -102,7 +103,8 @@ fn elements(file: &Opened) -> Vec<Problem> {
         first(file, Orientations, "is no unit quaternion", |&packed: &[i16; 4]| {
             pack::unpack_rotation(packed).is_some()
         }),
-        ascending(file, BucketDirectory, file.array::<u32>(BucketIds).len()),
+        first(file, Axes, "is not a finite number", finite),
+        buckets(file, entries),
         kept.files.then(|| ascending(file, FileOffsets, file.raw(FileText).len())).flatten(),
         kept.labels.then(|| ascending(file, ObjectOffsets, file.raw(ObjectText).len())).flatten(),
         kept.files.then(|| texts(file, FileOffsets, FileText, entries)).flatten(),
@@ -117,6 +119,41 @@ fn descriptors(file: &Opened) -> Option<Problem> {
         Originals::F16 => first(file, kind, what, |value: &f16| value.is_finite()),
         _ => first(file, kind, what, |value: &f32| value.is_finite()),
     }
+}
+
+/// The directories of the hash, and that a learned hash holds every entry once.
+fn buckets(file: &Opened, entries: usize) -> Option<Problem> {
+    let hash = match file.catalogue.hash {
+        HashInfo::Random(_) => {
+            return ascending(
+                file,
+                SectionKind::BucketDirectory,
+                file.array::<u32>(SectionKind::BucketIds).len(),
+            );
+        }
+        HashInfo::Learned(hash) => hash,
+    };
+    let directories = ascending(file, SectionKind::GroupDirectory, hash.centre_blocks as usize)
+        .or_else(|| ascending(file, SectionKind::BucketDirectory, hash.entry_blocks as usize));
+    if directories.is_some() {
+        return directories;
+    }
+    let mut met = vec![false; entries];
+    let blocks = Blocks::of_entries(file.raw(SectionKind::EntryBlocks), hash.axes as usize);
+    let ids = blocks.iter().flat_map(|block| (0..LANES).map(move |lane| block.id(lane)));
+    // A place without an entry has the id that no entry has.
+    let mut is_good =
+        |id: u32| id == u32::MAX || met.get_mut(id as usize).is_some_and(|met| !std::mem::replace(met, true));
+    let at = ids.enumerate().find_map(|(at, id)| (!is_good(id)).then_some(at));
+    if let Some(at) = at {
+        return Some(Problem::Element {
+            kind: SectionKind::EntryBlocks,
+            at,
+            what: "is no entry, or one that was met before",
+        });
+    }
+    let at = met.iter().position(|met| !met)?;
+    Some(Problem::Element { kind: SectionKind::EntryBlocks, at, what: "is in no bucket" })
 }
 
 fn first<T: AnyBitPattern>(

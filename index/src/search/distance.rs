@@ -5,7 +5,7 @@ const LANES: usize = 16;
 
 /// The squared distance between two vectors of equal length (of unequal ones, over the shorter). The order of
 /// summation is fixed, so that every machine and every caller gets the same bits.
-#[inline]
+#[inline(always)]
 pub(crate) fn squared(a: &[f32], b: &[f32]) -> f32 {
     accumulate(a, b, |x, y| (x - y) * (x - y))
 }
@@ -16,7 +16,7 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     accumulate(a, b, |x, y| x * y)
 }
 
-#[inline]
+#[inline(always)]
 fn accumulate(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
     let (a, b) = (&a[..a.len().min(b.len())], &b[..a.len().min(b.len())]);
     let mut lanes = [0.0f32; LANES];

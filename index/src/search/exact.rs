@@ -1,9 +1,14 @@
 //! The k nearest of the rows that are measured.
 
-use super::{Neighbour, Rows, distance};
+use super::simd::Simd;
+use super::{Neighbour, Rows};
+use rayon::prelude::*;
+
+/// Rows that are measured against one query after another while they are in the cache.
+const TILE: usize = 128;
 
 /// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts as infinitely far.
-#[derive(Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Nearest {
     k: usize,
     /// Squared distances and ids, ascending.
@@ -12,7 +17,14 @@ pub(crate) struct Nearest {
 
 impl Nearest {
     pub(crate) fn new(k: usize) -> Self {
-        Self { k, kept: Vec::with_capacity(k.min(1024)) }
+        let mut nearest = Self::default();
+        nearest.reset(k);
+        nearest
+    }
+
+    pub(crate) fn reset(&mut self, k: usize) {
+        self.k = k;
+        self.kept.clear();
     }
 
     /// k is small: a sorted list beats a heap.
@@ -31,18 +43,44 @@ impl Nearest {
         self.kept.insert(at, (squared, id));
     }
 
-    pub(crate) fn into_neighbours(self) -> Vec<Neighbour> {
-        self.kept.into_iter().map(|(squared, id)| Neighbour { id, distance: squared.sqrt() }).collect()
+    pub(crate) fn neighbours(&self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
+        self.kept.iter().map(|&(squared, id)| Neighbour { id, distance: squared.sqrt() })
     }
 }
 
-/// The k nearest of all rows, `except` one.
-pub(crate) fn nearest(rows: Rows<'_>, query: &[f32], k: usize, except: Option<u32>) -> Vec<Neighbour> {
+/// The k nearest of all rows.
+pub(crate) fn nearest(rows: Rows<'_>, query: &[f32], k: usize) -> Vec<Neighbour> {
     let mut nearest = Nearest::new(k);
-    for (id, row) in (0u32..).zip(rows.values.chunks_exact(rows.dim.max(1))) {
-        if Some(id) != except {
-            nearest.offer(id, distance::squared(query, row));
-        }
-    }
-    nearest.into_neighbours()
+    let each = |at: usize, squared| nearest.offer(at as u32, squared);
+    Simd::best().distances(query, rows.values.chunks_exact(rows.dim.max(1)), each);
+    nearest.neighbours().collect()
+}
+
+/// The k nearest of all rows for each of many queries, but for the row that the query itself is. The rows are read
+/// once for each thread, not once for each query.
+pub(crate) fn nearest_of_many(
+    rows: Rows<'_>,
+    queries: &[(Option<u32>, Vec<f32>)],
+    k: usize,
+) -> Vec<Vec<Neighbour>> {
+    let simd = Simd::best();
+    let chunk = queries.len().div_ceil(rayon::current_num_threads()).max(1);
+    let chunks: Vec<Vec<Vec<Neighbour>>> = queries
+        .par_chunks(chunk)
+        .map(|queries| {
+            let mut nearest = vec![Nearest::new(k); queries.len()];
+            for (start, tile) in (0u32..).step_by(TILE).zip(rows.values.chunks(TILE * rows.dim)) {
+                for ((itself, query), nearest) in queries.iter().zip(&mut nearest) {
+                    simd.distances(query, tile.chunks_exact(rows.dim), |at, squared| {
+                        let id = start + at as u32;
+                        if *itself != Some(id) {
+                            nearest.offer(id, squared);
+                        }
+                    });
+                }
+            }
+            nearest.iter().map(|nearest| nearest.neighbours().collect()).collect()
+        })
+        .collect();
+    chunks.into_iter().flatten().collect()
 }

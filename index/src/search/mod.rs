@@ -1,18 +1,29 @@
 //! From a descriptor to its nearest neighbours (the paper's Section V).
 //!
-//! The seam is [`Hash`]: a hash turns a vector into an ordered list of buckets to probe. What follows is one path for
-//! every hash: gather the union of the buckets ([`tables`]), measure exact distances, keep the k nearest ([`exact`]).
-//! [`random`] holds the paper's hash, and [`tune`] chooses its size from the data. [`searcher`] is the door to it all.
+//! The seam is [`Hash`]: a hash turns a vector into an ordered list of buckets to probe, and its buckets give candidates. What
+//! follows is one path for every hash: the candidates' distances are measured by their descriptors, and the k nearest kept
+//! ([`exact`]). [`searcher`] is the door to it all.
+//!
+//! - [`random`] is the paper's hash, with K and T learned from the data.
+//! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by 8-bit codes ([`blocks`], [`simd`]).
+//! - [`measure`] finds out how many probes find how much ([`effort`]), so that a search is told what to find, not how.
 
+pub(crate) mod blocks;
+pub(crate) mod build;
 pub(crate) mod distance;
+pub(crate) mod effort;
 mod exact;
+pub(crate) mod learned;
+mod measure;
 pub(crate) mod random;
 pub(crate) mod searcher;
-pub(crate) mod tables;
-pub(crate) mod tune;
+pub(crate) mod simd;
+pub(crate) mod smallest;
+pub(crate) mod stored;
 
 use exact::Nearest;
-use tables::Buckets;
+use searcher::Scratch;
+use simd::Simd;
 use thiserror::Error;
 
 /// What to search for.
@@ -118,18 +129,38 @@ pub enum SearchError {
         /// Which numbers can be.
         wanted: &'static str,
     },
+    /// Distances cannot be measured exactly.
+    #[error(
+        "the index keeps no descriptors to measure exact distances by: ask for less, or build it with `--originals f32`"
+    )]
+    NoOriginals,
     /// No neighbours were asked for.
     #[error("k is 0: ask for at least one neighbour")]
     NoNeighbours,
 }
 
-/// A hash turns a vector into an ordered list of buckets to probe, most promising first.
-pub(crate) trait Hash: Sync {
+/// A hash turns a vector into an ordered list of buckets to probe, and its buckets into candidates.
+pub(crate) trait Hash: Send + Sync {
     /// How many tables the buckets belong to.
     fn tables(&self) -> u32;
 
-    /// Appends the buckets to probe for `vector`, `probes` a table, to `buckets`.
-    fn probe(&self, vector: &[f32], probes: u32, buckets: &mut Vec<u32>);
+    /// More probes than that, of each table, find no more.
+    fn most_probes(&self) -> u32;
+
+    /// Lists in `scratch.buckets` the buckets to look into for `vector`, `probes` a table, the most promising first.
+    fn probe(&self, simd: Simd, vector: &[f32], probes: u32, scratch: &mut Scratch);
+
+    /// Asks the memory for what [`Self::gather`] will look at.
+    fn prefetch(&self, _: &Scratch) {}
+
+    /// Lists in `scratch.candidates` the entries of those buckets that may be among the `k` nearest.
+    fn gather(&self, simd: Simd, k: usize, scratch: &mut Scratch);
+
+    /// How many entries those buckets hold, each counted once.
+    fn held(&self, scratch: &Scratch) -> u32;
+
+    /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of, if it does.
+    fn estimate(&self, _: &mut Scratch, _: &mut Nearest) {}
 }
 
 /// The descriptors of an index: rows of `dim` values.
@@ -149,45 +180,6 @@ impl<'a> Rows<'a> {
         let start = (id as usize).checked_mul(self.dim)?;
         self.values.get(start..start.checked_add(self.dim)?)
     }
-}
-
-/// Searches `rows` through `hash` and its `buckets`, `probes` of them a table. The query has been checked with [`check`].
-pub(crate) fn search(
-    rows: Rows<'_>,
-    hash: &dyn Hash,
-    buckets: Buckets<'_>,
-    query: &[f32],
-    k: usize,
-    probes: u32,
-) -> Search {
-    let mut probed = Vec::new();
-    hash.probe(query, probes.max(1), &mut probed);
-    let candidates = tables::union(buckets, &probed, rows.len());
-    let cost = SearchCost {
-        tables: hash.tables(),
-        buckets: probed.len() as u32,
-        candidates: candidates.len() as u32,
-        share_of_database: candidates.len() as f64 / rows.len().max(1) as f64,
-        reranked: candidates.len() as u32,
-        ..SearchCost::default()
-    };
-    if candidates.len() < k.min(rows.len()) {
-        return exhaustive(rows, query, k, SearchCost { fell_back: true, ..cost });
-    }
-    let mut nearest = Nearest::new(k);
-    for id in candidates {
-        if let Some(row) = rows.get(id) {
-            nearest.offer(id, distance::squared(query, row));
-        }
-    }
-    Search { neighbours: nearest.into_neighbours(), cost }
-}
-
-/// Measures every row.
-pub(crate) fn exhaustive(rows: Rows<'_>, query: &[f32], k: usize, cost: SearchCost) -> Search {
-    let neighbours = exact::nearest(rows, query, k, None);
-    let found_all = SearchCost { share_of_database: 1.0, exact: true, predicted_recall: Some(1.0), ..cost };
-    Search { neighbours, cost: SearchCost { reranked: rows.len() as u32, ..found_all } }
 }
 
 /// Checks queries and what is wanted of their search.

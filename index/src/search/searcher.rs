@@ -1,27 +1,55 @@
 //! Many searches of one index.
 
-use super::random::RandomHyperplanes;
-use super::tables::Buckets;
-use super::tune::Measured;
-use super::{Effort, Neighbour, Rows, Search, SearchError, SearchOptions, check, exhaustive, search};
+use super::blocks::QuantisedQuery;
+use super::effort::Measured;
+use super::exact::Nearest;
+use super::simd::Simd;
+use super::smallest::Smallest;
+use super::stored::Stored;
+use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, check};
 
 /// Searches one index, query after query. Each thread has its own.
-#[derive(Debug)]
 pub struct Searcher<'a> {
-    rows: Rows<'a>,
-    hash: RandomHyperplanes<'a>,
-    buckets: Buckets<'a>,
-    measured: Measured,
+    stored: Stored<'a>,
+    hash: Box<dyn Hash + 'a>,
+    measured: &'a Measured,
+    simd: Simd,
+    scratch: [Scratch; STAGES],
+}
+
+/// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
+const STAGES: usize = 3;
+
+/// Memory that one search after another uses.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    /// The query in the frame of a learned hash.
+    pub(crate) coordinates: Vec<f32>,
+    pub(crate) query: QuantisedQuery,
+    pub(crate) nearest: Smallest,
+    pub(crate) groups: Vec<u32>,
+    /// What [`Hash::probe`] finds: the buckets to look into, the most promising first, each with what it adds to the scores
+    /// of its entries.
+    pub(crate) buckets: Vec<(f32, u32)>,
+    pub(crate) found: Smallest,
+    /// A bit for each entry that was met.
+    pub(crate) met: Vec<u64>,
+    /// What [`Hash::gather`] finds: the entries whose distance is to be measured.
+    pub(crate) candidates: Vec<u32>,
+    pub(crate) measured: Nearest,
+    /// A descriptor whose values had to be widened.
+    row: Vec<f32>,
+}
+
+impl std::fmt::Debug for Searcher<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Searcher of {} entries, {}", self.stored.entries, self.simd.name())
+    }
 }
 
 impl<'a> Searcher<'a> {
-    pub(crate) fn new(
-        rows: Rows<'a>,
-        hash: RandomHyperplanes<'a>,
-        buckets: Buckets<'a>,
-        measured: Measured,
-    ) -> Self {
-        Self { rows, hash, buckets, measured }
+    pub(crate) fn new(stored: Stored<'a>, hash: Box<dyn Hash + 'a>, measured: &'a Measured) -> Self {
+        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default() }
     }
 
     /// The nearest neighbours of a descriptor.
@@ -29,12 +57,21 @@ impl<'a> Searcher<'a> {
     /// # Errors
     /// [`SearchError`], when the query does not fit the index.
     pub fn search(&mut self, query: &[f32], options: &SearchOptions) -> Result<Search, SearchError> {
-        let dim = self.rows.dim;
+        let dim = self.stored.dim;
         if query.len() != dim {
             return Err(SearchError::WrongLength { expected: dim, found: query.len() });
         }
         check(query, options)?;
-        Ok(self.search_checked(query, options))
+        let Some((probes, predicted_recall)) = self.probes(options.effort)? else {
+            let all = exhaustive(self.stored, query, options.k, SearchCost::default());
+            return all.ok_or(SearchError::NoOriginals);
+        };
+        let scratch = &mut self.scratch[0];
+        let mut found = hashed(self.stored, &*self.hash, self.simd, query, options.k, probes, scratch);
+        if !found.cost.exact {
+            found.cost.predicted_recall = predicted_recall;
+        }
+        Ok(found)
     }
 
     /// The nearest neighbours of many descriptors: `queries` holds them in rows of the index's `dim` values. To `found` is
@@ -49,32 +86,125 @@ impl<'a> Searcher<'a> {
         options: &SearchOptions,
         found: &mut Vec<Neighbour>,
     ) -> Result<(), SearchError> {
-        let dim = self.rows.dim;
-        let rest = queries.len() % dim.max(1);
+        let (stored, dim) = (self.stored, self.stored.dim.max(1));
+        let rest = queries.len() % dim;
         if rest != 0 {
             return Err(SearchError::WrongLength { expected: dim, found: rest });
         }
         check(queries, options)?;
-        let missing = Neighbour { id: u32::MAX, distance: f32::INFINITY };
-        for query in queries.chunks_exact(dim.max(1)) {
-            let end = found.len() + options.k;
-            found.extend(self.search_checked(query, options).neighbours);
-            found.resize(end, missing);
+        let (hash, simd, k) = (&*self.hash, self.simd, options.k);
+        let Some((probes, _)) = self.probes(options.effort)? else {
+            for query in queries.chunks_exact(dim) {
+                append(stored.nearest(query, k).ok_or(SearchError::NoOriginals)?.into_iter(), k, found);
+            }
+            return Ok(());
+        };
+        let queries: Vec<&[f32]> = queries.chunks_exact(dim).collect();
+        // Each turn takes one query a step further at each of three stages, so that what a stage asks the memory for
+        // has a whole turn to arrive.
+        for turn in 0..queries.len() + STAGES - 1 {
+            if let Some(query) = queries.get(turn) {
+                let scratch = &mut self.scratch[turn % STAGES];
+                hash.probe(simd, query, probes, scratch);
+                hash.prefetch(scratch);
+            }
+            if let Some(at) = turn.checked_sub(1).filter(|&at| at < queries.len()) {
+                let scratch = &mut self.scratch[at % STAGES];
+                hash.gather(simd, k, scratch);
+                stored.prefetch(&scratch.candidates);
+            }
+            if let Some((at, query)) = turn.checked_sub(2).and_then(|at| Some((at, *queries.get(at)?))) {
+                let scratch = &mut self.scratch[at % STAGES];
+                if scratch.candidates.len() < k.min(stored.entries) {
+                    let more = hashed(stored, hash, simd, query, k, probes.saturating_mul(2), scratch);
+                    append(more.neighbours.into_iter(), k, found);
+                } else {
+                    rerank(stored, hash, simd, query, k, scratch);
+                    append(scratch.measured.neighbours(), k, found);
+                }
+            }
         }
         Ok(())
     }
 
-    fn search_checked(&mut self, query: &[f32], options: &SearchOptions) -> Search {
-        let probes = match options.effort {
-            Effort::Exact => return exhaustive(self.rows, query, options.k, Default::default()),
-            Effort::Probes(probes) => probes,
-            // The hash is sized for one effort: the one that was measured.
-            Effort::Recall(_) | Effort::Success { .. } => self.hash.size.probes,
+    /// How many buckets to look into, and what that was measured to find; `None` for all entries.
+    fn probes(&self, effort: Effort) -> Result<Option<(u32, Option<f64>)>, SearchError> {
+        let point = match effort {
+            Effort::Exact => None,
+            Effort::Probes(probes) => {
+                return Ok(Some((probes.max(1), self.measured.at(probes).map(|point| point.recall_at_10))));
+            }
+            Effort::Recall(_) | Effort::Success { .. } => self.measured.enough(effort),
         };
-        let mut found = search(self.rows, &self.hash, self.buckets, query, options.k, probes);
-        if !found.cost.exact && probes == self.hash.size.probes {
-            found.cost.predicted_recall = Some(self.measured.recall_at_10);
+        match point {
+            None if !self.stored.are_kept() => Err(SearchError::NoOriginals),
+            point => Ok(point.map(|point| (point.probes, Some(point.recall_at_10)))),
         }
-        found
     }
+}
+
+/// Searches an index through `hash`: the path of every hash. The query fits the descriptors.
+pub(crate) fn hashed(
+    stored: Stored<'_>,
+    hash: &dyn Hash,
+    simd: Simd,
+    query: &[f32],
+    k: usize,
+    probes: u32,
+    scratch: &mut Scratch,
+) -> Search {
+    let wanted = k.min(stored.entries);
+    let (mut probes, most) = (probes.max(1), hash.most_probes());
+    loop {
+        hash.probe(simd, query, probes, scratch);
+        hash.gather(simd, k, scratch);
+        if scratch.candidates.len() >= wanted || probes >= most {
+            break;
+        }
+        // Small buckets, or a large k: more of them are cheaper than all entries.
+        probes = probes.saturating_mul(2);
+    }
+    let held = hash.held(scratch);
+    let cost = SearchCost {
+        tables: hash.tables(),
+        buckets: scratch.buckets.len() as u32,
+        candidates: held,
+        share_of_database: f64::from(held) / stored.entries.max(1) as f64,
+        reranked: if stored.are_kept() { scratch.candidates.len() as u32 } else { 0 },
+        ..SearchCost::default()
+    };
+    if scratch.candidates.len() < wanted
+        && let Some(all) = exhaustive(stored, query, k, SearchCost { fell_back: true, ..cost })
+    {
+        return all;
+    }
+    stored.prefetch(&scratch.candidates);
+    rerank(stored, hash, simd, query, k, scratch);
+    Search { neighbours: scratch.measured.neighbours().collect(), cost }
+}
+
+/// Measures every entry; `None` where no descriptors are kept.
+pub(crate) fn exhaustive(stored: Stored<'_>, query: &[f32], k: usize, cost: SearchCost) -> Option<Search> {
+    let neighbours = stored.nearest(query, k)?;
+    let found_all = SearchCost { share_of_database: 1.0, exact: true, predicted_recall: Some(1.0), ..cost };
+    Some(Search { neighbours, cost: SearchCost { reranked: stored.entries as u32, ..found_all } })
+}
+
+/// Measures the candidates' distances, by their descriptors where these are kept, and keeps the k nearest.
+fn rerank(stored: Stored<'_>, hash: &dyn Hash, simd: Simd, query: &[f32], k: usize, scratch: &mut Scratch) {
+    let mut nearest = std::mem::take(&mut scratch.measured);
+    nearest.reset(k);
+    if stored.are_kept() {
+        stored.measure(simd, query, &scratch.candidates, &mut scratch.row, &mut nearest);
+    } else {
+        hash.estimate(scratch, &mut nearest);
+    }
+    scratch.measured = nearest;
+}
+
+/// Appends a row of `k` neighbours.
+fn append(neighbours: impl Iterator<Item = Neighbour>, k: usize, found: &mut Vec<Neighbour>) {
+    let end = found.len() + k;
+    found.extend(neighbours);
+    found.resize(end, Neighbour { id: u32::MAX, distance: f32::INFINITY });
 }

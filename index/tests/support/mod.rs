@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test and benchmark uses its own part")]
 
 use grasp_index::{
-    BuildError, ClassInfo, HandImage, HashParams, IndexParams, IndexWriter, NewEntry, Summary,
+    BuildError, ClassInfo, HandImage, HashParams, IndexParams, IndexWriter, NewEntry, RandomParams, Summary,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use std::ops::ControlFlow;
@@ -131,7 +131,7 @@ pub(crate) fn write_small(path: impl AsRef<Path>) -> Result<Summary, BuildError>
 
 /// The parameters of [`small`].
 pub(crate) fn small_params() -> IndexParams {
-    let hash = HashParams::Fixed { k: 3, t: 3, buckets: 4 };
+    let hash = HashParams::Random(RandomParams::Fixed { k: 3, t: 3, buckets: 4 });
     IndexParams { hash, thumbnail_side: 4, ..params(3) }
 }
 

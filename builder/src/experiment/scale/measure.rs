@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::ValueEnum;
 use grasp_index::{
     BuildError, DescriptorParams, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, Kept, Neighbour,
-    NewEntry, SearchOptions,
+    NewEntry, RandomParams, SearchOptions,
 };
 use rayon::prelude::*;
 
@@ -28,25 +28,29 @@ const LONG_ENOUGH: Duration = Duration::from_secs(10);
 /// A hash to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Hash {
+    /// Hyperplanes fitted to the data.
+    Learned,
     /// The paper's random hyperplanes.
     Random,
 }
 
 impl Hash {
     /// All of them.
-    pub const ALL: [Hash; 1] = [Hash::Random];
+    pub const ALL: [Hash; 2] = [Hash::Learned, Hash::Random];
 
     /// As in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Learned => "learned",
             Self::Random => "random",
         }
     }
 
     fn params(self) -> HashParams {
         match self {
-            Self::Random => HashParams::Auto,
+            Self::Learned => HashParams::Learned,
+            Self::Random => HashParams::Random(RandomParams::Auto),
         }
     }
 }

@@ -1,24 +1,18 @@
 //! What is made of the descriptors once all are in: sigma, the hash and its tables.
 
 use super::columns::Columns;
-use crate::file::catalogue::HashInfo;
+use crate::file::catalogue::Originals;
 use crate::file::input::{BuildError, IndexParams, Phase};
 use crate::file::sections::SectionKind;
 use crate::search::Rows;
-use crate::search::random::{self, RandomHash, RandomHyperplanes};
-use crate::search::tables::Tables;
-use crate::search::tune::{self, HashParams, Measured};
+use crate::search::build::{self, HashParams, RandomParams, Step};
 use crate::vote::{Sigma, measure_sigma};
 use std::ops::ControlFlow;
 
 /// All that follows from the descriptors.
 pub(super) struct Built {
     pub(super) sigma: Sigma,
-    pub(super) hash: HashInfo,
-    pub(super) measured: Measured,
-    normals: Vec<f32>,
-    offsets: Vec<f32>,
-    tables: Tables,
+    pub(super) search: build::Built,
 }
 
 impl Built {
@@ -29,39 +23,37 @@ impl Built {
         params: &IndexParams,
         progress: &dyn Fn(Phase, f64) -> ControlFlow<()>,
     ) -> Result<Self, BuildError> {
-        let step = |phase| match progress(phase, 0.0) {
+        let step = |phase, share| match progress(phase, share) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(BuildError::Stopped),
         };
-        let seed = params.seed;
-        step(Phase::Sigma)?;
-        let sigma = measure_sigma(rows.values, rows.dim, &columns.labels, params.classes.len());
-        step(Phase::Tune)?;
-        let size = match params.hash {
-            HashParams::Auto => tune::choose(rows, sigma.mean_distance, seed),
-            HashParams::Fixed { k, t, buckets } => RandomHash { planes: k, tables: t, buckets, probes: 1 },
+        let tables = match params.hash {
+            HashParams::Random(RandomParams::Fixed { t, .. }) => u64::from(t),
+            HashParams::Random(RandomParams::Auto) | HashParams::Learned => 1,
         };
-        let ids = u64::from(size.tables) * rows.len() as u64;
-        if u32::try_from(rows.len()).is_err() || u32::try_from(ids).is_err() {
+        if u32::try_from(tables * rows.len() as u64).is_err() {
             return Err(BuildError::TooMany("the entries"));
         }
-        step(Phase::Tables)?;
-        let (normals, offsets) = random::draw(rows, size.tables, size.planes, seed);
-        let hash = RandomHyperplanes { size, dim: rows.dim, normals: &normals, offsets: &offsets };
-        let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
-        step(Phase::Measure)?;
-        let measured = tune::measure(rows, &hash, &tables, size.probes, sigma.mean_distance, seed);
-        Ok(Self { sigma, hash: HashInfo::Random(size), measured, normals, offsets, tables })
+        step(Phase::Sigma, 0.0)?;
+        let sigma = measure_sigma(rows.values, rows.dim, &columns.labels, params.classes.len());
+        let held_out = Rows { values: &params.held_out, dim: rows.dim };
+        let search_step = |at, share| {
+            let phase = match at {
+                Step::Tune => Phase::Tune,
+                Step::Fill => Phase::Tables,
+                Step::Measure => Phase::Measure,
+            };
+            step(phase, share)
+        };
+        let spread = sigma.mean_distance;
+        let keeps_descriptors = params.originals != Originals::None;
+        let search =
+            build::build(rows, keeps_descriptors, held_out, params.hash, spread, params.seed, &search_step)?;
+        Ok(Self { sigma, search })
     }
 
     /// The bytes of one of the hash's sections; none for other sections.
     pub(super) fn section(&self, kind: SectionKind) -> &[u8] {
-        match kind {
-            SectionKind::PlaneNormals => bytemuck::cast_slice(&self.normals),
-            SectionKind::PlaneOffsets => bytemuck::cast_slice(&self.offsets),
-            SectionKind::BucketDirectory => bytemuck::cast_slice(&self.tables.directory),
-            SectionKind::BucketIds => bytemuck::cast_slice(&self.tables.ids),
-            _ => &[],
-        }
+        self.search.section(kind)
     }
 }

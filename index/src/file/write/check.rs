@@ -2,8 +2,8 @@
 
 use crate::file::catalogue::Originals;
 use crate::file::input::{BuildError, IndexParams, NewEntry};
+use crate::search::build::{HashParams, RandomParams};
 use crate::search::random::MAX_PLANES;
-use crate::search::tune::HashParams;
 use half::f16;
 
 /// The pixels of a thumbnail.
@@ -33,10 +33,10 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
         return Err(BuildError::Params("at least one neighbour must vote"));
     }
     check_held_out(&params.held_out, params.descriptor.dim())?;
-    if params.originals != Originals::F32 {
+    if params.originals != Originals::F32 && params.hash != HashParams::Learned {
         return Err(BuildError::Params("a random hash needs the original descriptors as they are (f32)"));
     }
-    if let HashParams::Fixed { k, t, buckets } = params.hash
+    if let HashParams::Random(RandomParams::Fixed { k, t, buckets }) = params.hash
         && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))
     {
         return Err(BuildError::Params("K is 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));

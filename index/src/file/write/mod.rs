@@ -209,8 +209,8 @@ impl IndexWriter {
             entries: self.len() as u64,
             bytes: self.out.len(),
             sigma: built.sigma,
-            hash: built.hash,
-            measured: built.measured,
+            hash: built.search.info(),
+            measured: built.search.measured,
         })
     }
 
@@ -275,8 +275,8 @@ impl IndexWriter {
             sigma: built.sigma,
             calibration: params.calibration,
             seed: params.seed,
-            hash: built.hash,
-            measured: built.measured,
+            hash: built.search.info(),
+            measured: built.search.measured.clone(),
             thumbnail_side: params.thumbnail_side,
             provenance: params.provenance.clone(),
             sections,

@@ -3,8 +3,8 @@
 use super::*;
 use crate::file::catalogue::ClassInfo;
 use crate::file::verify::Problem;
-use crate::search::tune::HashParams;
-use crate::{EntryError, Index, SearchOptions, VoteOptions};
+use crate::search::build::{HashParams, RandomParams};
+use crate::{Effort, EntryError, Index, SearchOptions, VoteOptions};
 
 /// A sound index of 8 entries, ready to be spoilt.
 fn writer() -> IndexWriter {
@@ -13,7 +13,7 @@ fn writer() -> IndexWriter {
         classes: vec![class("one"), class("two")],
         hand_shapes: vec!["mean".into()],
         stages: vec!["grasp".into()],
-        hash: HashParams::Fixed { k: 2, t: 2, buckets: 4 },
+        hash: HashParams::Random(RandomParams::Fixed { k: 2, t: 2, buckets: 4 }),
         ..IndexParams::default()
     };
     let dim = params.descriptor.dim();
@@ -75,35 +75,49 @@ fn angles_beyond_a_turn_are_found() {
 }
 
 #[test]
-fn descriptors_in_half_their_size_are_those_rounded_and_make_the_same_hash() {
-    let exact = spoilt(|_| ());
-    let halved = |originals| {
+fn descriptors_are_kept_as_they_are_or_in_half_their_size_or_not_at_all() {
+    let built = |originals| {
         let mut writer = writer();
         let mut rows = Sink::memory();
         rows.append(&writer.out.written().expect("it is in memory")).expect("memory");
         writer.params.originals = originals;
-        writer.out = Sink::memory();
-        writer.out.append(&[0; header::LENGTH]).expect("memory");
-        writer.rows = Some(rows);
-        writer.finish_bytes().expect("the index is built")
+        writer.params.hash = HashParams::Learned;
+        if originals != Originals::F32 {
+            writer.out = Sink::memory();
+            writer.out.append(&[0; header::LENGTH]).expect("memory");
+            writer.rows = Some(rows);
+        }
+        Index::from_bytes(&writer.finish_bytes().expect("the index is built")).expect("it opens")
     };
-    let length = |bytes: &[u8]| Header::read(bytes).expect("a header").file_length;
-    let (halves, none) = (halved(Originals::F16), halved(Originals::None));
-    let dim = exact.dim();
-    assert_eq!(exact.byte_len() - length(&halves), (2 * 8 * dim) as u64);
-    assert_eq!(exact.byte_len() - length(&none), (4 * 8 * dim) as u64);
-    // A random hash alone does not do without.
-    for bytes in [&halves, &none] {
-        let refused = Index::from_bytes(bytes).expect_err("distances cannot be measured");
-        assert!(refused.to_string().contains("states a hash that needs the descriptors"), "{refused}");
+    let exact = built(Originals::F32);
+    for (originals, bytes) in [(Originals::F32, 4), (Originals::F16, 2), (Originals::None, 0)] {
+        let index = built(originals);
+        let section = index.catalogue().sections[0];
+        assert_eq!(section.length, (bytes * 8 * index.dim()) as u64, "{originals:?}");
+        assert!(index.verify().is_sound(), "{originals:?}");
+        for id in 0..8 {
+            let original = exact.descriptor(id).expect("the entry is there");
+            let kept = index.descriptor(id);
+            assert_eq!(kept.is_some(), bytes > 0);
+            let rounded = |value: f32| if bytes == 2 { f16::from_f32(value).to_f32() } else { value };
+            if let Some(kept) = kept {
+                assert!(kept.iter().zip(&*original).all(|(&kept, &value)| kept == rounded(value)));
+            }
+            let found = index.search(&original, &SearchOptions::default()).expect("the query fits");
+            let nearest = found.neighbours.first().expect("there are eight");
+            assert_eq!(nearest.id, id, "{originals:?}");
+            assert!(nearest.distance < 0.05, "{originals:?}: {}", nearest.distance);
+        }
+        let all = SearchOptions { effort: Effort::Exact, ..SearchOptions::default() };
+        assert_eq!(index.search(&[0.0; 84], &all).is_ok(), bytes > 0);
     }
-    let halves: Vec<f16> = halves[header::LENGTH..][..2 * 8 * dim]
-        .chunks_exact(2)
-        .map(|bytes| f16::from_le_bytes([bytes[0], bytes[1]]))
-        .collect();
-    for (id, row) in (0..).zip(halves.chunks_exact(dim)) {
-        let original = exact.descriptor(id).expect("the entry is there");
-        assert!(row.iter().zip(&*original).all(|(half, value)| *half == f16::from_f32(*value)));
+}
+
+#[test]
+fn a_random_hash_does_not_do_without_descriptors() {
+    for originals in [Originals::F16, Originals::None] {
+        let params = IndexParams { originals, ..writer().params };
+        assert!(matches!(IndexWriter::new(params), Err(BuildError::Params(_))));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tables' buckets, all in two flat arrays: bucket `b` holds `ids[directory[b]..directory[b + 1]]`. Bucket `h` of
 //! table `t` is number `t * H + h`.
 
-use super::Rows;
+use crate::search::Rows;
 use rayon::prelude::*;
 
 /// Buckets as they lie in the file. Nothing in them is trusted.
@@ -19,11 +19,18 @@ impl<'a> Buckets<'a> {
     }
 }
 
-/// The ids below `rows` in any of the buckets, each once, in the order they are met.
-pub(crate) fn union(buckets: Buckets<'_>, probed: &[u32], rows: usize) -> Vec<u32> {
-    let mut met = vec![0u64; rows.div_ceil(64)];
-    let mut union = Vec::new();
-    for &bucket in probed {
+/// Replaces `union` by the ids below `rows` in any of the buckets, each once, in the order they are met.
+pub(crate) fn union(
+    buckets: Buckets<'_>,
+    probed: impl Iterator<Item = u32>,
+    rows: usize,
+    met: &mut Vec<u64>,
+    union: &mut Vec<u32>,
+) {
+    met.clear();
+    met.resize(rows.div_ceil(64), 0);
+    union.clear();
+    for bucket in probed {
         for &id in buckets.get(bucket) {
             let (word, bit) = (id as usize / 64, 1u64 << (id % 64));
             if let Some(word) = met.get_mut(word).filter(|word| **word & bit == 0 && (id as usize) < rows) {
@@ -32,7 +39,6 @@ pub(crate) fn union(buckets: Buckets<'_>, probed: &[u32], rows: usize) -> Vec<u3
             }
         }
     }
-    union
 }
 
 /// Buckets on their way into a file.
@@ -74,7 +80,7 @@ impl Tables {
 }
 
 /// The end of each bucket, and the ids by bucket.
-fn counting_sort(homes: &[u32], buckets: u32) -> (Vec<u32>, Vec<u32>) {
+pub(crate) fn counting_sort(homes: &[u32], buckets: u32) -> (Vec<u32>, Vec<u32>) {
     let mut next = vec![0u32; buckets as usize + 1];
     for &home in homes {
         next[home as usize + 1] += 1;

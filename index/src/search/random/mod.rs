@@ -1,11 +1,17 @@
 //! The paper's hash: `T` tables, each of `K` random hyperplanes through the region where the data lies. The side of each
 //! plane is a bit; the `K` bits are hashed to one of `H` buckets.
 
+pub(crate) mod tables;
+pub(crate) mod tune;
+
+use super::searcher::Scratch;
+use super::simd::Simd;
 use super::{Hash, Rows, distance};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use rkyv::{Archive, Deserialize, Serialize};
+use tables::Buckets;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 /// The most planes of a table: the bit string is a `u64`.
@@ -20,8 +26,6 @@ pub struct RandomHash {
     pub tables: u32,
     /// The paper's H: buckets a table.
     pub buckets: u32,
-    /// Buckets that a search probes in each table: 1 in the paper.
-    pub probes: u32,
 }
 
 /// Hyperplanes as they lie in the file: `normals` holds `T * K` rows of `dim` values, `offsets` their `T * K` offsets. A
@@ -64,29 +68,55 @@ impl RandomHyperplanes<'_> {
     }
 }
 
-impl Hash for RandomHyperplanes<'_> {
+/// Hyperplanes with the buckets behind them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Random<'a> {
+    pub(crate) hyperplanes: RandomHyperplanes<'a>,
+    pub(crate) buckets: Buckets<'a>,
+    /// Entries of the index.
+    pub(crate) entries: usize,
+}
+
+impl Hash for Random<'_> {
     fn tables(&self) -> u32 {
-        self.size.tables
+        self.hyperplanes.size.tables
+    }
+
+    fn most_probes(&self) -> u32 {
+        self.hyperplanes.size.planes + 1
     }
 
     /// A table's own bucket first; then those across one plane, the nearest plane first.
-    fn probe(&self, vector: &[f32], probes: u32, buckets: &mut Vec<u32>) {
-        let mut margins = Vec::with_capacity(self.size.planes as usize);
-        for table in 0..self.size.tables {
+    fn probe(&self, _: Simd, vector: &[f32], probes: u32, scratch: &mut Scratch) {
+        let RandomHyperplanes { size, .. } = self.hyperplanes;
+        let mut margins = Vec::with_capacity(size.planes as usize);
+        scratch.buckets.clear();
+        for table in 0..size.tables {
             margins.clear();
             let mut bits = 0u64;
-            self.margins(vector, table, |plane, margin| {
+            self.hyperplanes.margins(vector, table, |plane, margin| {
                 bits |= u64::from(margin >= 0.0) << plane;
                 margins.push((margin.abs(), plane));
             });
-            let number = |bits: u64| table * self.size.buckets + self.bucket(bits, table);
-            buckets.push(number(bits));
+            let number = |bits: u64| (0.0, table * size.buckets + self.hyperplanes.bucket(bits, table));
+            scratch.buckets.push(number(bits));
             if probes > 1 {
                 margins.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let flips = margins.iter().take(probes as usize - 1);
-                buckets.extend(flips.map(|(_, plane)| number(bits ^ (1 << plane))));
+                scratch.buckets.extend(flips.map(|(_, plane)| number(bits ^ (1 << plane))));
             }
         }
+    }
+
+    /// The union of the buckets.
+    fn gather(&self, _: Simd, _: usize, scratch: &mut Scratch) {
+        let Scratch { buckets, candidates, met, .. } = scratch;
+        let probed = buckets.iter().map(|&(_, bucket)| bucket);
+        tables::union(self.buckets, probed, self.entries, met, candidates);
+    }
+
+    fn held(&self, scratch: &Scratch) -> u32 {
+        scratch.candidates.len() as u32
     }
 }
 

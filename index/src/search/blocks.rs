@@ -1,0 +1,205 @@
+//! Quantised vectors as they lie in the file: blocks of sixteen.
+//!
+//! A vector is a code of one byte for each of P axes (128 stands for 0), a *scalar* that a distance needs besides, and,
+//! where it is an entry, its id. A block holds, one after the other,
+//!
+//! - `P / 4` groups of 64 bytes: four axes of the first vector, the same four of the second, and so on to the sixteenth,
+//!   because a processor multiplies and adds four neighbouring bytes at once;
+//! - sixteen f32, the scalars; infinity where there is no vector;
+//! - sixteen u32, the ids, in blocks of entries alone.
+//!
+//! So all that a scan needs of a vector lies together, and a run of blocks is read from front to back.
+
+/// Vectors of a block.
+pub(crate) const LANES: usize = 16;
+/// The most axes: the largest sum of products still fits an i32.
+pub(crate) const MAX_AXES: usize = 512;
+/// What is added to a code to make a byte of it.
+pub(crate) const CODE_ZERO: i32 = 128;
+/// The largest code, and the largest value of a quantised query.
+pub(crate) const MAX_CODE: i32 = 127;
+const MAX_VALUE: i32 = (1 << 14) - 1;
+
+/// A run of blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks<'a> {
+    bytes: &'a [u8],
+    axes: usize,
+    stride: usize,
+    /// The number of the first block among all.
+    first: u32,
+}
+
+/// One block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block<'a> {
+    pub(crate) codes: &'a [u8],
+    pub(crate) scalars: &'a [f32; LANES],
+    /// No id where the block holds none.
+    ids: &'a [u32],
+    number: u32,
+}
+
+impl Block<'_> {
+    /// The id of a vector, or its place among all vectors where the block holds no ids.
+    #[inline]
+    pub(crate) fn id(&self, lane: usize) -> u32 {
+        self.ids
+            .get(lane)
+            .copied()
+            .unwrap_or(self.number.wrapping_mul(LANES as u32).wrapping_add(lane as u32))
+    }
+}
+
+/// Bytes of a block of centres.
+pub(crate) const fn centre_stride(axes: usize) -> usize {
+    LANES * (axes + 4)
+}
+
+/// Bytes of a block of entries.
+pub(crate) const fn entry_stride(axes: usize) -> usize {
+    LANES * (axes + 8)
+}
+
+impl<'a> Blocks<'a> {
+    /// Blocks of centres: no ids.
+    pub(crate) fn of_centres(bytes: &'a [u8], axes: usize) -> Self {
+        Self { bytes, axes, stride: centre_stride(axes), first: 0 }
+    }
+
+    /// Blocks of entries.
+    pub(crate) fn of_entries(bytes: &'a [u8], axes: usize) -> Self {
+        Self { bytes, axes, stride: entry_stride(axes), first: 0 }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.bytes.len() / self.stride
+    }
+
+    /// The blocks from `start` up to `end`; none where that makes no sense.
+    pub(crate) fn run(self, start: u32, end: u32) -> Self {
+        let at = |block: u32| (block as usize).checked_mul(self.stride);
+        let range = at(start).zip(at(end)).and_then(|(start, end)| self.bytes.get(start..end));
+        Self { bytes: range.unwrap_or(&[]), first: self.first.wrapping_add(start), ..self }
+    }
+
+    /// How many vectors a run holds: only its last block has unused places.
+    pub(crate) fn vectors(&self) -> u32 {
+        let last = self
+            .iter()
+            .last()
+            .map_or(0, |last| last.scalars.iter().filter(|scalar| scalar.is_finite()).count());
+        (self.len().saturating_sub(1) * LANES + last) as u32
+    }
+
+    pub(crate) fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    #[inline(always)]
+    pub(crate) fn iter(self) -> impl Iterator<Item = Block<'a>> {
+        let numbers = (0..).map(move |at: u32| self.first.wrapping_add(at));
+        self.bytes
+            .chunks_exact(self.stride)
+            .zip(numbers)
+            .filter_map(move |(bytes, number)| self.split(bytes, number))
+    }
+
+    /// Sections start at multiples of 64 bytes and so do all parts of a block, as `axes` is a multiple of 4: the casts do
+    /// not fail.
+    #[inline(always)]
+    fn split(&self, bytes: &'a [u8], number: u32) -> Option<Block<'a>> {
+        let (codes, rest) = bytes.split_at_checked(LANES * self.axes)?;
+        let (scalars, ids) = rest.split_at_checked(LANES * 4)?;
+        let scalars: &[f32] = bytemuck::try_cast_slice(scalars).ok()?;
+        Some(Block {
+            codes,
+            scalars: scalars.try_into().ok()?,
+            ids: bytemuck::try_cast_slice(ids).ok()?,
+            number,
+        })
+    }
+}
+
+/// Writes one vector into a block of a file in the making.
+pub(crate) fn put(block: &mut [u8], axes: usize, lane: usize, codes: &[i8], scalar: f32, id: Option<u32>) {
+    for (axis, &code) in codes.iter().enumerate() {
+        block[axis / 4 * 4 * LANES + lane * 4 + axis % 4] = (i32::from(code) + CODE_ZERO) as u8;
+    }
+    let scalars = LANES * axes;
+    block[scalars + lane * 4..][..4].copy_from_slice(&scalar.to_le_bytes());
+    if let Some(id) = id {
+        let ids = scalars + LANES * 4;
+        block[ids + lane * 4..][..4].copy_from_slice(&id.to_le_bytes());
+    }
+}
+
+/// Marks a lane that holds no vector.
+pub(crate) fn put_nothing(block: &mut [u8], axes: usize, lane: usize, has_ids: bool) {
+    put(block, axes, lane, &[], f32::INFINITY, has_ids.then_some(u32::MAX));
+}
+
+/// A coordinate as a code of steps of `scale`.
+#[inline]
+pub(crate) fn code(coordinate: f32, per_scale: f32) -> i8 {
+    round((coordinate * per_scale).clamp(-MAX_CODE as f32, MAX_CODE as f32)) as i8
+}
+
+/// To the nearest whole number, halves upward; faster than `f32::round` where there is no instruction for that, and the
+/// same everywhere. Below 2^15 either way; a NaN is 0.
+#[inline]
+fn round(value: f32) -> i32 {
+    (value + (MAX_VALUE as f32 + 1.5)) as i32 - (MAX_VALUE + 1)
+}
+
+/// A query in the axes' frame: 15 bits a value, in the forms that the paths of [`super::simd`] take.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct QuantisedQuery {
+    /// The values in units of `step`, zeros up to a multiple of 4.
+    pub(crate) values: Vec<i16>,
+    /// Four values as 16-bit numbers.
+    pub(crate) quads: Vec<i64>,
+    /// Four values as bytes, split into `128 * high + low`: high ones, low ones.
+    pub(crate) halves: Vec<[i32; 2]>,
+    /// What [`CODE_ZERO`] adds to every dot product with codes.
+    pub(crate) bias: i32,
+    /// The length of a unit.
+    pub(crate) step: f32,
+}
+
+impl QuantisedQuery {
+    /// Takes the coordinates of a query.
+    pub(crate) fn set(&mut self, coordinates: &[f32]) {
+        let largest = coordinates.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
+        let step = largest.max(f32::MIN_POSITIVE * 1e6) / MAX_VALUE as f32;
+        let per_step = 1.0 / step;
+        self.set_values(coordinates.iter().map(|value| round(value * per_step) as i16), step);
+    }
+
+    /// Takes codes: a vector of the index as a query.
+    pub(crate) fn set_codes(&mut self, codes: &[i8], step: f32) {
+        self.set_values(codes.iter().map(|&code| i16::from(code)), step);
+    }
+
+    fn set_values(&mut self, values: impl Iterator<Item = i16>, step: f32) {
+        self.step = step;
+        self.values.clear();
+        self.values.extend(values);
+        self.values.resize(self.values.len().next_multiple_of(4), 0);
+        self.quads.clear();
+        self.halves.clear();
+        let mut sum = 0;
+        for four in self.values.as_chunks::<4>().0 {
+            let (mut quad, mut high, mut low) = (0i64, 0i32, 0i32);
+            for (at, &value) in four.iter().enumerate() {
+                sum += i32::from(value);
+                quad |= i64::from(value as u16) << (16 * at);
+                high |= i32::from((value >> 7) as u8) << (8 * at);
+                low |= i32::from((value & 127) as u8) << (8 * at);
+            }
+            self.quads.push(quad);
+            self.halves.push([high, low]);
+        }
+        self.bias = CODE_ZERO * sum;
+    }
+}

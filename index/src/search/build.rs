@@ -1,0 +1,136 @@
+//! Making the hash of an index.
+
+use super::effort::Measured;
+use super::learned::fit::{Fitted, fit};
+use super::random::tables::Tables;
+use super::random::{self, Random, RandomHash, RandomHyperplanes, tune};
+use super::stored::{Stored, Values};
+use super::{Hash, Rows, measure};
+use crate::file::catalogue::HashInfo;
+use crate::file::sections::SectionKind;
+
+/// Which hash an index gets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HashParams {
+    /// Hyperplanes fitted to the data.
+    #[default]
+    Learned,
+    /// The paper's random hyperplanes.
+    Random(RandomParams),
+}
+
+/// How a random hash is sized.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RandomParams {
+    /// K and T are learned from the data: the cheapest that reach eps-success 0.95 at eps 0.05 on held-out queries.
+    #[default]
+    Auto,
+    /// K, T and H as given.
+    Fixed {
+        /// The paper's K: hyperplanes a table, 1 to 64.
+        k: u32,
+        /// The paper's T: tables, 1 to 1024.
+        t: u32,
+        /// The paper's H: buckets a table, 1 to 2^20.
+        buckets: u32,
+    },
+}
+
+/// What is being done, told with the share of it that is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    Tune,
+    Fill,
+    Measure,
+}
+
+/// A hash on its way into a file.
+#[derive(Debug)]
+pub(crate) struct Built {
+    table: Table,
+    pub(crate) measured: Measured,
+}
+
+#[derive(Debug)]
+enum Table {
+    Random { size: RandomHash, normals: Vec<f32>, offsets: Vec<f32>, tables: Tables },
+    Learned(Fitted),
+}
+
+/// Makes the hash that `params` asks for and measures it. `step` stops the work by returning an error.
+pub(crate) fn build<E: Send>(
+    rows: Rows<'_>,
+    keeps_descriptors: bool,
+    held_out: Rows<'_>,
+    params: HashParams,
+    sigma: f64,
+    seed: u64,
+    step: &dyn Fn(Step, f64) -> Result<(), E>,
+) -> Result<Built, E> {
+    step(Step::Tune, 0.0)?;
+    let table = match params {
+        HashParams::Learned => Table::Learned(fit(rows, &|share| step(Step::Fill, share))?),
+        HashParams::Random(params) => {
+            let size = match params {
+                RandomParams::Auto => tune::choose(rows, held_out, sigma, seed),
+                RandomParams::Fixed { k, t, buckets } => RandomHash { planes: k, tables: t, buckets },
+            };
+            step(Step::Fill, 0.0)?;
+            let (normals, offsets) = random::draw(rows, size.tables, size.planes, seed);
+            let hash = RandomHyperplanes { size, dim: rows.dim, normals: &normals, offsets: &offsets };
+            let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
+            Table::Random { size, normals, offsets, tables }
+        }
+    };
+    step(Step::Measure, 0.0)?;
+    // Rounded to 16 bits, descriptors find what they find as they are.
+    let values = if keeps_descriptors { Values::F32(rows.values) } else { Values::None };
+    let stored = Stored { values, ..rows.into() };
+    let measured = measure::measure(rows, stored, held_out, &*table.hash(rows), sigma, seed);
+    Ok(Built { table, measured })
+}
+
+impl Table {
+    fn hash<'a>(&'a self, rows: Rows<'a>) -> Box<dyn Hash + 'a> {
+        match self {
+            Self::Learned(fitted) => Box::new(fitted.as_learned()),
+            Self::Random { size, normals, offsets, tables } => Box::new(Random {
+                hyperplanes: RandomHyperplanes { size: *size, dim: rows.dim, normals, offsets },
+                buckets: tables.as_buckets(),
+                entries: rows.len(),
+            }),
+        }
+    }
+}
+
+impl Built {
+    pub(crate) fn info(&self) -> HashInfo {
+        match &self.table {
+            Table::Learned(fitted) => HashInfo::Learned(fitted.size),
+            Table::Random { size, .. } => HashInfo::Random(*size),
+        }
+    }
+
+    /// The bytes of one of the hash's sections; none for a section that is another's.
+    pub(crate) fn section(&self, kind: SectionKind) -> &[u8] {
+        match (&self.table, kind) {
+            (Table::Random { normals, .. }, SectionKind::PlaneNormals) => bytemuck::cast_slice(normals),
+            (Table::Random { offsets, .. }, SectionKind::PlaneOffsets) => bytemuck::cast_slice(offsets),
+            (Table::Random { tables, .. }, SectionKind::BucketDirectory) => {
+                bytemuck::cast_slice(&tables.directory)
+            }
+            (Table::Random { tables, .. }, SectionKind::BucketIds) => bytemuck::cast_slice(&tables.ids),
+            (Table::Learned(fitted), SectionKind::Axes) => bytemuck::cast_slice(&fitted.axes.projection),
+            (Table::Learned(fitted), SectionKind::GroupCentres) => &fitted.groups,
+            (Table::Learned(fitted), SectionKind::GroupDirectory) => {
+                bytemuck::cast_slice(&fitted.group_directory)
+            }
+            (Table::Learned(fitted), SectionKind::BucketCentres) => &fitted.centres,
+            (Table::Learned(fitted), SectionKind::BucketDirectory) => {
+                bytemuck::cast_slice(&fitted.bucket_directory)
+            }
+            (Table::Learned(fitted), SectionKind::EntryBlocks) => &fitted.entries,
+            _ => &[],
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The principal axes of the data: the frame in which vectors are quantised.
+
+use crate::search::Rows;
+use crate::search::blocks::MAX_AXES;
+use crate::search::simd::Simd;
+use nalgebra::{DMatrix, SymmetricEigen};
+use rayon::prelude::*;
+
+/// Rows that the axes are fitted to.
+const SAMPLE: usize = 20_000;
+/// The share of the variance that the axes must hold. What the rest adds to a distance comes in when the best are measured
+/// exactly.
+const VARIANCE: f64 = 0.995;
+/// More axes than that make a scan slower than the exact distances that they save.
+const WANTED_AXES: usize = 256;
+
+/// Principal axes as they lie in the file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Axes<'a> {
+    /// P.
+    pub(crate) count: usize,
+    /// `D + 1` rows of P: what each value of a vector adds to each coordinate, and last the coordinates of the zero vector.
+    pub(crate) projection: &'a [f32],
+}
+
+impl Axes<'_> {
+    /// The coordinates of `vector`.
+    pub(crate) fn project(&self, simd: Simd, vector: &[f32], coordinates: &mut [f32]) {
+        let at = self.projection.len().saturating_sub(self.count);
+        let (matrix, offset) = self.projection.split_at(at);
+        simd.project(matrix, offset, vector, coordinates);
+    }
+}
+
+/// Axes on their way into a file.
+#[derive(Clone, Debug)]
+pub(crate) struct FittedAxes {
+    pub(crate) count: usize,
+    pub(crate) projection: Vec<f32>,
+}
+
+impl FittedAxes {
+    pub(crate) fn as_axes(&self) -> Axes<'_> {
+        Axes { count: self.count, projection: &self.projection }
+    }
+}
+
+/// Every `step`-th row, so that about `sample` are taken.
+pub(crate) fn sample<'a>(rows: Rows<'a>, sample: usize) -> impl Iterator<Item = (u32, &'a [f32])> + Clone {
+    let step = rows.len().div_ceil(sample.max(1)).max(1);
+    (0..rows.len() as u32).step_by(step).filter_map(move |id| Some((id, rows.get(id)?)))
+}
+
+/// The axes in which the rows vary most: as many as hold 99.5 % of the variance, and then up to a multiple of 16 (of 4 where
+/// that is all there are).
+pub(crate) fn fit(rows: Rows<'_>) -> FittedAxes {
+    let dim = rows.dim;
+    let sampled: Vec<&[f32]> = sample(rows, SAMPLE).map(|(_, row)| row).collect();
+    let mean = mean(&sampled, dim);
+    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(covariance(&sampled, &mean));
+    let mut order: Vec<usize> = (0..dim).collect();
+    order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
+    let total: f64 = eigenvalues.iter().map(|value| value.max(0.0)).sum();
+    let mut held = 0.0;
+    let enough = order.iter().position(|&at| {
+        held += eigenvalues[at].max(0.0);
+        held >= VARIANCE * total
+    });
+    let enough = enough.map_or(dim, |at| at + 1).next_multiple_of(16);
+    let count = enough.min(dim.next_multiple_of(4)).min(WANTED_AXES.min(MAX_AXES));
+    let mut projection = vec![0.0; (dim + 1) * count];
+    for (axis, &at) in order.iter().take(count).enumerate() {
+        let direction = eigenvectors.column(at);
+        // An eigenvector's sign means nothing; fixing it keeps the file the same.
+        let largest = direction.iter().copied().fold(0.0f64, |a, b| if b.abs() > a.abs() { b } else { a });
+        let sign = if largest < 0.0 { -1.0 } else { 1.0 };
+        let mut offset = 0.0;
+        for value in 0..dim {
+            let factor = sign * direction[value];
+            projection[value * count + axis] = factor as f32;
+            offset -= factor * mean[value];
+        }
+        projection[dim * count + axis] = offset as f32;
+    }
+    FittedAxes { count, projection }
+}
+
+fn mean(rows: &[&[f32]], dim: usize) -> Vec<f64> {
+    let mut mean = vec![0.0; dim];
+    for row in rows {
+        for (mean, &value) in mean.iter_mut().zip(*row) {
+            *mean += f64::from(value);
+        }
+    }
+    mean.iter_mut().for_each(|mean| *mean /= rows.len().max(1) as f64);
+    mean
+}
+
+/// The covariance, each row of it summed over the rows in their order.
+fn covariance(rows: &[&[f32]], mean: &[f64]) -> DMatrix<f64> {
+    let dim = mean.len();
+    let lines: Vec<Vec<f64>> = (0..dim)
+        .into_par_iter()
+        .map(|i| {
+            let mut line = vec![0.0; i + 1];
+            for row in rows {
+                let centred = f64::from(row[i]) - mean[i];
+                for ((sum, &value), mean) in line.iter_mut().zip(*row).zip(mean) {
+                    *sum += centred * (f64::from(value) - mean);
+                }
+            }
+            line
+        })
+        .collect();
+    DMatrix::from_fn(dim, dim, |i, j| lines[i.max(j)][i.min(j)])
+}

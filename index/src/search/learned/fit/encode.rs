@@ -1,0 +1,110 @@
+//! Entries as codes of their difference from the bucket's centre, in blocks.
+
+use super::CHUNK;
+use super::cells::Cells;
+use crate::search::Rows;
+use crate::search::blocks::{self, LANES, MAX_CODE};
+use crate::search::learned::axes::{self, FittedAxes};
+use crate::search::random::tables::counting_sort;
+use crate::search::simd::Simd;
+use rayon::prelude::*;
+use rkyv::util::AlignedVec;
+
+/// Rows that the unit of the codes is measured on.
+const SAMPLE: usize = 20_000;
+/// The share of coordinates that fit their code. The few that do not are cut off: a finer unit for all others is worth more.
+const CODED: f64 = 0.9995;
+
+/// What a distance needs besides the codes.
+pub(super) struct Residuals {
+    /// The unit of the codes.
+    pub(super) scale: f32,
+    /// For each row, `|r|^2 + 2 <c, r>`.
+    scalars: Vec<f32>,
+}
+
+/// Replaces the codes of every row by those of its difference from its centre.
+pub(super) fn residuals(
+    rows: Rows<'_>,
+    axes: &FittedAxes,
+    cells: &Cells,
+    homes: &[u32],
+    codes: &mut [i8],
+    simd: Simd,
+) -> Residuals {
+    let residual = |row: &[f32], home: u32, coordinates: &mut [f32]| {
+        axes.as_axes().project(simd, row, coordinates);
+        for (coordinate, &code) in coordinates.iter_mut().zip(cells.centre(home)) {
+            *coordinate -= f32::from(code) * cells.scale();
+        }
+    };
+    let mut coordinates = vec![0.0; axes.count];
+    let mut sizes = Vec::new();
+    for (id, row) in axes::sample(rows, SAMPLE) {
+        residual(row, homes[id as usize], &mut coordinates);
+        sizes.extend(coordinates.iter().map(|value| value.abs()));
+    }
+    let largest = ((sizes.len() - 1) as f64 * CODED) as usize;
+    let (_, &mut largest, _) = sizes.select_nth_unstable_by(largest, f32::total_cmp);
+    let scale = largest.max(f32::MIN_POSITIVE * 1e6) / MAX_CODE as f32;
+    let mut scalars = vec![0.0; rows.len()];
+    let chunks = (
+        codes.par_chunks_mut(CHUNK * axes.count),
+        rows.values.par_chunks(CHUNK * rows.dim),
+        homes.par_chunks(CHUNK),
+        scalars.par_chunks_mut(CHUNK),
+    );
+    chunks.into_par_iter().for_each(|(codes, values, homes, scalars)| {
+        let mut coordinates = vec![0.0; axes.count];
+        let each =
+            codes.chunks_exact_mut(axes.count).zip(values.chunks_exact(rows.dim)).zip(homes).zip(scalars);
+        for (((codes, row), &home), scalar) in each {
+            residual(row, home, &mut coordinates);
+            let (mut squares, mut with_centre) = (0i32, 0i32);
+            for ((code, &coordinate), &centre) in codes.iter_mut().zip(&coordinates).zip(cells.centre(home)) {
+                *code = blocks::code(coordinate, 1.0 / scale);
+                squares += i32::from(*code) * i32::from(*code);
+                with_centre += i32::from(*code) * i32::from(centre);
+            }
+            *scalar = scale * scale * squares as f32 + 2.0 * scale * cells.scale() * with_centre as f32;
+        }
+    });
+    Residuals { scale, scalars }
+}
+
+/// Lays the entries out in blocks, bucket by bucket, and tells where each bucket's blocks start and end. Within a bucket ids ascend.
+pub(super) fn blocks(
+    codes: &[i8],
+    axes: usize,
+    residuals: &Residuals,
+    homes: &[u32],
+    buckets: usize,
+) -> (Vec<u32>, AlignedVec<64>) {
+    let (ends, ids) = counting_sort(homes, buckets as u32);
+    let mut members = Vec::with_capacity(buckets);
+    let mut directory = vec![0u32];
+    let (mut start, mut blocks) = (0, 0);
+    for &end in &ends {
+        let ids = &ids[start as usize..end as usize];
+        blocks += ids.len().div_ceil(LANES) as u32;
+        directory.push(blocks);
+        members.push(ids);
+        start = end;
+    }
+    let stride = blocks::entry_stride(axes);
+    let mut bytes = AlignedVec::<64>::new();
+    bytes.resize(blocks as usize * stride, 0);
+    let sixteens: Vec<&[u32]> = members.iter().flat_map(|ids| ids.chunks(LANES)).collect();
+    bytes.par_chunks_exact_mut(stride).zip(sixteens).for_each(|(block, ids)| {
+        for lane in 0..LANES {
+            match ids.get(lane) {
+                Some(&id) => {
+                    let codes = &codes[id as usize * axes..][..axes];
+                    blocks::put(block, axes, lane, codes, residuals.scalars[id as usize], Some(id));
+                }
+                None => blocks::put_nothing(block, axes, lane, true),
+            }
+        }
+    });
+    (directory, bytes)
+}

@@ -1,0 +1,138 @@
+//! Every path against the plain loops, bit by bit, and those against the definition.
+
+use super::*;
+use crate::search::blocks::{self, LANES, MAX_CODE};
+use crate::search::distance;
+use proptest::prelude::*;
+use rkyv::util::AlignedVec;
+
+fn block_bytes(axes: usize, vectors: &[(Vec<i8>, f32)], has_ids: bool) -> AlignedVec<64> {
+    let stride = if has_ids { blocks::entry_stride(axes) } else { blocks::centre_stride(axes) };
+    let mut bytes = AlignedVec::new();
+    bytes.resize(vectors.len().div_ceil(LANES) * stride, 0);
+    for (block, bytes) in bytes.chunks_exact_mut(stride).enumerate() {
+        for lane in 0..LANES {
+            match vectors.get(block * LANES + lane) {
+                Some((codes, scalar)) => {
+                    blocks::put(
+                        bytes,
+                        axes,
+                        lane,
+                        codes,
+                        *scalar,
+                        has_ids.then_some(1000 - (block * LANES + lane) as u32),
+                    );
+                }
+                None => blocks::put_nothing(bytes, axes, lane, has_ids),
+            }
+        }
+    }
+    bytes
+}
+
+fn vectors() -> impl Strategy<Value = (usize, Vec<(Vec<i8>, f32)>, Vec<f32>)> {
+    (1..40usize).prop_flat_map(|fours| {
+        let axes = 4 * fours;
+        let vector = (prop::collection::vec(-127..=127i8, axes), -2.0..2.0f32);
+        (Just(axes), prop::collection::vec(vector, 1..50), prop::collection::vec(-3.0..3.0f32, axes))
+    })
+}
+
+proptest! {
+    #[test]
+    fn every_path_gives_the_same_scores((axes, vectors, query) in vectors(), has_ids: bool, keep in 1..60usize, factor in 0.0..1e-3f32, base in -2.0..2.0f32) {
+        let bytes = block_bytes(axes, &vectors, has_ids);
+        let run = if has_ids { Blocks::of_entries(&bytes, axes) } else { Blocks::of_centres(&bytes, axes) };
+        let mut quantised = QuantisedQuery::default();
+        quantised.set(&query);
+        let by = |simd: Simd| {
+            let mut smallest = Smallest::default();
+            smallest.reset(keep);
+            simd.scan(run, &quantised, factor, base, &mut smallest);
+            smallest.sorted().collect::<Vec<_>>()
+        };
+        let mut expected: Vec<(f32, u32)> = (0u32..)
+            .zip(&vectors)
+            .map(|(at, (codes, scalar))| {
+                let dot: i64 = codes.iter().zip(&quantised.values).map(|(&c, &v)| i64::from(c) * i64::from(v)).sum();
+                (base + (scalar - factor * dot as f32), if has_ids { 1000 - at } else { at })
+            })
+            .collect();
+        expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        expected.truncate(keep);
+        for simd in Simd::available() {
+            prop_assert_eq!(by(simd), &expected[..], "{}", simd.name());
+        }
+    }
+
+    #[test]
+    fn every_path_measures_alike(query in prop::collection::vec(-1.0..1.0f32, 1..200), row in prop::collection::vec(-1.0..1.0f32, 200)) {
+        let row = &row[..query.len()];
+        for simd in Simd::available() {
+            simd.distances(&query, [row, &query].into_iter(), |at, squared| {
+                assert_eq!(squared, [distance::squared(&query, row), 0.0][at], "{}", simd.name());
+            });
+        }
+    }
+
+    #[test]
+    fn every_path_projects_alike(rows in 1..100usize, axes in 1..150usize, seed: u64) {
+        let mut state = seed | 1;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
+        };
+        let matrix: Vec<f32> = (0..rows * axes).map(|_| draw()).collect();
+        let offset: Vec<f32> = (0..axes).map(|_| draw()).collect();
+        let vector: Vec<f32> = (0..rows).map(|_| draw()).collect();
+        let by = |simd: Simd| {
+            let mut out = vec![0.0; axes];
+            simd.project(&matrix, &offset, &vector, &mut out);
+            out
+        };
+        let expected: Vec<f32> = (0..axes)
+            .map(|axis| (0..rows).fold(0.0, |sum, row| sum + vector[row] * matrix[row * axes + axis]) + offset[axis])
+            .collect();
+        for simd in Simd::available() {
+            prop_assert_eq!(&by(simd), &expected, "{}", simd.name());
+        }
+    }
+}
+
+#[test]
+fn the_largest_sums_do_not_overflow() {
+    let axes = blocks::MAX_AXES;
+    let codes = |code: i8| (vec![code; axes], 0.0f32);
+    let vectors = [codes(MAX_CODE as i8), codes(-MAX_CODE as i8)];
+    let bytes = block_bytes(axes, &vectors, false);
+    let mut query = QuantisedQuery::default();
+    query.set(&vec![1.0; axes]);
+    let value = f32::from(query.values[0]);
+    for simd in Simd::available() {
+        let mut smallest = Smallest::default();
+        smallest.reset(9);
+        simd.scan(Blocks::of_centres(&bytes, axes), &query, 1.0, 0.0, &mut smallest);
+        let largest = 127.0 * value * axes as f32;
+        assert_eq!(smallest.sorted().collect::<Vec<_>>(), [(-largest, 0), (largest, 1)], "{}", simd.name());
+    }
+}
+
+#[test]
+fn quantised_values_are_near_and_their_forms_agree() {
+    let coordinates: Vec<f32> = (0..30).map(|at| ((at * 7919) % 101) as f32 / 50.0 - 1.0).collect();
+    let mut query = QuantisedQuery::default();
+    query.set(&coordinates);
+    assert_eq!((query.values.len(), query.quads.len(), query.halves.len()), (32, 8, 8));
+    for (at, &value) in query.values.iter().enumerate() {
+        let coordinate = coordinates.get(at).copied().unwrap_or(0.0);
+        assert!((f32::from(value) * query.step - coordinate).abs() <= query.step * 0.6);
+        let byte = |half: i32| i32::from((half >> (8 * (at % 4))) as i8);
+        let [high, low] = query.halves[at / 4];
+        assert_eq!(128 * byte(high) + byte(low), i32::from(value));
+        assert_eq!((query.quads[at / 4] >> (16 * (at % 4))) as i16, value);
+    }
+    // All zeros, and what no finite query holds: no panic, and no NaN among the units.
+    for odd in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY, f32::NAN] {
+        query.set(&[odd; 5]);
+    }
+}
