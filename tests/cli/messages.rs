@@ -30,7 +30,7 @@ fn inspect_says_what_is_in_an_index() {
         (r"\b0\.\d{3,4}\b", "[share]"),
         (r"printed: \d+\.\d", "printed: [sigma]"),
         (r"T = \d+ tables of K = \d+ hyperplanes, H = \d+", "T = [t] tables of K = [k] hyperplanes, H = [h]"),
-        (r"\d+\.\d % of the database", "[share] % of the database"),
+        (r"\d+\.\d+ % of the database", "[share] % of the database"),
         (r"(?m)^  section .*$", "  section      [...]"),
         (r"\d+ bytes", "[n] bytes"),
     ];
