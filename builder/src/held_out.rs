@@ -97,8 +97,7 @@ pub struct Hands {
 
 impl std::fmt::Display for Hands {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let names: Vec<&str> = self.hand_shapes.iter().map(|shape| shape.name.as_str()).collect();
-        write!(f, "{} views of {}, seed {}", self.views, names.join(", "), self.seed)
+        write!(f, "{} views of {}, seed {}", self.views, self.names().join(", "), self.seed)
     }
 }
 
@@ -116,6 +115,12 @@ impl Hands {
         // The shapes that the views are not of are not needed.
         let plan = RenderPlan { hand_shapes: Vec::new(), look, ..plan.clone() };
         Self { hand_shapes, plan, views, seed }
+    }
+
+    /// The names of the hand shapes.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        self.hand_shapes.iter().map(|shape| shape.name.clone()).collect()
     }
 
     /// The descriptors of all views that show a hand, in rows: hand by hand, grasp by grasp.
