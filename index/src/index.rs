@@ -9,8 +9,8 @@ use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
 use crate::hand_image::HandImage;
 use crate::search::blocks::Blocks;
-use crate::search::learned::Learned;
 use crate::search::learned::axes::Axes;
+use crate::search::learned::{Learned, LearnedHash};
 use crate::search::random::tables::Buckets;
 use crate::search::random::{Random, RandomHyperplanes};
 use crate::search::searcher::Searcher;
@@ -187,20 +187,33 @@ impl Index {
                 },
                 entries: stored.entries,
             }),
-            HashInfo::Learned(size) => {
-                let axes = size.axes as usize;
-                Box::new(Learned {
-                    size,
-                    axes: Axes { count: axes, projection: self.file.array(SectionKind::Axes) },
-                    groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
-                    group_directory: self.file.array(SectionKind::GroupDirectory),
-                    centres: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
-                    bucket_directory: self.file.array(SectionKind::BucketDirectory),
-                    entries: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
-                })
-            }
+            HashInfo::Learned(size) => Box::new(self.learned(size)),
         };
         Searcher::new(stored, hash, &self.catalogue().measured)
+    }
+
+    fn learned(&self, size: LearnedHash) -> Learned<'_> {
+        let axes = size.axes as usize;
+        Learned {
+            size,
+            axes: Axes { count: axes, projection: self.file.array(SectionKind::Axes) },
+            groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
+            group_directory: self.file.array(SectionKind::GroupDirectory),
+            centres: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
+            bucket_directory: self.file.array(SectionKind::BucketDirectory),
+            entries: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
+        }
+    }
+
+    /// The steps of a search by a learned hash, for each of the machine's instruction sets, fastest first. For benches.
+    #[cfg(feature = "parts")]
+    #[doc(hidden)]
+    pub fn parts(&self) -> Vec<crate::search::parts::Parts<'_>> {
+        let HashInfo::Learned(size) = self.catalogue().hash else {
+            return Vec::new();
+        };
+        let part = |simd| crate::search::parts::Parts::new(self.stored(), self.learned(size), simd);
+        crate::search::simd::Simd::available().into_iter().map(part).collect()
     }
 
     /// The nearest neighbours of a descriptor. For many queries, [`Self::searcher`] is faster.

@@ -78,6 +78,9 @@ pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
 pub use search::learned::LearnedHash;
+#[cfg(feature = "parts")]
+#[doc(hidden)]
+pub use search::parts::Parts;
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 

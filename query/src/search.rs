@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use grasp_index::{Effort, Index, Neighbour, SearchCost, SearchError, SearchOptions, Searcher};
+use grasp_index::{Index, Neighbour, SearchCost, SearchError, SearchOptions, Searcher};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -112,15 +112,17 @@ pub struct EffortRecord {
 /// [`SearchError`], where a query does not fit the index.
 pub fn mean_cost(index: &Index, queries: &[f32], options: &SearchOptions) -> Result<MeanCost, SearchError> {
     let dim = index.dim().max(1);
-    // Comparing with every entry takes long, and costs the same for every query.
-    let sample = if options.effort == Effort::Exact { 1 } else { SAMPLE };
-    let step = (queries.len() / dim).div_ceil(sample).max(1);
+    let step = (queries.len() / dim).div_ceil(SAMPLE).max(1);
     let mut searcher = index.searcher();
-    let costs: Vec<SearchCost> = queries
-        .chunks_exact(dim)
-        .step_by(step)
-        .map(|query| Ok(searcher.search(query, options)?.cost))
-        .collect::<Result<_, SearchError>>()?;
+    let mut costs: Vec<SearchCost> = Vec::new();
+    for query in queries.chunks_exact(dim).step_by(step) {
+        let cost = searcher.search(query, options)?.cost;
+        costs.push(cost);
+        // Comparing with every entry takes long, and costs the same for every query.
+        if cost.exact && !cost.fell_back {
+            break;
+        }
+    }
     let mean =
         |value: fn(&SearchCost) -> f64| costs.iter().map(value).sum::<f64>() / costs.len().max(1) as f64;
     Ok(MeanCost {

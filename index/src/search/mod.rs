@@ -15,6 +15,8 @@ pub(crate) mod effort;
 mod exact;
 pub(crate) mod learned;
 mod measure;
+#[cfg(feature = "parts")]
+pub(crate) mod parts;
 pub(crate) mod random;
 pub(crate) mod searcher;
 pub(crate) mod simd;

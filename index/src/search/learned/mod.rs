@@ -68,12 +68,19 @@ pub(crate) struct Learned<'a> {
 
 impl Learned<'_> {
     /// The groups of centres whose buckets are ranked when `probes` of them are wanted.
-    fn groups_for(&self, probes: u32) -> u32 {
+    pub(crate) fn groups_for(&self, probes: u32) -> u32 {
         probes.saturating_add(probes / 2).saturating_add(6)
     }
 
+    /// Turns the query into the principal axes and quantises it.
+    pub(crate) fn rotate(&self, simd: Simd, vector: &[f32], scratch: &mut Scratch) {
+        scratch.coordinates.resize(self.axes.count, 0.0);
+        self.axes.project(simd, vector, &mut scratch.coordinates);
+        scratch.query.set(&scratch.coordinates);
+    }
+
     /// Ranks the buckets for the quantised query: the `probes` nearest of the `groups` nearest groups.
-    fn rank(&self, simd: Simd, groups: u32, probes: u32, scratch: &mut Scratch) {
+    pub(crate) fn rank(&self, simd: Simd, groups: u32, probes: u32, scratch: &mut Scratch) {
         let Scratch { query, nearest, groups: chosen, buckets, .. } = scratch;
         let factor = 2.0 * self.size.centre_scale * query.step;
         chosen.clear();
@@ -110,9 +117,7 @@ impl Hash for Learned<'_> {
     }
 
     fn probe(&self, simd: Simd, vector: &[f32], probes: u32, scratch: &mut Scratch) {
-        scratch.coordinates.resize(self.axes.count, 0.0);
-        self.axes.project(simd, vector, &mut scratch.coordinates);
-        scratch.query.set(&scratch.coordinates);
+        self.rotate(simd, vector, scratch);
         // A damaged or hostile request may ask for more than there is.
         let probes = probes.min(self.most_probes());
         self.rank(simd, self.groups_for(probes), probes, scratch);

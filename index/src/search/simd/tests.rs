@@ -30,7 +30,10 @@ fn block_bytes(axes: usize, vectors: &[(Vec<i8>, f32)], has_ids: bool) -> Aligne
     bytes
 }
 
-fn vectors() -> impl Strategy<Value = (usize, Vec<(Vec<i8>, f32)>, Vec<f32>)> {
+/// A number of axes, codes with their scalars, and a query.
+type Vectors = (usize, Vec<(Vec<i8>, f32)>, Vec<f32>);
+
+fn vectors() -> impl Strategy<Value = Vectors> {
     (1..40usize).prop_flat_map(|fours| {
         let axes = 4 * fours;
         let vector = (prop::collection::vec(-127..=127i8, axes), -2.0..2.0f32);
