@@ -33,7 +33,7 @@ impl Cells {
         let members: Vec<&[u32]> = leaves.iter().collect();
         let centres: Vec<Option<Vec<i8>>> =
             members.par_iter().map(|ids| middle(codes, axes, ids.iter().copied())).collect();
-        let group_planes = planes / 2;
+        let group_planes = planes.div_ceil(2);
         let group = |leaf: usize| leaf >> (planes - group_planes);
         let placed = centres.into_iter().enumerate().filter_map(|(leaf, codes)| Some((group(leaf), codes?)));
         Self::group(axes, scale, 1 << group_planes, placed)
