@@ -19,8 +19,10 @@ use crate::interrupt;
 const FIRST_SEED: u64 = 2_000_000;
 /// Hand shapes that a build holds out.
 pub const HANDS: usize = 4;
-/// Views of them.
-pub const VIEWS: usize = 2_000;
+/// Of these, how many are seen in each grasp: posing and meshing a hand takes as long as a hundred views of it.
+const HANDS_A_GRASP: usize = 2;
+/// Views of them: half a second's work for two cores.
+pub const VIEWS: usize = 1_200;
 /// How far light and distance vary at least.
 const LIGHT: f64 = 0.3;
 const DISTANCE: f64 = 0.2;
@@ -90,6 +92,8 @@ fn cannot_use(path: &Path) -> String {
 #[derive(Clone, Debug)]
 pub struct Hands {
     hand_shapes: Vec<HandShape>,
+    /// How many of the shapes are seen in each grasp.
+    a_grasp: usize,
     plan: RenderPlan,
     views: usize,
     seed: u64,
@@ -106,7 +110,7 @@ impl Hands {
     #[must_use]
     pub fn beside(plan: &RenderPlan, known: &[String], hands: usize, views: usize, seed: u64) -> Self {
         let is_new = |shape: &HandShape| !known.contains(&shape.name) && !plan.hand_shapes.contains(shape);
-        let hand_shapes = (FIRST_SEED..).map(HandShape::sample).filter(is_new).take(hands).collect();
+        let hand_shapes: Vec<_> = (FIRST_SEED..).map(HandShape::sample).filter(is_new).take(hands).collect();
         let look = Look {
             light_variation: plan.look.light_variation.max(LIGHT),
             distance_variation: plan.look.distance_variation.max(DISTANCE),
@@ -114,7 +118,7 @@ impl Hands {
         };
         // The shapes that the views are not of are not needed.
         let plan = RenderPlan { hand_shapes: Vec::new(), look, ..plan.clone() };
-        Self { hand_shapes, plan, views, seed }
+        Self { a_grasp: hand_shapes.len(), hand_shapes, plan, views, seed }
     }
 
     /// The names of the hand shapes.
@@ -123,7 +127,13 @@ impl Hands {
         self.hand_shapes.iter().map(|shape| shape.name.clone()).collect()
     }
 
-    /// The descriptors of all views that show a hand, in rows: hand by hand, grasp by grasp.
+    /// What a build measures its search by.
+    #[must_use]
+    pub fn of_a_build(plan: &RenderPlan, known: &[String], seed: u64) -> Self {
+        Self { a_grasp: HANDS_A_GRASP, ..Self::beside(plan, known, HANDS, VIEWS, seed) }
+    }
+
+    /// The descriptors of all views that show a hand, in rows: grasp by grasp, hand by hand.
     ///
     /// # Errors
     /// When the work was interrupted.
@@ -140,20 +150,22 @@ impl Hands {
         Ok(all)
     }
 
-    /// Each hand in each grasp, at a stage and with an object drawn from the plan's, and its share of the views.
+    /// Each grasp by as many hands, in turn, at a stage drawn from the plan's and with an object of any size, and its share of
+    /// the views.
     fn scenes(&self) -> Vec<(SceneSpec, Vec<View>)> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let plan = &self.plan;
-        let count = self.hand_shapes.len() * plan.grasps.len();
-        let grasps: Vec<_> = plan.grasps.iter().cloned().map(Arc::new).collect();
+        let count = self.a_grasp * plan.grasps.len();
+        let hand_shapes: Vec<_> = self.hand_shapes.iter().cloned().map(Arc::new).collect();
+        let mut in_turn = hand_shapes.iter().cycle();
         let mut scenes = Vec::with_capacity(count);
-        for shape in self.hand_shapes.iter().cloned().map(Arc::new) {
-            for grasp in &grasps {
+        for grasp in plan.grasps.iter().cloned().map(Arc::new) {
+            for shape in in_turn.by_ref().take(self.a_grasp) {
                 let stage = rng.random_range(0..plan.stages.len().max(1) as u64) as usize;
                 let size = rng.random_range(0.2..0.8);
                 let spec = SceneSpec {
-                    hand_shape: Arc::clone(&shape),
-                    grasp: Arc::clone(grasp),
+                    hand_shape: Arc::clone(shape),
+                    grasp: Arc::clone(&grasp),
                     stage: plan.stages.get(stage).copied().unwrap_or(Stage::Grasp),
                     object: grasp.object.object(size),
                     look: plan.look.clone(),

@@ -242,7 +242,7 @@ fn an_index_says_which_hands_were_held_out() {
     let held_out = index.catalogue().provenance.iter().find(|(key, _)| key == "held out");
     assert_eq!(
         held_out.unwrap().1,
-        "2000 views of hand-2000000, hand-2000001, hand-2000002, hand-2000003, seed 7"
+        "1200 views of hand-2000000, hand-2000001, hand-2000002, hand-2000003, seed 7"
     );
 }
 

@@ -12,7 +12,7 @@ use grasp_renders::RenderPlan;
 use super::Global;
 use super::plan::PlanOptions;
 use crate::build::{Recipe, RenderSet, Source, THUMBNAIL_SIDE, Vectors, build};
-use crate::held_out::{self, Hands, HeldOut};
+use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
 
 /// Build an index from render sets, straight from hand shapes, or from vectors that were described elsewhere.
@@ -133,7 +133,7 @@ impl Build {
     fn source(&self) -> anyhow::Result<(Source, HeldOut)> {
         let seed = self.seed;
         let held_out = |plan: &RenderPlan, known: &[String]| {
-            HeldOut::Rendered(Box::new(Hands::beside(plan, known, held_out::HANDS, held_out::VIEWS, seed)))
+            HeldOut::Rendered(Box::new(Hands::of_a_build(plan, known, seed)))
         };
         if let Some(path) = &self.vectors.descriptors {
             let labels = self.vectors.labels.as_deref();

@@ -25,7 +25,7 @@ pub(crate) struct Queries {
     #[arg(long, value_name = "Q.npy")]
     out: PathBuf,
     /// Render about N views; those that show no hand are left out.
-    #[arg(long, default_value_t = held_out::VIEWS as u32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(long, default_value_t = 2_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     count: u32,
     /// Leave the descriptors as they are.
     #[arg(long)]
