@@ -13,38 +13,51 @@ use grasp_index::Index;
 use grasp_index::npy::{NpyHeader, NpyType};
 use grasp_tests::{Outcome, program, run, small_index};
 
-const ROWS: u64 = 200_000;
-const DIM: u64 = 128;
-/// The bytes that a build may hold for each row: its quantised form, labels, and buckets.
-const HELD_A_ROW: u64 = 120;
+const ROWS: usize = 100_000;
+const DIM: usize = 256;
+/// What the rows are spread out by: as with descriptors, far fewer directions than values.
+const DIRECTIONS: usize = 8;
+/// The bytes that a build may hold for each row: twice its codes, on their way from one order to another, and its label.
+const HELD_A_ROW: usize = 300;
 /// What it may hold besides: buffers, the threads' stacks, the program's own data.
-const HELD_BESIDES: u64 = 40 << 20;
+const HELD_BESIDES: usize = 40 << 20;
 
-/// A folder with 102 MB of vectors in `x.npy`, in clouds, and labels in `y.csv`.
+/// Numbers from -1 to 1, always the same.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+}
+
+/// A folder with 102 MB of vectors in `x.npy` and their labels in `y.csv`.
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
-    FOLDER
-        .get_or_init(|| {
-            let folder = tempfile::tempdir().unwrap();
-            let mut out = BufWriter::new(File::create(folder.path().join("x.npy")).unwrap());
-            let header = NpyHeader { element: NpyType::F32, rows: ROWS, columns: DIM, offset: 0 };
-            out.write_all(&header.to_bytes()).unwrap();
-            let mut noise = 1u64;
-            for row in 0..ROWS {
-                for column in 0..DIM {
-                    noise =
-                        noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                    let cloud = ((row % 97 * 31 + column * 17) % 101) as f32;
-                    out.write_all(&(cloud + (noise >> 40) as f32 / (1 << 20) as f32).to_le_bytes()).unwrap();
-                }
+    let make = || {
+        let folder = tempfile::tempdir().unwrap();
+        let mut out = BufWriter::new(File::create(folder.path().join("x.npy")).unwrap());
+        let (rows, columns) = (ROWS as u64, DIM as u64);
+        out.write_all(&NpyHeader { element: NpyType::F32, rows, columns, offset: 0 }.to_bytes()).unwrap();
+        let mut noise = Noise(1);
+        let directions: Vec<f32> = (0..DIRECTIONS * DIM).map(|_| noise.next()).collect();
+        let mut row = [0.0; DIM];
+        for _ in 0..ROWS {
+            row.fill_with(|| 0.05 * noise.next());
+            for direction in directions.chunks_exact(DIM) {
+                let along = noise.next();
+                row.iter_mut().zip(direction).for_each(|(value, step)| *value += along * step);
             }
-            out.flush().unwrap();
-            let line = |row: u64| ["pinch\n", "power-sphere\n"][row as usize % 2];
-            let labels: String = std::iter::once("grasp\n").chain((0..ROWS).map(line)).collect();
-            fs::write(folder.path().join("y.csv"), labels).unwrap();
-            folder
-        })
-        .path()
+            row.iter().for_each(|value| out.write_all(&value.to_le_bytes()).unwrap());
+        }
+        out.flush().unwrap();
+        let line = |row: usize| ["pinch\n", "power-sphere\n"][row % 2];
+        let labels: String = std::iter::once("grasp\n").chain((0..ROWS).map(line)).collect();
+        fs::write(folder.path().join("y.csv"), labels).unwrap();
+        folder
+    };
+    FOLDER.get_or_init(make).path()
 }
 
 /// The builder under one of the shell's limits, `ulimit` with these arguments.
@@ -67,24 +80,26 @@ fn files_in(folder: &Path) -> Vec<String> {
 fn a_build_holds_the_quantised_form_of_its_vectors_and_no_more() {
     let out = tempfile::tempdir().unwrap();
     let (x, y) = (folder().join("x.npy"), folder().join("y.csv"));
-    let built = |limit: u64| {
-        let hash = ["--hash", "random", "--tables", "4", "--planes", "14"];
+    let built = |limit: usize, hash: &[&str]| {
         let files = ["--descriptors", x.to_str().unwrap(), "--labels", y.to_str().unwrap()];
         // Private memory that can be written; what is mapped from files does not count, because it can be dropped.
-        let arguments = [&["build", "--out", "big.idx", "--threads", "2"][..], &files, &hash].concat();
+        let arguments = [&["build", "--out", "big.idx", "--threads", "2"][..], &files, hash].concat();
         limited(&format!("-d {}", limit >> 10), &arguments, out.path())
     };
     let all = ROWS * DIM * 4;
     let limit = ROWS * HELD_A_ROW + HELD_BESIDES;
     assert!(limit < all, "a limit that the vectors themselves fit into shows nothing");
-    let outcome = built(limit);
-    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
-    assert_eq!(files_in(out.path()), ["big.idx"]);
-    let index = Index::open(out.path().join("big.idx")).unwrap();
-    assert_eq!((index.len() as u64, index.dim() as u64), (ROWS, DIM));
-    assert!(index.verify().is_sound());
+    let random = ["--hash", "random", "--tables", "4", "--planes", "14"];
+    for hash in [&random[..], &["--originals", "none"]] {
+        let outcome = built(limit, hash);
+        assert_eq!(outcome.status, 0, "{hash:?}: {}", outcome.stderr);
+        assert_eq!(files_in(out.path()), ["big.idx"]);
+        let index = Index::open(out.path().join("big.idx")).unwrap();
+        assert_eq!((index.len(), index.dim()), (ROWS, DIM));
+        assert!(index.verify().is_sound());
+    }
     // The limit is one that can be felt.
-    assert_ne!(built(4 << 20).status, 0);
+    assert_ne!(built(4 << 20, &random).status, 0);
 }
 
 #[test]
