@@ -7,7 +7,7 @@ use rkyv::util::AlignedVec;
 use std::fs::File;
 use std::io::{self, Read};
 use std::marker::PhantomData;
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 use std::path::Path;
 
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
@@ -70,6 +70,18 @@ impl Bytes {
         bytes.resize(length, 0);
         file.read_exact(&mut bytes[held..])?;
         Ok(Self::Held(bytes))
+    }
+
+    /// Asks the operating system to read a part of the file ahead, all of it at once instead of page by page as it is
+    /// touched. Of no effect besides time.
+    pub(crate) fn will_need(&self, range: Range<usize>) {
+        #[cfg(unix)]
+        if let Self::Mapped(map) = self {
+            // A system that cannot do so reads page by page.
+            let _ = map.advise_range(memmap2::Advice::WillNeed, range.start, range.len());
+        }
+        #[cfg(not(unix))]
+        let _ = range;
     }
 
     /// Copies bytes that are in memory already, because those need not be aligned.

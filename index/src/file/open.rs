@@ -34,6 +34,8 @@ impl Opened {
         let archived = rkyv::access::<ArchivedCatalogue, ArchiveError>(archive).map_err(unreadable)?;
         let catalogue = rkyv::deserialize::<Catalogue, ArchiveError>(archived).map_err(unreadable)?;
         let layout = Layout::check(&catalogue, header.catalogue_offset)?;
+        // Every search reads these, and they lie together before the catalogue.
+        bytes.will_need(layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize);
         Ok(Self { bytes, header, catalogue, layout })
     }
 

@@ -4,6 +4,7 @@ use super::effort::Measured;
 use super::learned::fit::{Fitted, fit};
 use super::random::tables::Tables;
 use super::random::{self, Random, RandomHash, RandomHyperplanes, tune};
+use super::simd::Simd;
 use super::stored::{Stored, Values};
 use super::{Hash, Rows, measure};
 use crate::file::catalogue::HashInfo;
@@ -69,7 +70,7 @@ pub(crate) fn build<E: Send>(
 ) -> Result<Built, E> {
     step(Step::Tune, 0.0)?;
     let table = match params {
-        HashParams::Learned => Table::Learned(fit(rows, &|share| step(Step::Fill, share))?),
+        HashParams::Learned => Table::Learned(fit(rows, Simd::best(), &|share| step(Step::Fill, share))?),
         HashParams::Random(params) => {
             let size = match params {
                 RandomParams::Auto => tune::choose(rows, held_out, sigma, seed),

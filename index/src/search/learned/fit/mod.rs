@@ -65,8 +65,11 @@ fn planes(rows: usize) -> u32 {
 
 /// Learns a hash for the rows: the same one at any number of threads and on any machine's instructions. `step` is told
 /// the share that is done, and stops the work by returning an error.
-pub(crate) fn fit<E: Send>(rows: Rows<'_>, step: &dyn Fn(f64) -> Result<(), E>) -> Result<Fitted, E> {
-    let simd = Simd::best();
+pub(crate) fn fit<E: Send>(
+    rows: Rows<'_>,
+    simd: Simd,
+    step: &dyn Fn(f64) -> Result<(), E>,
+) -> Result<Fitted, E> {
     let planes = planes(rows.len());
     let axes = axes::fit(rows);
     step(0.05)?;
