@@ -20,12 +20,15 @@ use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
 use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
 
 /// An index, opened for searching. It can be shared between threads.
 #[derive(Debug)]
 pub struct Index {
     file: Opened,
+    /// No search has been made yet, and the pages that one needs may have to come from the disk.
+    is_cold: AtomicBool,
 }
 
 /// One entry of an index: of what [`Catalogue::kept`] names, everything.
@@ -93,7 +96,7 @@ impl Index {
     /// # Errors
     /// [`OpenError`], when the file is no sound index.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        Ok(Self { file: Opened::new(Bytes::map(path.as_ref())?)? })
+        Self::new(Bytes::map(path.as_ref())?)
     }
 
     /// Opens an index by reading its file into memory.
@@ -101,7 +104,7 @@ impl Index {
     /// # Errors
     /// [`OpenError`], when the file is no sound index.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, OpenError> {
-        Ok(Self { file: Opened::new(Bytes::read(path.as_ref())?)? })
+        Self::new(Bytes::read(path.as_ref())?)
     }
 
     /// Opens an index that is in memory already, such as one compiled into a program. The bytes are copied.
@@ -109,7 +112,11 @@ impl Index {
     /// # Errors
     /// [`OpenError`], when they are no sound index.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, OpenError> {
-        Ok(Self { file: Opened::new(Bytes::copy(bytes))? })
+        Self::new(Bytes::copy(bytes))
+    }
+
+    fn new(bytes: Bytes) -> Result<Self, OpenError> {
+        Ok(Self { file: Opened::new(bytes)?, is_cold: AtomicBool::new(true) })
     }
 
     /// Checks every byte of the index, which opening does not.
@@ -189,7 +196,8 @@ impl Index {
             }),
             HashInfo::Learned(size) => Box::new(self.learned(size)),
         };
-        Searcher::new(stored, hash, &self.catalogue().measured)
+        let cold = self.is_cold.swap(false, Ordering::Relaxed).then_some(&self.file.bytes);
+        Searcher::new(stored, hash, &self.catalogue().measured, cold)
     }
 
     fn learned(&self, size: LearnedHash) -> Learned<'_> {

@@ -7,7 +7,7 @@ use rkyv::util::AlignedVec;
 use std::fs::File;
 use std::io::{self, Read};
 use std::marker::PhantomData;
-use std::ops::{Deref, Range};
+use std::ops::Deref;
 use std::path::Path;
 
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
@@ -72,16 +72,19 @@ impl Bytes {
         Ok(Self::Held(bytes))
     }
 
-    /// Asks the operating system to read a part of the file ahead, all of it at once instead of page by page as it is
-    /// touched. Of no effect besides time.
-    pub(crate) fn will_need(&self, range: Range<usize>) {
+    /// Asks the operating system to read `part` of these bytes ahead: all of it at once and beside others, instead of page by
+    /// page as it is touched. Of no effect besides time.
+    pub(crate) fn will_need(&self, part: &[u8]) {
         #[cfg(unix)]
         if let Self::Mapped(map) = self {
-            // A system that cannot do so reads page by page.
-            let _ = map.advise_range(memmap2::Advice::WillNeed, range.start, range.len());
+            let start = (part.as_ptr() as usize).checked_sub(map.as_ptr() as usize);
+            if let Some(start) = start.filter(|start| start + part.len() <= map.len() && !part.is_empty()) {
+                // A system that cannot do so reads page by page.
+                let _ = map.advise_range(memmap2::Advice::WillNeed, start, part.len());
+            }
         }
         #[cfg(not(unix))]
-        let _ = range;
+        let _ = part;
     }
 
     /// Copies bytes that are in memory already, because those need not be aligned.

@@ -35,7 +35,8 @@ impl Opened {
         let catalogue = rkyv::deserialize::<Catalogue, ArchiveError>(archived).map_err(unreadable)?;
         let layout = Layout::check(&catalogue, header.catalogue_offset)?;
         // Every search reads these, and they lie together before the catalogue.
-        bytes.will_need(layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize);
+        let searched = layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize;
+        bytes.will_need(bytes.get(searched).unwrap_or(&[]));
         Ok(Self { bytes, header, catalogue, layout })
     }
 

@@ -152,6 +152,9 @@ pub(crate) trait Hash: Send + Sync {
     /// Lists in `scratch.buckets` the buckets to look into for `vector`, `probes` a table, the most promising first.
     fn probe(&self, simd: Simd, vector: &[f32], probes: u32, scratch: &mut Scratch);
 
+    /// Names to `each` the parts of the file that [`Self::gather`] will look at.
+    fn parts(&self, _: &Scratch, _: &mut dyn FnMut(&[u8])) {}
+
     /// Asks the memory for what [`Self::gather`] will look at.
     fn prefetch(&self, _: &Scratch) {}
 

@@ -7,6 +7,7 @@ use super::simd::Simd;
 use super::smallest::Smallest;
 use super::stored::Stored;
 use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, check};
+use crate::file::bytes::Bytes;
 
 /// Searches one index, query after query. Each thread has its own.
 pub struct Searcher<'a> {
@@ -15,6 +16,8 @@ pub struct Searcher<'a> {
     measured: &'a Measured,
     simd: Simd,
     scratch: [Scratch; STAGES],
+    /// The file, until the first search: what that one needs is read ahead.
+    cold: Option<&'a Bytes>,
 }
 
 /// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
@@ -48,8 +51,13 @@ impl std::fmt::Debug for Searcher<'_> {
 }
 
 impl<'a> Searcher<'a> {
-    pub(crate) fn new(stored: Stored<'a>, hash: Box<dyn Hash + 'a>, measured: &'a Measured) -> Self {
-        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default() }
+    pub(crate) fn new(
+        stored: Stored<'a>,
+        hash: Box<dyn Hash + 'a>,
+        measured: &'a Measured,
+        cold: Option<&'a Bytes>,
+    ) -> Self {
+        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default(), cold }
     }
 
     /// The nearest neighbours of a descriptor.
@@ -66,6 +74,7 @@ impl<'a> Searcher<'a> {
             let all = exhaustive(self.stored, query, options.k, SearchCost::default());
             return all.ok_or(SearchError::NoOriginals);
         };
+        self.warm(query, options.k, probes);
         let scratch = &mut self.scratch[0];
         let mut found = hashed(self.stored, &*self.hash, self.simd, query, options.k, probes, scratch);
         if !found.cost.exact {
@@ -92,7 +101,7 @@ impl<'a> Searcher<'a> {
             return Err(SearchError::WrongLength { expected: dim, found: rest });
         }
         check(queries, options)?;
-        let (hash, simd, k) = (&*self.hash, self.simd, options.k);
+        let k = options.k;
         let Some((probes, _)) = self.probes(options.effort)? else {
             for query in queries.chunks_exact(dim) {
                 append(stored.nearest(query, k).ok_or(SearchError::NoOriginals)?.into_iter(), k, found);
@@ -100,6 +109,10 @@ impl<'a> Searcher<'a> {
             return Ok(());
         };
         let queries: Vec<&[f32]> = queries.chunks_exact(dim).collect();
+        if let Some(first) = queries.first() {
+            self.warm(first, k, probes);
+        }
+        let (hash, simd) = (&*self.hash, self.simd);
         // Each turn takes one query a step further at each of three stages, so that what a stage asks the memory for
         // has a whole turn to arrive.
         for turn in 0..queries.len() + STAGES - 1 {
@@ -125,6 +138,19 @@ impl<'a> Searcher<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Before the first search of a file: asks for all buckets at once, and then for all descriptors, where one after the
+    /// other would wait for the disk as often.
+    fn warm(&mut self, query: &[f32], k: usize, probes: u32) {
+        let Some(bytes) = self.cold.take() else { return };
+        let scratch = &mut self.scratch[0];
+        self.hash.probe(self.simd, query, probes, scratch);
+        self.hash.parts(scratch, &mut |part| bytes.will_need(part));
+        self.hash.gather(self.simd, k, scratch);
+        for &id in &scratch.candidates {
+            bytes.will_need(self.stored.part(id));
+        }
     }
 
     /// How many buckets to look into, and what that was measured to find; `None` for all entries.

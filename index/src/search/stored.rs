@@ -80,17 +80,22 @@ impl<'a> Stored<'a> {
         }
     }
 
+    /// The bytes of a descriptor; none where there is no such entry or none is kept.
+    pub(crate) fn part(&self, id: u32) -> &'a [u8] {
+        let part: Option<&[u8]> = match self.values {
+            Values::F32(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
+            Values::F16(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
+            Values::None => None,
+        };
+        part.unwrap_or(&[])
+    }
+
     /// Asks the memory for the descriptors that will be measured.
     pub(crate) fn prefetch(&self, ids: &[u32]) {
         // More than that would drive out each other.
         const MOST: usize = 64;
         for &id in ids.iter().take(MOST) {
-            let bytes: Option<&[u8]> = match self.values {
-                Values::F32(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
-                Values::F16(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
-                Values::None => None,
-            };
-            simd::prefetch_all(bytes.unwrap_or(&[]));
+            simd::prefetch_all(self.part(id));
         }
     }
 

@@ -123,6 +123,12 @@ impl Hash for Learned<'_> {
         self.rank(simd, self.groups_for(probes), probes, scratch);
     }
 
+    fn parts(&self, scratch: &Scratch, each: &mut dyn FnMut(&[u8])) {
+        for &(_, bucket) in &scratch.buckets {
+            each(self.bucket(bucket).bytes());
+        }
+    }
+
     fn prefetch(&self, scratch: &Scratch) {
         for &(_, bucket) in &scratch.buckets {
             let run = self.bucket(bucket);
