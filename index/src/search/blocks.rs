@@ -170,7 +170,15 @@ pub(crate) struct QuantisedQuery {
 impl QuantisedQuery {
     /// Takes the coordinates of a query.
     pub(crate) fn set(&mut self, coordinates: &[f32]) {
-        let largest = coordinates.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
+        // Sixteen side by side: one need not wait for the one before it.
+        let mut lanes = [0.0f32; LANES];
+        let (sixteens, rest) = coordinates.as_chunks::<LANES>();
+        for coordinates in sixteens {
+            for (largest, value) in lanes.iter_mut().zip(coordinates) {
+                *largest = largest.max(value.abs());
+            }
+        }
+        let largest = lanes.iter().chain(rest).fold(0.0f32, |largest, value| largest.max(value.abs()));
         let step = largest.max(f32::MIN_POSITIVE * 1e6) / MAX_VALUE as f32;
         let per_step = 1.0 / step;
         self.set_values(coordinates.iter().map(|value| round(value * per_step) as i16), step);

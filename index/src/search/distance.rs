@@ -19,23 +19,24 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
 #[inline(always)]
 fn accumulate(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
     let (a, b) = (&a[..a.len().min(b.len())], &b[..a.len().min(b.len())]);
+    let ((whole_a, rest_a), (whole_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut lanes = [0.0f32; LANES];
-    let (whole_a, whole_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest = whole_a.remainder().iter().zip(whole_b.remainder());
-    let tail: f32 = rest.map(|(&x, &y)| term(x, y)).sum();
-    for (x, y) in whole_a.zip(whole_b) {
+    for (x, y) in whole_a.iter().zip(whole_b) {
         for lane in 0..LANES {
             lanes[lane] += term(x[lane], y[lane]);
         }
     }
-    let mut width = LANES / 2;
-    while width > 0 {
-        for lane in 0..width {
-            lanes[lane] += lanes[lane + width];
+    let ((fours_a, rest_a), (fours_b, rest_b)) = (rest_a.as_chunks::<4>(), rest_b.as_chunks::<4>());
+    let mut four = [0.0f32; 4];
+    for (x, y) in fours_a.iter().zip(fours_b) {
+        for lane in 0..4 {
+            four[lane] += term(x[lane], y[lane]);
         }
-        width /= 2;
     }
-    lanes[0] + tail
+    let tail: f32 = rest_a.iter().zip(rest_b).map(|(&x, &y)| term(x, y)).sum();
+    let eight: [f32; 8] = std::array::from_fn(|lane| lanes[lane] + lanes[lane + 8]);
+    let four: [f32; 4] = std::array::from_fn(|lane| (eight[lane] + eight[lane + 4]) + four[lane]);
+    ((four[0] + four[2]) + (four[1] + four[3])) + tail
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use crate::search::smallest::Smallest;
 use std::arch::x86_64::{
     __m512i, _CMP_LE_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps,
     _mm512_dpbusd_epi32, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32,
-    _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_sub_epi32,
-    _mm512_sub_ps,
+    _mm512_set1_ps, _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps,
+    _mm512_sub_epi32, _mm512_sub_ps,
 };
 
 /// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high + low`.
@@ -66,7 +66,31 @@ pub(super) fn distances<'a>(
     portable::distances(query, rows, each);
 }
 
+/// As [`portable::project`], to the bit: products and sums are rounded one by one.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
-    portable::project(matrix, offset, vector, out);
+    const WIDTH: usize = 4 * LANES;
+    let axes = out.len();
+    if axes == 0 || !axes.is_multiple_of(WIDTH) || offset.len() != axes {
+        return portable::project(matrix, offset, vector, out);
+    }
+    for (start, out) in (0..).step_by(WIDTH).zip(out.as_chunks_mut::<WIDTH>().0) {
+        let mut sums = [_mm512_setzero_ps(); 4];
+        for (row, &value) in matrix.chunks_exact(axes).zip(vector) {
+            let value = _mm512_set1_ps(value);
+            let row = row[start..start + WIDTH].as_chunks::<LANES>().0;
+            for (sum, row) in sums.iter_mut().zip(row) {
+                // SAFETY: the array has sixteen f32; an unaligned load takes any address.
+                let row = unsafe { _mm512_loadu_ps(row.as_ptr()) };
+                *sum = _mm512_add_ps(*sum, _mm512_mul_ps(value, row));
+            }
+        }
+        let offsets = offset[start..start + WIDTH].as_chunks::<LANES>().0;
+        for ((out, sum), offset) in out.as_chunks_mut::<LANES>().0.iter_mut().zip(sums).zip(offsets) {
+            // SAFETY: both arrays have sixteen f32; unaligned loads and stores take any address.
+            unsafe {
+                _mm512_storeu_ps(out.as_mut_ptr(), _mm512_add_ps(sum, _mm512_loadu_ps(offset.as_ptr())))
+            };
+        }
+    }
 }

@@ -13,6 +13,8 @@ use rkyv::util::AlignedVec;
 /// Of all groups, the share in which an entry looks for its centre, at least [`LEAST_GROUPS`].
 const SHARE_OF_GROUPS: f64 = 0.06;
 const LEAST_GROUPS: u32 = 10;
+/// With so many planes or fewer, all centres are one group.
+const UNGROUPED: u32 = 8;
 /// Rounds in which groups are made even.
 const GROUP_ROUNDS: usize = 3;
 
@@ -33,7 +35,8 @@ impl Cells {
         let members: Vec<&[u32]> = leaves.iter().collect();
         let centres: Vec<Option<Vec<i8>>> =
             members.par_iter().map(|ids| middle(codes, axes, ids.iter().copied())).collect();
-        let group_planes = planes.div_ceil(2);
+        // A few hundred centres are ranked faster than groups of them are.
+        let group_planes = if planes <= UNGROUPED { 0 } else { planes.div_ceil(2) };
         let group = |leaf: usize| leaf >> (planes - group_planes);
         let placed = centres.into_iter().enumerate().filter_map(|(leaf, codes)| Some((group(leaf), codes?)));
         Self::group(axes, scale, 1 << group_planes, placed)
