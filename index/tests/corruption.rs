@@ -10,6 +10,11 @@ fn small() -> Vec<u8> {
     support::small().finish_bytes().expect("the index is built")
 }
 
+/// The same behind a learned hash.
+fn learned() -> Vec<u8> {
+    support::writer(support::small_learned_params(), 4, 3).finish_bytes().expect("the index is built")
+}
+
 /// Uses everything that an index offers. What comes out does not matter here, only that something does.
 fn use_all(index: &Index) {
     let query = vec![0.1; index.dim()];
@@ -34,11 +39,13 @@ fn use_all(index: &Index) {
 
 #[test]
 fn a_sound_index_verifies() {
-    let index = Index::from_bytes(&small()).expect("the index opens");
-    use_all(&index);
-    let verification = index.verify();
-    assert_eq!(verification.problems, []);
-    assert_eq!(verification.bytes, small().len() as u64);
+    for bytes in [small(), learned()] {
+        let index = Index::from_bytes(&bytes).expect("the index opens");
+        use_all(&index);
+        let verification = index.verify();
+        assert_eq!(verification.problems, []);
+        assert_eq!(verification.bytes, bytes.len() as u64);
+    }
 }
 
 #[test]
@@ -79,6 +86,11 @@ fn every_flipped_byte_is_found_and_none_does_harm() {
 }
 
 #[test]
+fn nor_does_one_of_a_learned_hash() {
+    flip_every_byte(learned());
+}
+
+#[test]
 fn nor_does_one_of_vectors_alone() {
     flip_every_byte(vectors_alone());
 }
@@ -107,19 +119,20 @@ fn two_bytes_more_are_told() {
 /// A section of noise under a catalogue that is right: what a hostile file, whose hashes fit, looks like to a search.
 #[test]
 fn noise_in_the_sections_does_no_harm() {
-    let sound = small();
-    let index = Index::from_bytes(&sound).expect("the index opens");
-    for section in &index.catalogue().sections {
-        let range = section.offset as usize..(section.offset + section.length) as usize;
-        for fill in [0x00u8, 0x7f, 0x80, 0xff] {
+    for sound in [small(), learned()] {
+        let index = Index::from_bytes(&sound).expect("the index opens");
+        for section in &index.catalogue().sections {
+            let range = section.offset as usize..(section.offset + section.length) as usize;
+            for fill in [0x00u8, 0x7f, 0x80, 0xff] {
+                let mut bytes = sound.clone();
+                bytes[range.clone()].fill(fill);
+                use_all(&Index::from_bytes(&bytes).expect("opening reads no section"));
+            }
             let mut bytes = sound.clone();
-            bytes[range.clone()].fill(fill);
+            for (at, byte) in bytes[range].iter_mut().enumerate() {
+                *byte = (at.wrapping_mul(2_654_435_761) >> 7) as u8;
+            }
             use_all(&Index::from_bytes(&bytes).expect("opening reads no section"));
         }
-        let mut bytes = sound.clone();
-        for (at, byte) in bytes[range].iter_mut().enumerate() {
-            *byte = (at.wrapping_mul(2_654_435_761) >> 7) as u8;
-        }
-        use_all(&Index::from_bytes(&bytes).expect("opening reads no section"));
     }
 }

@@ -217,7 +217,14 @@ pub(crate) fn exhaustive(stored: Stored<'_>, query: &[f32], k: usize, cost: Sear
 }
 
 /// Measures the candidates' distances, by their descriptors where these are kept, and keeps the k nearest.
-pub(crate) fn rerank(stored: Stored<'_>, hash: &dyn Hash, simd: Simd, query: &[f32], k: usize, scratch: &mut Scratch) {
+pub(crate) fn rerank(
+    stored: Stored<'_>,
+    hash: &dyn Hash,
+    simd: Simd,
+    query: &[f32],
+    k: usize,
+    scratch: &mut Scratch,
+) {
     let mut nearest = std::mem::take(&mut scratch.measured);
     nearest.reset(k);
     if stored.are_kept() {

@@ -126,7 +126,17 @@ pub(crate) fn small() -> IndexWriter {
 
 /// Writes the same to a file.
 pub(crate) fn write_small(path: impl AsRef<Path>) -> Result<Summary, BuildError> {
-    finish(fill(IndexWriter::create(path, small_params())?, 4, 3))
+    write(path, small_params())
+}
+
+/// Writes the entries of [`small`] to a file.
+pub(crate) fn write(path: impl AsRef<Path>, params: IndexParams) -> Result<Summary, BuildError> {
+    finish(fill(IndexWriter::create(path, params)?, 4, 3))
+}
+
+/// The parameters of [`small`], but for the hash.
+pub(crate) fn small_learned_params() -> IndexParams {
+    IndexParams { hash: HashParams::Learned, ..small_params() }
 }
 
 /// The parameters of [`small`].
