@@ -42,31 +42,20 @@ def measure(
     calls = {}
     for entry in entries:
         if entry.built is not None and not entry.failed:
-            call = command(entry, run, query, scratch)
+            call = command(entry, run, query)
             if call:
                 calls[entry.contender.name] = call
     own = {entry.contender.name for entry in entries if entry.contender.ours}
     whole: dict[str, list[float]] = {name: [] for name in calls}
     inside: dict[str, list[float]] = {name: [] for name in calls}
     environment = {**os.environ, **{name: "1" for name in THREAD_VARIABLES}}
-    for number in range(rounds + 1):
-        say(f"cold start {number} of {rounds}")
-        for name, call in calls.items():
-            started = time.perf_counter_ns()
-            done = subprocess.run(
-                call,
-                check=False,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                env=environment,
-                preexec_fn=lambda: os.sched_setaffinity(0, {core}),
-            )
-            took = (time.perf_counter_ns() - started) / 1e6
-            if done.returncode != 0 or number == 0:  # round 0 fills the page cache
-                continue
-            whole[name].append(took)
-            if name not in own:
-                inside[name].append(json.loads(done.stdout)["ns"] / 1e6)
+    cores = os.sched_getaffinity(0)
+    # Children inherit it. A function of ours between fork and exec would copy this process's page tables: several ms.
+    os.sched_setaffinity(0, {core})
+    try:
+        time_all(calls, own, environment, rounds, whole, inside, say)
+    finally:
+        os.sched_setaffinity(0, cores)
     return {
         name: Cold(statistics.median(whole[name]), statistics.median(inside[name]) if inside[name] else None)
         for name in calls
@@ -74,23 +63,37 @@ def measure(
     }
 
 
-def command(entry: Entry, run: Run, query: Path, scratch: Path) -> list[str]:
+def time_all(
+    calls: dict[str, list[str]],
+    own: set[str],
+    environment: dict[str, str],
+    rounds: int,
+    whole: dict[str, list[float]],
+    inside: dict[str, list[float]],
+    say: Callable[[str], None],
+) -> None:
+    """Runs every call once a round, and appends what it took to `whole` and `inside`."""
+    for number in range(rounds + 1):
+        say(f"cold start {number} of {rounds}")
+        for name, call in calls.items():
+            started = time.perf_counter_ns()
+            done = subprocess.run(
+                call, check=False, stdin=subprocess.DEVNULL, capture_output=True, env=environment
+            )
+            took = (time.perf_counter_ns() - started) / 1e6
+            if done.returncode != 0 or number == 0:  # round 0 fills the page cache
+                continue
+            whole[name].append(took)
+            if name not in own:
+                inside[name].append(json.loads(done.stdout)["ns"] / 1e6)
+
+
+def command(entry: Entry, run: Run, query: Path) -> list[str]:
     """The command line of a contender's cold start; empty where it has none."""
     name, folder = entry.contender.name, entry.built.folder
     if entry.contender.ours:
-        out = str(scratch / "one-ids.npy")
         index = str(folder / FILE)
-        return [
-            program(run, "grasp-query"),
-            "search",
-            str(query),
-            "--index",
-            index,
-            "--k",
-            str(run.k),
-            "--out",
-            out,
-        ]
+        return [program(run, "grasp-query"), "search", str(query), "--index", index, "--k", str(run.k)]
     for start, library in SCRIPTS.items():
         if name.startswith(start):
             file = next(path for path in folder.iterdir() if path.suffix == ".index")
