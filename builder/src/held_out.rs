@@ -28,7 +28,7 @@ const LIGHT: f64 = 0.3;
 const DISTANCE: f64 = 0.2;
 /// How far [`moved`] moves a descriptor, in units of sigma: own renders lie closer to each other than to pictures from
 /// elsewhere; moved so, their nearest neighbours are about as far as those of real pictures.
-const STEP: std::ops::Range<f64> = 0.15..0.42;
+const STEP: std::ops::Range<f64> = 0.2..0.5;
 /// Rows that sigma is measured over, at most.
 const PAIRED: usize = 1_000;
 
