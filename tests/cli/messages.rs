@@ -27,6 +27,7 @@ fn inspect_says_what_is_in_an_index() {
     let filters = vec![
         (r"/\S*/small.idx", "small.idx"),
         (r"[0-9a-f]{16}", "[hash]"),
+        (r"(  effort .*\n)+", "  effort       [...]\n"),
         (r"\b0\.\d{3,4}\b", "[share]"),
         (r"printed: \d+\.\d", "printed: [sigma]"),
         (r"T = \d+ tables of K = \d+ hyperplanes, H = \d+", "T = [t] tables of K = [k] hyperplanes, H = [h]"),
