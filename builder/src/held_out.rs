@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use grasp_index::{BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, mean_distance};
+use grasp_index::{
+    BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
+};
 use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, View};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,9 +28,6 @@ pub const VIEWS: usize = 1_200;
 /// How far light and distance vary at least.
 const LIGHT: f64 = 0.3;
 const DISTANCE: f64 = 0.2;
-/// How far [`moved`] moves a descriptor, in units of sigma: own renders lie closer to each other than to pictures from
-/// elsewhere; moved so, their nearest neighbours are about as far as those of real pictures.
-const STEP: std::ops::Range<f64> = 0.2..0.5;
 /// Rows that sigma is measured over, at most.
 const PAIRED: usize = 1_000;
 
@@ -209,7 +208,8 @@ fn described(spec: &SceneSpec, views: &[View], params: &DescriptorParams) -> any
     Ok(rows)
 }
 
-/// `rows` rows of `dim` values, each moved along the difference of two others: what to search an index of renders for, if
+/// `rows` rows of `dim` values, each moved along the difference of two others as far as
+/// [`NOISE`] says: what to search an index of renders for, if
 /// it is to be as far from its nearest neighbours as real pictures are.
 #[must_use]
 pub fn moved(values: &[f32], dim: usize, seed: u64) -> Vec<f32> {
@@ -223,7 +223,7 @@ pub fn moved(values: &[f32], dim: usize, seed: u64) -> Vec<f32> {
         let [from, to] = [(); 2].map(|()| rows[rng.random_range(0..rows.len() as u64) as usize]);
         let step: Vec<f64> = from.iter().zip(to).map(|(from, to)| f64::from(to - from)).collect();
         let length = step.iter().map(|value| value * value).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        let scale = rng.random_range(STEP) * sigma / length;
+        let scale = rng.random_range(NOISE[0]..NOISE[1]) * sigma / length;
         moved.extend(row.iter().zip(&step).map(|(value, step)| (f64::from(*value) + scale * step) as f32));
     }
     moved

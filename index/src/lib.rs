@@ -78,6 +78,7 @@ pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
 pub use search::learned::LearnedHash;
+pub use search::measure::NOISE;
 #[cfg(feature = "parts")]
 #[doc(hidden)]
 pub use search::parts::Parts;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// come from one renderer; moved so, they lie as far (on 468 pictures of a hand of another program, of which the
 /// middle 80 % have their nearest of 540,000 entries at 0.17 to 0.39). A step goes along the difference of two descriptors,
 /// a direction in which the data varies: noise that is even in all directions promised 0.97 where 0.88 came true.
-pub(crate) const NOISE: [f64; 2] = [0.2, 0.5];
+pub const NOISE: [f64; 2] = [0.2, 0.5];
 const QUERIES: usize = 800;
 /// Neighbours that recall is measured over.
 const RECALL_K: usize = 10;

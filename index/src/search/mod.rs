@@ -14,7 +14,7 @@ pub(crate) mod distance;
 pub(crate) mod effort;
 mod exact;
 pub(crate) mod learned;
-mod measure;
+pub(crate) mod measure;
 #[cfg(feature = "parts")]
 pub(crate) mod parts;
 pub(crate) mod random;
