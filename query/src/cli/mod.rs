@@ -8,6 +8,7 @@ mod man;
 mod options;
 mod recognise;
 mod search;
+mod selection;
 
 use std::io::{self, Write as _};
 use std::path::Path;

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use grasp_index::euler_deg;
 use serde::Serialize;
 
-use super::confusion::{Confusion, Share, UNKNOWN};
+use super::confusion::{Confusion, Share};
 use super::labels::{Kind, OTHER, RowError};
 use super::{Guess, Outcome};
 
@@ -97,7 +97,12 @@ const MOST_GROUPS: usize = 24;
 
 impl Report {
     /// Sums up outcomes over an index with `classes`, and the rows that could not be read.
-    pub fn new(classes: Vec<String>, outcomes: &[Outcome], broken: &[RowError], hand_is_free: bool) -> Self {
+    pub fn new<'a>(
+        classes: Vec<String>,
+        outcomes: impl IntoIterator<Item = &'a Outcome>,
+        broken: &[RowError],
+        hand_is_free: bool,
+    ) -> Self {
         let mut errors: Vec<RowReport> = broken
             .iter()
             .map(|row| RowReport { line: row.line, file: None, message: row.message.clone() })
@@ -259,21 +264,7 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
         }
     }
     writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
-    let classes = &report.confusion.classes;
-    // Names are too long for columns: a letter stands for each.
-    let letters: Vec<char> = ('a'..='z').cycle().take(classes.len()).collect();
-    write!(text, "  {:<18}", "")?;
-    for letter in &letters {
-        write!(text, " {letter:>5}")?;
-    }
-    writeln!(text, "  {UNKNOWN}")?;
-    for ((letter, class), row) in letters.iter().zip(classes).zip(&report.confusion.counts) {
-        write!(text, "  {letter} {class:<16}")?;
-        for count in row {
-            write!(text, " {count:>5}")?;
-        }
-        writeln!(text)?;
-    }
+    report.confusion.write_text(text)?;
     writeln!(text)?;
     orientation_text(text, "orientation error", &report.orientation_error_deg)?;
     orientation_text(text, "  of the right class", &report.orientation_error_deg_right_class)?;

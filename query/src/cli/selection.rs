@@ -1,0 +1,112 @@
+//! Which labelled pictures: the options that all subcommands over a table of labels share.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+
+use super::Global;
+use crate::evaluate::labels::{self, Label, OTHER, Part, RowError};
+use crate::evaluate::{Outcome, folder_of, score};
+use crate::recognise::Recogniser;
+
+/// A table and the rows of it that are meant.
+#[derive(Debug, clap::Args)]
+pub(super) struct Selection {
+    /// The table of labelled pictures.
+    #[arg(value_name = "LABELS.csv")]
+    labels: PathBuf,
+    /// Take only rows whose column has this value; several must all hold.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_condition)]
+    conditions: Vec<(String, String)>,
+    /// Take all pictures, the seven tenths to choose parameters by, or the rest (split by a hash of the file's name).
+    #[arg(long, value_enum, default_value_t = Part::All)]
+    part: Part,
+}
+
+/// The rows that were selected.
+#[derive(Debug)]
+pub(super) struct Selected {
+    /// Those that can be used; at least one.
+    pub(super) labels: Vec<Label>,
+    /// Those that cannot.
+    pub(super) broken: Vec<RowError>,
+    /// The folder that the labels' paths are relative to.
+    pub(super) folder: PathBuf,
+}
+
+impl Selection {
+    /// The table's path.
+    pub(super) fn path(&self) -> &Path {
+        &self.labels
+    }
+
+    /// Reads the rows that are labelled with one of `classes`, or with none of them ([`OTHER`]).
+    pub(super) fn read(&self, classes: &[String]) -> anyhow::Result<Selected> {
+        let mut broken = Vec::new();
+        let mut selected = Vec::new();
+        for row in labels::read(&self.labels)? {
+            match row {
+                Ok(label) if !label.is_selected(self.part, &self.conditions) => {}
+                Ok(label) if label.grasp == OTHER || classes.contains(&label.grasp) => selected.push(label),
+                Ok(label) => broken.push(RowError {
+                    line: label.line,
+                    message: format!(
+                        "`{}` is no class of the index: it has {}, and `{OTHER}` is for none of them",
+                        label.grasp,
+                        classes.join(", ")
+                    ),
+                }),
+                Err(error) => broken.push(error),
+            }
+        }
+        let Some(first) = selected.first() else {
+            let name = self.labels.display();
+            match broken.first() {
+                Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.message),
+                None => bail!("no row of {name} is selected: check --where and --part"),
+            }
+        };
+        let folder = folder_of(&self.labels, &first.file);
+        Ok(Selected { labels: selected, broken, folder })
+    }
+}
+
+impl Selected {
+    /// Recognises every picture, in parallel; the outcomes are in the table's order.
+    pub(super) fn score(
+        &self,
+        recogniser: &Recogniser<'_>,
+        labelled_masks: bool,
+        global: &Global,
+    ) -> Vec<Outcome> {
+        let bar = progress_bar(self.labels.len() as u64, !global.no_progress);
+        let outcomes = self
+            .labels
+            .par_iter()
+            .map(|label| {
+                let outcome = score(recogniser, &self.folder, label.clone(), labelled_masks);
+                bar.inc(1);
+                outcome
+            })
+            .collect();
+        bar.finish_and_clear();
+        outcomes
+    }
+}
+
+fn parse_condition(text: &str) -> Result<(String, String), String> {
+    let (column, value) = text.split_once('=').ok_or("COLUMN=VALUE is needed, for example stage=grasp")?;
+    Ok((column.to_owned(), value.to_owned()))
+}
+
+/// A bar on a terminal's standard error, and none elsewhere.
+fn progress_bar(length: u64, wanted: bool) -> ProgressBar {
+    let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(Some(length), target);
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
