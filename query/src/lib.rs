@@ -3,10 +3,12 @@
 //! In order of the data: [`picture`] decodes what a camera gives, [`segment`] finds the hand in it (the paper's
 //! Section III), [`recognise`] describes the hand, searches the index and lets the neighbours vote (Sections IV and
 //! V), [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
-//! scores labelled pictures (Section VII). [`search`] takes raw descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
+//! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII. [`search`] takes raw
+//! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
 pub mod evaluate;
+pub mod experiment;
 pub mod explain;
 pub mod output;
 pub mod picture;

@@ -17,6 +17,7 @@ fn help_texts() {
     insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));
     insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
+    insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
 }
 
 #[test]

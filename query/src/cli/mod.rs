@@ -3,6 +3,7 @@
 mod completions;
 mod effort;
 mod evaluate;
+mod experiment;
 mod index_file;
 mod man;
 mod options;
@@ -40,6 +41,7 @@ Examples:
   ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
                                                          every frame of a video
   grasp-query evaluate labels.csv                        score labelled pictures
+  grasp-query experiment paper labels.csv --out results  the paper's experiments over them
   grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
 
 Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
@@ -59,6 +61,7 @@ struct Global {
 enum Command {
     Recognise(recognise::Recognise),
     Evaluate(evaluate::Evaluate),
+    Experiment(experiment::Experiment),
     Search(search::Search),
     Completions(completions::Completions),
     Man(man::Man),
@@ -97,6 +100,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     match &arguments.command {
         Command::Recognise(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),
+        Command::Experiment(command) => command.run(&arguments.global),
         Command::Search(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),

@@ -1,0 +1,42 @@
+//! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper.
+
+pub mod paper;
+mod svg;
+
+use std::fmt;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use grasp_index::AtomicFile;
+use serde::Serialize;
+
+use crate::evaluate::labels::Kind;
+
+/// Both kinds of pictures, in the order of tables and drawings.
+const KINDS: [Kind; 2] = [Kind::Segmented, Kind::Camera];
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Segmented => "segmented",
+            Self::Camera => "camera",
+        })
+    }
+}
+
+/// Writes a file of results, whole or not at all.
+fn write_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(bytes).with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(file.commit()?)
+}
+
+/// A table with a header of the rows' field names.
+fn csv_of(rows: impl IntoIterator<Item = impl Serialize>) -> anyhow::Result<Vec<u8>> {
+    let mut table = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        table.serialize(row)?;
+    }
+    table.into_inner().map_err(|error| error.into_error().into())
+}

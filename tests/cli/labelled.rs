@@ -1,0 +1,95 @@
+//! `grasp-query experiment`: the paper's experiments over labelled pictures.
+
+use std::fs;
+use std::path::Path;
+
+use grasp_tests::{Outcome, pictures, program, run, small_index};
+
+fn paper(arguments: &[&str]) -> Outcome {
+    run(program("grasp-query")
+        .args(["experiment", "paper"])
+        .arg(pictures().join("labels.csv"))
+        .arg("--index")
+        .arg(small_index())
+        .args(arguments))
+}
+
+fn rows(path: &Path) -> Vec<csv::StringRecord> {
+    csv::Reader::from_path(path).unwrap().records().map(Result::unwrap).collect()
+}
+
+#[test]
+fn the_papers_sets_are_scored_like_evaluate_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new/results");
+    let outcome = paper(&["--json", "--hand", "right", "--out", out.to_str().unwrap()]);
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    let figures = &outcome.json_lines()[0];
+    let file: serde_json::Value = serde_json::from_slice(&fs::read(out.join("paper.json")).unwrap()).unwrap();
+    assert_eq!(&file, figures);
+
+    let kinds = figures["kinds"].as_array().unwrap();
+    assert_eq!(kinds.iter().map(|kind| &kind["kind"]).collect::<Vec<_>>(), ["segmented", "camera"]);
+    for kind in kinds {
+        let name = kind["kind"].as_str().unwrap();
+        let condition = format!("kind={name}");
+        for (set, conditions) in [
+            (&kind["sets"][0], vec!["--where", &condition]),
+            (&kind["sets"][2], vec!["--where", &condition, "--where", "stage=grasp"]),
+        ] {
+            let evaluated = run(program("grasp-query")
+                .args(["evaluate", "--json", "--hand", "right", "--index"])
+                .arg(small_index())
+                .arg(pictures().join("labels.csv"))
+                .args(conditions));
+            let report = &evaluated.json_lines()[0];
+            for key in ["n", "top1", "unknown", "confusion", "orientation_error_deg", "euler_error_deg"] {
+                assert_eq!(set[key], report[key], "{key} of {name}");
+            }
+            let errors = set["orientation_errors_deg"].as_array().unwrap();
+            assert_eq!(errors.len() as u64, set["orientation_error_deg"]["n"].as_u64().unwrap());
+            assert!(errors.is_sorted_by(|a, b| a.as_f64() <= b.as_f64()));
+        }
+        assert_eq!(kind["sets"][0]["paper"]["top1"]["n"], 36);
+    }
+    assert_eq!(rows(&out.join("paper.csv")).len(), 6);
+    // A row for each class, of an answer for each class and for none.
+    assert_eq!(rows(&out.join("confusion.csv")).len(), 6 * 6 * 7);
+    let last = rows(&out.join("orientation.csv")).pop().unwrap();
+    assert_eq!(&last[3], "1.0", "the last step of a distribution is all of it: {last:?}");
+    for drawing in ["confusion.svg", "orientation.svg"] {
+        let text = fs::read_to_string(out.join(drawing)).unwrap();
+        assert!(text.starts_with("<svg") && text.contains("paper") && !text.contains("NaN"), "{drawing}");
+    }
+}
+
+#[test]
+fn the_papers_figures_stand_beside_ones_own() {
+    let outcome = paper(&["--where", "kind=segmented", "--hand", "right"]);
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    let lines: Vec<&str> = outcome.stdout.lines().collect();
+    assert_eq!(lines.iter().filter(|line| line.contains("    the paper  ")).count(), 3, "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("0.0°, 16.8°, 10.5°") && outcome.stdout.contains("61 %"));
+    assert!(!outcome.stdout.contains("camera pictures"), "{}", outcome.stdout);
+}
+
+#[test]
+fn a_picture_that_cannot_be_used_is_named_and_fails_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let labels = folder.path().join("labels.csv");
+    let picture = pictures().join("segmented/09-pinch.png");
+    fs::write(
+        &labels,
+        format!("file,kind,grasp\n{},segmented,pinch\nmissing.png,camera,pinch\n", picture.display()),
+    )
+    .unwrap();
+    let outcome = run(program("grasp-query")
+        .args(["experiment", "paper"])
+        .arg(&labels)
+        .arg("--index")
+        .arg(small_index()));
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stdout.contains("line 3: missing.png"), "{}", outcome.stdout);
+    let nothing = paper(&["--where", "kind=film"]);
+    assert!(nothing.status == 2 && nothing.stderr.contains("no row of"), "{}", nothing.stderr);
+}
