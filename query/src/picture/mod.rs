@@ -56,7 +56,7 @@ impl Picture {
     }
 
     /// The factor by which the picture must shrink for its longer side to be at most `side`.
-    fn shrink_factor(&self, side: usize) -> usize {
+    pub fn shrink_factor(&self, side: usize) -> usize {
         self.width.max(self.height).div_ceil(side.max(1)).max(1)
     }
 

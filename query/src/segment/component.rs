@@ -1,18 +1,21 @@
 //! Connected regions of a mask, and which of them is the hand.
 
-use super::Mask;
+use super::{Mask, distance};
 
 /// The fewest pixels that can show a hand: about 12 x 12.
 pub const MIN_PIXELS: usize = 144;
 
+/// Log-odds above which a pixel is no surer: one bright spot does not make a hand.
+const MOST_SURE: f32 = 4.0;
+
 /// One 8-connected region.
-struct Region {
-    label: u32,
-    area: usize,
+pub(super) struct Region {
+    pub(super) label: u32,
+    pub(super) area: usize,
     /// Sum of the values of its pixels.
     sum: f64,
     /// How many pixels lie on the picture's border.
-    on_border: usize,
+    pub(super) on_border: usize,
 }
 
 /// The largest 8-connected region, its holes as they are; `None` where it has fewer than `smallest` pixels.
@@ -25,7 +28,7 @@ pub fn largest(mask: &Mask, smallest: usize) -> Option<Mask> {
 /// `odds` are the log-odds of skin, one a pixel. `None` where every region has fewer than `smallest` pixels.
 pub fn most_hand_like(mask: &Mask, odds: &[f32], smallest: usize) -> Option<Mask> {
     let perimeter = (2 * (mask.width() + mask.height())) as f64;
-    let confidence = |index: usize| f64::from(odds.get(index).copied().unwrap_or(0.0).clamp(0.0, 4.0));
+    let confidence = |index: usize| f64::from(odds.get(index).copied().unwrap_or(0.0).clamp(0.0, MOST_SURE));
     best(
         mask,
         confidence,
@@ -47,6 +50,72 @@ pub fn without_specks(mask: &Mask) -> Mask {
     })
 }
 
+/// What makes another region part of the hand that was found: a finger cut off by what the hand holds, or the arm beyond
+/// a bracelet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompanionParams {
+    /// Log-odds of skin, by colour, that its pixels have.
+    pub likely: f32,
+    /// The least area, as a share of the hand's.
+    pub least: f32,
+    /// The largest distance from the hand, in radii of a disc of the hand's area.
+    pub distance: f32,
+    /// The least mean of its log-odds, as a share of the hand's.
+    pub alike: f32,
+    /// The longest way along the picture's border, in the same radii: an arm crosses it, a table follows it.
+    pub border: f32,
+}
+
+impl Default for CompanionParams {
+    fn default() -> Self {
+        Self { likely: 0.5, least: 0.01, distance: 2.0, alike: 0.5, border: 2.5 }
+    }
+}
+
+/// The hand with the regions of the same colour that belong to it.
+///
+/// `odds` are the log-odds of skin by colour, one a pixel.
+pub fn with_companions(hand: &Mask, odds: &[f32], params: &CompanionParams) -> Mask {
+    let (width, height, area) = (hand.width(), hand.height(), hand.area());
+    let radius = (area as f32 / std::f32::consts::PI).sqrt();
+    let value = |index: usize| f64::from(odds.get(index).copied().unwrap_or(0.0).min(MOST_SURE));
+    let likely: Vec<u8> = hand
+        .pixels()
+        .iter()
+        .zip(odds)
+        .map(|(&inside, &odds)| u8::from(inside == 0 && odds > params.likely))
+        .collect();
+    let (labels, regions) = label(&Mask::from_values(width, height, &likely, |v| v == 1), value);
+    let mean = hand.pixels().iter().enumerate().filter(|(_, inside)| **inside != 0);
+    let mean = mean.map(|(index, _)| value(index)).sum::<f64>() / area.max(1) as f64;
+    let thirds = distance::thirds(width, height, |at| hand.pixels()[at] != 0, false);
+    let mut nearest = vec![u32::MAX; regions.len()];
+    for (&label, &thirds) in labels.iter().zip(&thirds) {
+        if let Some(nearest) = (label as usize).checked_sub(1).and_then(|region| nearest.get_mut(region)) {
+            *nearest = thirds.min(*nearest);
+        }
+    }
+    let belongs: Vec<bool> = regions
+        .iter()
+        .zip(nearest)
+        .map(|(region, nearest)| {
+            (params.least * area as f32..=area as f32).contains(&(region.area as f32))
+                && nearest as f32 <= 3.0 * params.distance * radius
+                && region.sum / region.area as f64 >= f64::from(params.alike) * mean
+                && region.on_border as f32 <= params.border * radius
+        })
+        .collect();
+    let kept: Vec<u8> = labels
+        .iter()
+        .zip(hand.pixels())
+        .map(|(&label, &inside)| {
+            let joined = (label as usize).checked_sub(1).and_then(|region| belongs.get(region));
+            inside | u8::from(joined == Some(&true))
+        })
+        .collect();
+    Mask::from_values(width, height, &kept, |v| v == 1)
+}
+
 fn best(
     mask: &Mask,
     value: impl Fn(usize) -> f64,
@@ -64,7 +133,7 @@ fn best(
 }
 
 /// Numbers the regions from 1, in the order of their first pixel, by flooding.
-fn label(mask: &Mask, value: impl Fn(usize) -> f64) -> (Vec<u32>, Vec<Region>) {
+pub(super) fn label(mask: &Mask, value: impl Fn(usize) -> f64) -> (Vec<u32>, Vec<Region>) {
     let (width, height) = (mask.width(), mask.height());
     let pixels = mask.pixels();
     let mut labels = vec![0u32; pixels.len()];
@@ -163,6 +232,41 @@ mod tests {
         let hand = most_hand_like(&mask, &vec![2.0; width * height], MIN_PIXELS).unwrap();
         assert_eq!(hand.area(), 28 * 24);
         assert!(hand.get(30, 30));
+    }
+
+    /// A hand of 20 x 20, a finger beyond what it holds, and a table along the border.
+    fn hand_finger_and_table(odds_of_finger: f32) -> (Mask, Vec<f32>) {
+        let (width, height) = (80, 60);
+        let mut pixels = vec![0u8; width * height];
+        let mut odds = vec![-2.0; width * height];
+        for y in 0..height {
+            for x in 0..width {
+                let hand = (20..40).contains(&x) && (20..40).contains(&y);
+                let finger = (50..54).contains(&x) && (24..36).contains(&y);
+                pixels[y * width + x] = u8::from(hand);
+                if hand || y > 55 {
+                    odds[y * width + x] = 3.0;
+                }
+                if finger {
+                    odds[y * width + x] = odds_of_finger;
+                }
+            }
+        }
+        (Mask::from_values(width, height, &pixels, |v| v == 1), odds)
+    }
+
+    #[test]
+    fn a_finger_beyond_the_object_joins_its_hand_and_a_table_does_not() {
+        let (hand, odds) = hand_finger_and_table(2.5);
+        let whole = with_companions(&hand, &odds, &CompanionParams::default());
+        assert_eq!(whole.area(), 20 * 20 + 4 * 12);
+        assert!(whole.get(52, 30) && !whole.get(40, 58));
+    }
+
+    #[test]
+    fn a_thing_of_another_colour_does_not_join() {
+        let (hand, odds) = hand_finger_and_table(0.7);
+        assert_eq!(with_companions(&hand, &odds, &CompanionParams::default()), hand);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! fits; the arm leaves from there to where the region crosses the picture's border; the wrist is the narrowest
 //! place on that way. A region that does not reach the border ends at a sleeve, or is a hand alone: it is left as it is.
 
-use super::Mask;
+use super::{Mask, distance};
 
 /// Where the search for the wrist begins and ends, in radii of the palm's circle from its centre.
 const SEARCH: std::ops::RangeInclusive<f32> = 1.0..=2.4;
@@ -20,21 +20,25 @@ struct Circle {
 }
 
 /// The region without its forearm; unchanged where no forearm leaves the picture.
-pub fn cut_forearm(region: &Mask) -> Mask {
-    let Some(cut) = find_cut(region) else {
+///
+/// `scale` is how many of the region's pixels one of `outline`'s spans: the wrist is looked for in `outline`, the region
+/// itself or the same at a smaller size.
+pub fn cut_forearm(region: &Mask, outline: &Mask, scale: usize) -> Mask {
+    let Some(cut) = find_cut(outline) else {
         return region.clone();
     };
     let (width, height) = (region.width(), region.height());
+    let place = |at: usize| (at as f32 + 0.5) / scale.max(1) as f32 - 0.5;
     let mut kept = region.pixels().to_vec();
     for y in 0..height {
         for x in 0..width {
-            if cut.along(x, y) > cut.at {
+            if cut.along(place(x), place(y)) > cut.at {
                 kept[y * width + x] = 0;
             }
         }
     }
     let kept = Mask::from_values(width, height, &kept, |v| v == 1);
-    super::component::largest(&kept, 1).unwrap_or_else(|| region.clone())
+    if kept.area() == 0 { region.clone() } else { kept }
 }
 
 /// A line across the arm: what lies farther than `at` along the arm's axis is forearm.
@@ -45,12 +49,12 @@ struct Cut {
 }
 
 impl Cut {
-    fn along(&self, x: usize, y: usize) -> f32 {
-        (x as f32 - self.centre.x) * self.axis.0 + (y as f32 - self.centre.y) * self.axis.1
+    fn along(&self, x: f32, y: f32) -> f32 {
+        (x - self.centre.x) * self.axis.0 + (y - self.centre.y) * self.axis.1
     }
 
-    fn across(&self, x: usize, y: usize) -> f32 {
-        (y as f32 - self.centre.y) * self.axis.0 - (x as f32 - self.centre.x) * self.axis.1
+    fn across(&self, x: f32, y: f32) -> f32 {
+        (y - self.centre.y) * self.axis.0 - (x - self.centre.x) * self.axis.1
     }
 }
 
@@ -72,9 +76,9 @@ fn find_cut(region: &Mask) -> Option<Cut> {
     let mut widths = vec![0u32; (farthest as usize).saturating_sub(first)];
     for y in 0..region.height() {
         for x in 0..region.width() {
-            let along = cut.along(x, y);
-            let on_arm =
-                region.get(x, y) && along >= first as f32 && cut.across(x, y).abs() <= 1.8 * palm.radius;
+            let along = cut.along(x as f32, y as f32);
+            let across = cut.across(x as f32, y as f32).abs();
+            let on_arm = region.get(x, y) && along >= first as f32 && across <= 1.8 * palm.radius;
             let bin = (along.max(0.0) as usize).saturating_sub(first);
             if let Some(width) = widths.get_mut(bin).filter(|_| on_arm) {
                 *width += 1;
@@ -110,35 +114,13 @@ fn widest_exit(region: &Mask) -> Option<(f32, f32, f32)> {
         .max_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-/// The largest circle that fits: where the chamfer distance (steps 3 and 4, Borgefors 1986) to the outside is largest.
+/// The largest circle that fits: where the distance to the outside is largest.
 ///
 /// Beyond the picture counts as outside, so that an arm cut by the border does not pass for a palm.
 fn largest_circle(region: &Mask) -> Option<Circle> {
-    let (width, height) = (region.width(), region.height());
-    let mut distance: Vec<u32> =
-        region.pixels().iter().map(|&inside| if inside == 0 { 0 } else { u32::MAX / 2 }).collect();
-    let relax = |distance: &mut [u32], x: usize, y: usize, offsets: &[(isize, isize, u32); 4]| {
-        let here = y * width + x;
-        for &(dx, dy, step) in offsets {
-            let neighbour = x
-                .checked_add_signed(dx)
-                .zip(y.checked_add_signed(dy))
-                .filter(|&(x, y)| x < width && y < height)
-                .map_or(0, |(x, y)| distance[y * width + x]);
-            distance[here] = distance[here].min(neighbour.saturating_add(step));
-        }
-    };
-    for y in 0..height {
-        for x in 0..width {
-            relax(&mut distance, x, y, &[(-1, 0, 3), (-1, -1, 4), (0, -1, 3), (1, -1, 4)]);
-        }
-    }
-    for y in (0..height).rev() {
-        for x in (0..width).rev() {
-            relax(&mut distance, x, y, &[(1, 0, 3), (1, 1, 4), (0, 1, 3), (-1, 1, 4)]);
-        }
-    }
-    let (index, &thirds) = distance.iter().enumerate().rev().max_by_key(|&(_, &distance)| distance)?;
+    let (width, pixels) = (region.width(), region.pixels());
+    let distances = distance::thirds(width, region.height(), |at| pixels[at] == 0, true);
+    let (index, &thirds) = distances.iter().enumerate().rev().max_by_key(|&(_, &distance)| distance)?;
     (thirds > 0).then(|| Circle {
         x: (index % width) as f32,
         y: (index / width) as f32,
@@ -169,16 +151,24 @@ mod tests {
 
     #[test]
     fn a_bare_forearm_is_cut_near_the_narrowest_place() {
-        let cut = cut_forearm(&hand_and_arm(160));
+        let cut = cut_forearm(&hand_and_arm(160), &hand_and_arm(160), 1);
         let last = (0..160).rev().find(|&x| (0..100).any(|y| cut.get(x, y))).unwrap();
         assert!((82..=94).contains(&last), "cut at {last}");
         assert!(cut.get(22, 42), "the finger stays");
     }
 
     #[test]
+    fn a_wrist_found_on_the_small_picture_is_cut_on_the_large_one() {
+        let small = hand_and_arm(160);
+        let large = small.resized(480, 300);
+        let cut = cut_forearm(&large, &small, 3);
+        assert!(cut.resized(160, 100).iou(&cut_forearm(&small, &small, 1)).unwrap() > 0.97);
+    }
+
+    #[test]
     fn an_arm_that_ends_at_a_sleeve_is_left_alone() {
         let region = hand_and_arm(120);
-        assert_eq!(cut_forearm(&region), region);
+        assert_eq!(cut_forearm(&region, &region, 1), region);
     }
 
     #[test]
@@ -191,6 +181,6 @@ mod tests {
     #[test]
     fn an_empty_mask_stays_empty() {
         let empty = Mask::from_values(5, 5, &[0u8; 25], |v| v == 1);
-        assert_eq!(cut_forearm(&empty), empty);
+        assert_eq!(cut_forearm(&empty, &empty, 1), empty);
     }
 }

@@ -1,0 +1,69 @@
+//! How far each pixel is from a set of pixels: the chamfer distance with steps 3 and 4 (Borgefors 1986).
+
+/// A distance that no picture reaches.
+const FAR: u32 = u32::MAX / 2;
+
+/// Thirds of a pixel from each pixel of a picture, `width` x `height`, to the nearest that is `in_set`.
+///
+/// With `beyond`, what lies outside the picture is in the set as well; without it and without any pixel in the set, all
+/// distances are huge.
+pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool, beyond: bool) -> Vec<u32> {
+    // A frame of one pixel saves the border's special cases.
+    let stride = width + 2;
+    let outside = if beyond { 0 } else { FAR };
+    let mut framed = vec![outside; stride * (height + 2)];
+    for y in 0..height {
+        let row = &mut framed[(y + 1) * stride + 1..][..width];
+        for (x, distance) in row.iter_mut().enumerate() {
+            *distance = if in_set(y * width + x) { 0 } else { FAR };
+        }
+    }
+    for y in 1..=height {
+        for at in y * stride + 1..=y * stride + width {
+            let straight = framed[at - 1].min(framed[at - stride]) + 3;
+            let diagonal = framed[at - stride - 1].min(framed[at - stride + 1]) + 4;
+            framed[at] = framed[at].min(straight).min(diagonal);
+        }
+    }
+    for y in (1..=height).rev() {
+        for at in (y * stride + 1..=y * stride + width).rev() {
+            let straight = framed[at + 1].min(framed[at + stride]) + 3;
+            let diagonal = framed[at + stride + 1].min(framed[at + stride - 1]) + 4;
+            framed[at] = framed[at].min(straight).min(diagonal);
+        }
+    }
+    framed
+        .chunks_exact(stride)
+        .skip(1)
+        .take(height)
+        .flat_map(|row| row.iter().skip(1).take(width).copied())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn it_is_the_shortest_way_in_steps_of_three_and_four(
+            (width, height, set) in crate::segment::tests_support::masks(),
+        ) {
+            let found = thirds(width, height, |at| set[at], false);
+            for (at, &found) in found.iter().enumerate() {
+                let nearest = (0..set.len()).filter(|&other| set[other]).map(|other| {
+                    let dx = (other % width).abs_diff(at % width) as u32;
+                    let dy = (other / width).abs_diff(at / width) as u32;
+                    3 * dx.max(dy) + dx.min(dy)
+                });
+                prop_assert!(nearest.min().map_or(found >= FAR, |nearest| nearest == found));
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_picture_may_count() {
+        assert_eq!(thirds(3, 3, |_| false, true), [3, 3, 3, 3, 6, 3, 3, 3, 3]);
+    }
+}
