@@ -3,7 +3,8 @@
 //! In order of the data: [`picture`] decodes what a camera gives, [`segment`] finds the hand in it (the paper's
 //! Section III), [`recognise`] describes the hand, searches the index and lets the neighbours vote (Sections IV and
 //! V), [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
-//! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII. [`search`] takes raw
+//! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII, and
+//! [`quiz`] asks a person the same. [`search`] takes raw
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
@@ -12,6 +13,7 @@ pub mod experiment;
 pub mod explain;
 pub mod output;
 pub mod picture;
+pub mod quiz;
 pub mod recognise;
 pub mod search;
 pub mod segment;

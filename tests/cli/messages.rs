@@ -18,6 +18,7 @@ fn help_texts() {
     insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
     insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
+    insta::assert_snapshot!("query_quiz", help("grasp-query", &["quiz"]));
 }
 
 #[test]

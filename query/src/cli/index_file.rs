@@ -37,6 +37,12 @@ impl IndexFile {
         Ok(index)
     }
 
+    /// The same where one is named or lies at the usual place; none is no error then.
+    pub(super) fn open_if_there(&self) -> anyhow::Result<Option<Index>> {
+        let is_named = self.index.as_ref().is_some_and(|name| !name.is_empty());
+        if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
+    }
+
     pub(super) fn open(&self) -> anyhow::Result<Index> {
         let path = self.path();
         if !path.exists() {

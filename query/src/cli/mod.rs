@@ -7,6 +7,7 @@ mod experiment;
 mod index_file;
 mod man;
 mod options;
+mod quiz;
 mod recognise;
 mod search;
 mod selection;
@@ -42,6 +43,7 @@ Examples:
                                                          every frame of a video
   grasp-query evaluate labels.csv                        score labelled pictures
   grasp-query experiment paper labels.csv --out results  the paper's experiments over them
+  grasp-query quiz labels.csv                            how well does a person do on them?
   grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
 
 Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
@@ -62,6 +64,7 @@ enum Command {
     Recognise(recognise::Recognise),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
+    Quiz(quiz::Quizzing),
     Search(search::Search),
     Completions(completions::Completions),
     Man(man::Man),
@@ -101,6 +104,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Recognise(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
+        Command::Quiz(command) => command.run(),
         Command::Search(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),

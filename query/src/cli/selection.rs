@@ -53,7 +53,7 @@ impl Selection {
                 Ok(label) => broken.push(RowError {
                     line: label.line,
                     message: format!(
-                        "`{}` is no class of the index: it has {}, and `{OTHER}` is for none of them",
+                        "`{}` is none of the classes: they are {}, and `{OTHER}` is for none of them",
                         label.grasp,
                         classes.join(", ")
                     ),

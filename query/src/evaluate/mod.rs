@@ -7,11 +7,12 @@ pub mod report;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use grasp_index::HandImage;
 use nalgebra::UnitQuaternion;
 
 use crate::picture;
-use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition, Side};
-use crate::segment::Mask;
+use crate::recognise::{MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
+use crate::segment::{Mask, SegmentParams};
 use labels::{Kind, Label};
 
 /// What became of one labelled picture.
@@ -68,16 +69,11 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
     let path = resolve(folder, &label.file);
     let started = Instant::now();
     let read = picture::read(&path).map_err(RecogniseError::from).map_err(|error| miss(&error));
-    let labelled = label.mask.as_ref().map(|mask| read_mask(&resolve(folder, mask))).transpose();
+    let labelled = labelled_mask(folder, &label);
     let mut iou = None;
     let result = read.and_then(|bytes| {
         let mask = labelled?;
-        let source = match (label.kind, mask.clone()) {
-            (Kind::Segmented, Some(mask)) => MaskSource::SegmentedAnd(mask),
-            (Kind::Segmented, None) => MaskSource::Segmented,
-            (Kind::Camera, Some(mask)) if labelled_masks => MaskSource::Given(mask),
-            (Kind::Camera, _) => MaskSource::Skin,
-        };
+        let source = source_of(label.kind, mask.clone(), labelled_masks);
         let found = recogniser.recognise(&bytes, &source);
         if let (MaskSource::Skin, Some(mask)) = (&source, &mask) {
             iou = overlap(&found, mask);
@@ -85,6 +81,26 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
         found.map(|found| guess(recogniser, &found)).map_err(|error| miss(&error))
     });
     Outcome { label, result, ms: started.elapsed().as_secs_f64() * 1e3, iou }
+}
+
+/// The hand image H of a labelled picture, in full size; what finds the hand is as in [`score`].
+///
+/// # Errors
+/// [`Miss`]: where the picture or its mask cannot be used, or no hand is found.
+pub fn hand_image(folder: &Path, label: &Label, labelled_masks: bool) -> Result<HandImage, Miss> {
+    let source = source_of(label.kind, labelled_mask(folder, label)?, labelled_masks);
+    let bytes = picture::read(&resolve(folder, &label.file)).map_err(|error| miss(&error.into()))?;
+    let prepared = Prepared::decode(&bytes, &source, &SegmentParams::default());
+    prepared.and_then(|prepared| prepared.hand_image()).map_err(|error| miss(&error))
+}
+
+fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource {
+    match (kind, mask) {
+        (Kind::Segmented, Some(mask)) => MaskSource::SegmentedAnd(mask),
+        (Kind::Segmented, None) => MaskSource::Segmented,
+        (Kind::Camera, Some(mask)) if labelled_masks => MaskSource::Given(mask),
+        (Kind::Camera, _) => MaskSource::Skin,
+    }
 }
 
 /// The folder that a table's paths are relative to: the nearest folder above the table in which its first picture is
@@ -102,6 +118,10 @@ pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
 
 fn resolve(folder: &Path, file: &str) -> PathBuf {
     folder.join(file)
+}
+
+fn labelled_mask(folder: &Path, label: &Label) -> Result<Option<Mask>, Miss> {
+    label.mask.as_ref().map(|mask| read_mask(&resolve(folder, mask))).transpose()
 }
 
 fn read_mask(path: &Path) -> Result<Mask, Miss> {

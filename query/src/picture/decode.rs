@@ -165,3 +165,8 @@ fn explain(error: ImageError) -> DecodeError {
     }
     DecodeError::Damaged(error.to_string())
 }
+
+/// Whether an encoded picture is a JPEG, whose flat surfaces ring.
+pub fn is_jpeg(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0xFF, 0xD8])
+}

@@ -141,10 +141,10 @@ impl<'a> Recogniser<'a> {
     pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
         let mut timings = Timings::default();
         let picture = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
-        let is_jpeg = bytes.starts_with(&[0xFF, 0xD8]);
+        let is_jpeg = picture::is_jpeg(bytes);
         let prepared = timings.time(
             |t| &mut t.segmentation_ms,
-            || source::prepare(picture, is_jpeg, source, &self.options.segment),
+            || Prepared::new(picture, is_jpeg, source, &self.options.segment),
         )?;
         self.recognise_prepared(prepared, timings)
     }
@@ -159,10 +159,7 @@ impl<'a> Recogniser<'a> {
         mut timings: Timings,
     ) -> Result<Recognition, RecogniseError> {
         let started = Instant::now();
-        let picture = &prepared.picture;
-        let hand_image =
-            HandImage::from_mask(picture.width(), picture.height(), &picture.grey(), prepared.mask.pixels())?
-                .shrunk_to(DESCRIBED_SIDE);
+        let hand_image = prepared.hand_image()?.shrunk_to(DESCRIBED_SIDE);
         timings.descriptor_ms += timings::milliseconds(started);
         let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
         Ok(Recognition { prepared, hand_image, best, timings })

@@ -1,9 +1,9 @@
 //! Where the hand's mask comes from.
 
-use grasp_index::{BACKGROUND, HandImageError};
+use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
 use super::RecogniseError;
-use crate::picture::{Picture, WORKING_SIDE};
+use crate::picture::{self, Picture, WORKING_SIDE};
 use crate::segment::depth::{DepthRange, mask_from_depth};
 use crate::segment::{self, Mask, MaskError, SegmentParams};
 use crate::segment::{component, median};
@@ -52,46 +52,65 @@ pub struct Prepared {
     pub skin: Option<Mask>,
 }
 
+impl Prepared {
+    /// Finds the hand in an encoded picture (PNG, JPEG or PNM).
+    ///
+    /// # Errors
+    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
+    pub fn decode(bytes: &[u8], source: &MaskSource, params: &SegmentParams) -> Result<Self, RecogniseError> {
+        Self::new(picture::decode(bytes)?, picture::is_jpeg(bytes), source, params)
+    }
+
+    /// The hand image H: cropped around the hand, in shades of grey, black where there is no hand.
+    ///
+    /// # Errors
+    /// Where the hand is too small.
+    pub fn hand_image(&self) -> Result<HandImage, RecogniseError> {
+        let (width, height) = (self.picture.width(), self.picture.height());
+        Ok(HandImage::from_mask(width, height, &self.picture.grey(), self.mask.pixels())?)
+    }
+
+    pub(super) fn new(
+        picture: Picture,
+        is_jpeg: bool,
+        source: &MaskSource,
+        params: &SegmentParams,
+    ) -> Result<Self, RecogniseError> {
+        let (width, height) = (picture.width(), picture.height());
+        let found = match source {
+            MaskSource::Skin => {
+                let picture = picture.shrunk_to(WORKING_SIDE);
+                let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
+                return Ok(Self { picture, mask: found.hand, skin: Some(found.skin) });
+            }
+            MaskSource::Segmented => not_black(&picture, is_jpeg),
+            MaskSource::SegmentedAnd(mask) => {
+                mask.check_size(width, height).map_err(SourceError::Mask)?;
+                mask.and(&not_black(&picture, false))
+            }
+            MaskSource::Given(mask) => {
+                mask.check_size(width, height).map_err(SourceError::Mask)?;
+                mask.clone()
+            }
+            MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
+                // The size first: a depth picture of another one has nothing to say about this picture.
+                Mask::from_values(*depth_width, *depth_height, depth, |_| true)
+                    .check_size(width, height)
+                    .map_err(SourceError::Mask)?;
+                mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?
+            }
+        };
+        if found.area() == 0 {
+            return Err(HandImageError::NoHand { width, height }.into());
+        }
+        let picture = picture.shrunk_to(WORKING_SIDE);
+        let mask = found.resized(picture.width(), picture.height());
+        Ok(Self { picture, mask, skin: None })
+    }
+}
+
 /// JPEG rings around the hand: black becomes up to this bright.
 const JPEG_FLOOR: u8 = 16;
-
-pub(super) fn prepare(
-    picture: Picture,
-    is_jpeg: bool,
-    source: &MaskSource,
-    params: &SegmentParams,
-) -> Result<Prepared, RecogniseError> {
-    let (width, height) = (picture.width(), picture.height());
-    let found = match source {
-        MaskSource::Skin => {
-            let picture = picture.shrunk_to(WORKING_SIDE);
-            let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
-            return Ok(Prepared { picture, mask: found.hand, skin: Some(found.skin) });
-        }
-        MaskSource::Segmented => not_black(&picture, is_jpeg),
-        MaskSource::SegmentedAnd(mask) => {
-            mask.check_size(width, height).map_err(SourceError::Mask)?;
-            mask.and(&not_black(&picture, false))
-        }
-        MaskSource::Given(mask) => {
-            mask.check_size(width, height).map_err(SourceError::Mask)?;
-            mask.clone()
-        }
-        MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
-            // The size first: a depth picture of another one has nothing to say about this picture.
-            Mask::from_values(*depth_width, *depth_height, depth, |_| true)
-                .check_size(width, height)
-                .map_err(SourceError::Mask)?;
-            mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?
-        }
-    };
-    if found.area() == 0 {
-        return Err(HandImageError::NoHand { width, height }.into());
-    }
-    let picture = picture.shrunk_to(WORKING_SIDE);
-    let mask = found.resized(picture.width(), picture.height());
-    Ok(Prepared { picture, mask, skin: None })
-}
 
 /// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's box.
 fn not_black(picture: &Picture, is_jpeg: bool) -> Mask {

@@ -18,6 +18,11 @@ pub struct Published {
 }
 
 impl Published {
+    /// The figures of X, all the paper's pictures.
+    pub fn all() -> Self {
+        Self::of("X")
+    }
+
     /// The figures of the set of this name; those of X'' where there is none of it.
     pub(super) fn of(set: &str) -> Self {
         let share = |n, right| Share { n, right };

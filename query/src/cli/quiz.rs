@@ -1,0 +1,166 @@
+//! `grasp-query quiz`.
+
+use std::io::{self, Write as _};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use tokio::net::TcpListener;
+
+use super::index_file::IndexFile;
+use super::options::RecogniseArguments;
+use super::selection::{Selected, Selection};
+use crate::evaluate::labels::OTHER;
+use crate::quiz::answers::AnswerFile;
+use crate::quiz::pictures::{self, Shown};
+use crate::quiz::server::{Table, serve};
+use crate::quiz::{CHOICES, Quiz};
+use crate::recognise::Recogniser;
+
+/// The exit status where Ctrl-C came before the last answer, as shells count it (128 + SIGINT).
+const INTERRUPTED: u8 = 130;
+
+/// Let a person name the grasps of labelled pictures, beside the program: the paper's human baseline.
+///
+/// Serves a page that shows the hand images as the program sees them (the hand cut out, cropped and grey) in random order,
+/// and takes the answers by mouse, touch or the keys 1 to 6; Backspace goes back one picture. Every answer is kept at once:
+/// started again with the same --out, the quiz goes on where it stopped. The page tells nothing about the labels until
+/// the last picture is answered; then it shows the person's confusion matrix beside the program's. Ctrl-C ends the quiz and
+/// prints the table so far.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query quiz labels.csv                            in the browser of this machine
+  grasp-query quiz labels.csv --where kind=segmented --limit 60 --out anna.csv
+  grasp-query quiz labels.csv --listen 0.0.0.0:8080      for a phone in the same network
+  grasp-query quiz labels.csv --index grasp.idx --hand right --json > result.json
+
+Pictures in none of the six grasps are left out. Exit status: 0 when every picture was answered, 130 when Ctrl-C came before,
+2 where the table or a picture of it could not be used.")]
+pub(super) struct Quizzing {
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    index: IndexFile,
+    /// Where the page is served; port 0 takes a free one.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:0")]
+    listen: SocketAddr,
+    /// What the order comes from.
+    #[arg(long, value_name = "N", default_value_t = 7)]
+    seed: u64,
+    /// Keep the answers in this table, and go on from what is in it.
+    #[arg(long, value_name = "ANSWERS.csv", default_value = "answers.csv")]
+    out: PathBuf,
+    /// Show at most N pictures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    limit: Option<u32>,
+    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    #[arg(long)]
+    labelled_masks: bool,
+    /// Print the result as one JSON record.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+}
+
+impl Quizzing {
+    pub(super) fn run(&self) -> anyhow::Result<u8> {
+        super::refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
+        let index = self.index.open_if_there()?;
+        let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
+        let Selected { mut labels, broken, folder } = self.selection.read(&classes)?;
+        labels.retain(|label| label.grasp != OTHER);
+        let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
+        let labels = pictures::shuffled(labels, self.seed, limit);
+        // Before the pictures: a table that cannot be written should not be found out after the work.
+        let (answers, before) = AnswerFile::open(&self.out)?;
+
+        let recogniser = index.as_ref().map(|index| Recogniser::new(index, self.recognise.options()));
+        let mut errors = broken.len();
+        let mut stderr = io::stderr();
+        // Nobody may be there to be told; the quiz goes on.
+        for row in &broken {
+            let _ = writeln!(stderr, "line {}: {}", row.line, row.message);
+        }
+        let mut shown: Vec<Shown> = Vec::new();
+        for made in pictures::make(&labels, &folder, self.labelled_masks, recogniser.as_ref()) {
+            match made {
+                Ok(picture) => shown.push(picture),
+                Err((file, miss)) => {
+                    errors += usize::from(!miss.is_rejection);
+                    let _ = writeln!(stderr, "{file} is left out: {}", miss.message);
+                }
+            }
+        }
+        if shown.is_empty() {
+            bail!("no picture of {} can be shown", self.selection.path().display());
+        }
+        let quiz = Quiz::new(shown, answers, &before, self.seed);
+        let table = Table::new(quiz);
+        self.serve(&table)?;
+
+        let quiz = table.quiz();
+        let mut out = io::stdout().lock();
+        if self.json {
+            serde_json::to_writer(&mut out, &quiz.result()).map_err(io::Error::from)?;
+            writeln!(out)?;
+        } else {
+            write!(out, "{}", quiz.result().text())?;
+        }
+        Ok(match (errors, quiz.is_complete()) {
+            (1.., _) => super::ERROR,
+            (0, false) => INTERRUPTED,
+            (0, true) => super::SUCCESS,
+        })
+    }
+
+    /// Serves until Ctrl-C.
+    fn serve(&self, table: &Table) -> anyhow::Result<()> {
+        // One person answers: one thread is enough.
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        runtime.block_on(async {
+            let stop = stop()?;
+            let listener = TcpListener::bind(self.listen)
+                .await
+                .with_context(|| format!("cannot listen at {}: name another with --listen", self.listen))?;
+            let address = listener.local_addr()?;
+            let state = table.quiz().state();
+            let _ = writeln!(
+                io::stderr(),
+                "{} pictures, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; \
+                 Ctrl-C ends the quiz",
+                state.total,
+                state.answered,
+                state.seed,
+                self.out.display(),
+            );
+            Ok(serve(listener, table.clone(), stop).await?)
+        })
+    }
+}
+
+/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the server starts.
+#[cfg(unix)]
+fn stop() -> anyhow::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for Ctrl-C")?;
+    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for the end")?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+    })
+}
+
+/// Ready when the program is asked to end.
+#[cfg(not(unix))]
+fn stop() -> anyhow::Result<impl Future<Output = ()>> {
+    Ok(async {
+        // Where Ctrl-C cannot be listened for, the system ends the program itself.
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending().await
+        }
+    })
+}
