@@ -93,3 +93,59 @@ fn a_picture_that_cannot_be_used_is_named_and_fails_the_run() {
     let nothing = paper(&["--where", "kind=film"]);
     assert!(nothing.status == 2 && nothing.stderr.contains("no row of"), "{}", nothing.stderr);
 }
+
+#[test]
+fn shapes_are_built_once_and_scored_like_evaluate() {
+    let folder = tempfile::tempdir().unwrap();
+    let build = |counts: &str| {
+        run(program("grasp-builder")
+            .args(["experiment", "shapes", "--step", "30", "--out", "shapes", "--counts", counts])
+            .current_dir(folder.path()))
+    };
+    let first = build("3,1");
+    assert_eq!(first.status, 0, "{}", first.stderr);
+    let index = |count: u32| format!("shapes/hands-{count:04}.idx");
+    assert_eq!(
+        first.stdout.trim(),
+        format!(
+            "grasp-query experiment shapes LABELS.csv --out shapes --index {} --index {}",
+            index(1),
+            index(3)
+        )
+    );
+    let bytes = fs::read(folder.path().join(index(3))).unwrap();
+    let second = build("1,2,3");
+    assert_eq!(second.stderr.matches("is up to date").count(), 2, "{}", second.stderr);
+    assert_eq!(fs::read(folder.path().join(index(3))).unwrap(), bytes);
+
+    // The largest first: the number is read from the index, not from the order.
+    let labels = pictures().join("labels.csv");
+    let scored = run(program("grasp-query")
+        .args(["experiment", "shapes", "--json", "--hand", "right", "--out", "results"])
+        .args(["--index", &index(3), "--index", &index(1)])
+        .arg(&labels)
+        .current_dir(folder.path()));
+    assert_eq!(scored.status, 0, "{}", scored.stderr);
+    let figures = &scored.json_lines()[0];
+    let points = figures["points"].as_array().unwrap();
+    let shapes: Vec<u64> = points.iter().map(|point| point["hand_shapes"].as_u64().unwrap()).collect();
+    assert_eq!(shapes, [1, 3, 1, 3], "grasp stage, segmented and camera: {figures}");
+    for point in points {
+        let evaluated = run(program("grasp-query")
+            .args(["evaluate", "--json", "--hand", "right", "--where", "stage=grasp", "--where"])
+            .arg(format!("kind={}", point["kind"].as_str().unwrap()))
+            .args(["--index", point["index"].as_str().unwrap()])
+            .arg(&labels)
+            .current_dir(folder.path()));
+        let report = &evaluated.json_lines()[0];
+        assert_eq!((&point["n"], &point["top1"]), (&report["n"], &report["top1"]));
+        assert_eq!(point["orientation_median_deg"], report["orientation_error_deg"]["median"]);
+    }
+    let results = folder.path().join("results");
+    assert_eq!(rows(&results.join("shapes.csv")).len(), points.len());
+    let drawing = fs::read_to_string(results.join("shapes.svg")).unwrap();
+    assert_eq!(drawing.matches("<circle").count(), 2 * points.len());
+
+    let none = run(program("grasp-query").args(["experiment", "shapes"]).arg(&labels));
+    assert!(none.status == 2 && none.stderr.contains("--index"), "{}", none.stderr);
+}

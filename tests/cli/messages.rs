@@ -18,6 +18,8 @@ fn help_texts() {
     insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
     insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
+    insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
+    insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_quiz", help("grasp-query", &["quiz"]));
 }
 

@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use clap::Subcommand;
+use grasp_index::DescriptorParams;
+use grasp_renders::{Preset, RenderPlan};
 
 use super::Global;
 use crate::experiment::scale::data::Data;
@@ -12,6 +15,7 @@ use crate::experiment::scale::fit::power_law;
 use crate::experiment::scale::plot::{self, PAPER_EXPONENT};
 use crate::experiment::scale::table::Row;
 use crate::experiment::scale::{Hash, Settings, default_sizes, run};
+use crate::experiment::shapes;
 use crate::interrupt;
 
 /// Vary something and measure what the search does, as a table and a picture.
@@ -24,6 +28,7 @@ pub(crate) struct Experiment {
 #[derive(Debug, Subcommand)]
 enum Name {
     Scale(Scale),
+    Shapes(Shapes),
 }
 
 /// How latency, candidates, recall, file size and build time grow with the number of entries.
@@ -64,10 +69,41 @@ struct Scale {
     seed: u64,
 }
 
+/// Indexes of ever more hand shapes, to find out what these are worth.
+///
+/// DIR gets hands-0001.idx and so on, each with the hand shapes of the smaller ones among its own; those that are up to date
+/// are not built again. The command that scores labelled pictures by them is printed.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder experiment shapes --out shapes
+  grasp-builder experiment shapes --out shapes --counts 1,3,10 --step 12")]
+struct Shapes {
+    /// The folder of the indexes; made where there is none.
+    #[arg(long, value_name = "DIR", default_value = "shapes")]
+    out: PathBuf,
+    /// Numbers of hand shapes: the mean hand, the named ones, then hands sampled from the human range.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100", value_parser = clap::value_parser!(u32).range(1..=9999))]
+    counts: Vec<u32>,
+    /// What is rendered of each hand shape: `paper`, or `wide` with object sizes, the lower half-sphere and rolls.
+    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
+    preset: Preset,
+    /// Step between views in degrees, in azimuth and elevation.
+    #[arg(long, value_name = "DEG", value_parser = parse_step)]
+    step: Option<f64>,
+    /// How hand images are described.
+    #[arg(long, value_name = "NAME", default_value = "default", value_parser = ["default", "paper"])]
+    descriptor: String,
+    /// What all randomness comes from.
+    #[arg(long, default_value_t = 7, value_name = "N")]
+    seed: u64,
+}
+
 impl Experiment {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         match &self.name {
             Name::Scale(scale) => scale.run(global),
+            Name::Shapes(shapes) => shapes.run(global),
         }
     }
 }
@@ -114,6 +150,39 @@ impl Scale {
         writeln!(stdout, "{}", self.out.join("scale.svg").display())?;
         Ok(())
     }
+}
+
+impl Shapes {
+    fn run(&self, global: &Global) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let mut plan = RenderPlan { seed: self.seed, ..RenderPlan::preset(self.preset) };
+        if let Some(step) = self.step {
+            plan.grid.step_deg = step;
+        }
+        let descriptor = DescriptorParams::by_name(&self.descriptor)
+            .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
+        let counts = self.counts.iter().copied().collect();
+        let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
+        let mut stderr = std::io::stderr();
+        // Nobody may be there to be told; the indexes go on.
+        let indexes = shapes::run(&settings, global.progress(), &mut |path, report| {
+            let done = if report.written.is_some() { "built" } else { "is up to date" };
+            let seconds = report.elapsed.as_secs_f64();
+            let _ = writeln!(stderr, "{} {done}: {} entries, {seconds:.1} s", path.display(), report.entries);
+        })?;
+        let mut stdout = std::io::stdout().lock();
+        write!(stdout, "grasp-query experiment shapes LABELS.csv --out {}", self.out.display())?;
+        for index in indexes {
+            write!(stdout, " --index {}", index.display())?;
+        }
+        writeln!(stdout)?;
+        Ok(())
+    }
+}
+
+fn parse_step(text: &str) -> Result<f64, String> {
+    let step = text.parse().ok().filter(|step| (0.5..=180.0).contains(step));
+    step.ok_or_else(|| "a step between 0.5 and 180 degrees is needed".into())
 }
 
 fn line(row: &Row) -> String {

@@ -43,6 +43,7 @@ Examples:
   grasp-builder verify grasp.idx                         read every byte and check it
   grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
   grasp-builder experiment scale --out scale             how the search grows with the index
+  grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left; run the
 same command again).";

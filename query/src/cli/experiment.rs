@@ -3,13 +3,17 @@
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
+use anyhow::bail;
 use clap::Subcommand;
+use grasp_index::Index;
+use serde::Serialize;
 
 use super::Global;
-use super::index_file::IndexFile;
+use super::index_file::{self, IndexFile};
 use super::options::RecogniseArguments;
 use super::selection::Selection;
 use crate::experiment::paper::{Class, Paper};
+use crate::experiment::shapes::{Scored, Shapes};
 use crate::recognise::Recogniser;
 
 /// Repeat an experiment over labelled pictures, as tables and drawings.
@@ -22,6 +26,7 @@ pub(super) struct Experiment {
 #[derive(Debug, Subcommand)]
 enum Name {
     Paper(PaperArguments),
+    Shapes(ShapesArguments),
 }
 
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
@@ -55,10 +60,42 @@ struct PaperArguments {
     recognise: RecogniseArguments,
 }
 
+/// Hand shapes against accuracy: the same labelled pictures, recognised by indexes of ever more hand shapes.
+///
+/// How many an index holds is read from it; `grasp-builder experiment shapes` builds such indexes. With --out, DIR gets
+/// shapes.csv, shapes.json and shapes.svg.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder experiment shapes --out shapes --counts 1,3,10
+  grasp-query experiment shapes labels.csv --index shapes/hands-0001.idx --index shapes/hands-0003.idx \
+    --index shapes/hands-0010.idx --hand right --out results
+
+LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+struct ShapesArguments {
+    #[command(flatten)]
+    selection: Selection,
+    /// An index to recognise the pictures by; several may be named.
+    #[arg(long = "index", value_name = "FILE", required = true)]
+    indexes: Vec<PathBuf>,
+    /// Write table and drawing into this folder; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    #[arg(long)]
+    labelled_masks: bool,
+    /// Print the figures as one JSON record.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+}
+
 impl Experiment {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         match &self.name {
             Name::Paper(paper) => paper.run(global),
+            Name::Shapes(shapes) => shapes.run(global),
         }
     }
 }
@@ -79,13 +116,60 @@ impl PaperArguments {
         if let Some(folder) = &self.out {
             paper.write(folder)?;
         }
-        let mut out = io::stdout().lock();
-        if self.json {
-            serde_json::to_writer(&mut out, &paper).map_err(io::Error::from)?;
-            writeln!(out)?;
-        } else {
-            write!(out, "{}", paper.text())?;
-        }
+        print(self.json, &paper, || paper.text())?;
         Ok(if paper.errors.is_empty() { super::SUCCESS } else { super::ERROR })
     }
+}
+
+impl ShapesArguments {
+    fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let names = |index: &Index| -> Vec<String> {
+            index.catalogue().classes.iter().map(|class| class.name.clone()).collect()
+        };
+        // All of them first: a wrong name should not be found out after the work.
+        let mut indexes: Vec<(&PathBuf, Index)> = Vec::new();
+        for path in &self.indexes {
+            indexes.push((path, index_file::open_for_pictures(path, false)?));
+        }
+        let classes = indexes.first().map(|(_, index)| names(index)).unwrap_or_default();
+        if let Some((path, _)) = indexes.iter().find(|(_, index)| names(index) != classes) {
+            bail!(
+                "{} has other classes than the first index: name indexes of the same grasps",
+                path.display()
+            );
+        }
+        let selected = self.selection.read(&classes)?;
+        let scored: Vec<Scored> = indexes
+            .iter()
+            .map(|(path, index)| Scored {
+                index: path.display().to_string(),
+                hand_shapes: index.catalogue().hand_shapes.len(),
+                entries: index.len(),
+                outcomes: selected.score(
+                    &Recogniser::new(index, self.recognise.options()),
+                    self.labelled_masks,
+                    global,
+                ),
+            })
+            .collect();
+        let labels = self.selection.path().display().to_string();
+        let shapes = Shapes::new(labels, &classes, &scored, &selected.broken);
+        if let Some(folder) = &self.out {
+            shapes.write(folder)?;
+        }
+        print(self.json, &shapes, || shapes.text())?;
+        Ok(if shapes.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+    }
+}
+
+/// The figures on standard output, as a JSON record or as text.
+fn print(json: bool, figures: &impl Serialize, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    let mut out = io::stdout().lock();
+    if json {
+        serde_json::to_writer(&mut out, figures).map_err(io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        write!(out, "{}", text())?;
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Which index to use, and opening it.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
@@ -30,11 +30,7 @@ impl IndexFile {
 
     /// Opens an index that can tell what a picture shows.
     pub(super) fn open_for_pictures(&self) -> anyhow::Result<Index> {
-        let index = self.open()?;
-        index
-            .check_recognises()
-            .with_context(|| format!("cannot use the index {}", self.path().display()))?;
-        Ok(index)
+        open_for_pictures(&self.path(), self.no_mmap)
     }
 
     /// The same where one is named or lies at the usual place; none is no error then.
@@ -44,14 +40,24 @@ impl IndexFile {
     }
 
     pub(super) fn open(&self) -> anyhow::Result<Index> {
-        let path = self.path();
-        if !path.exists() {
-            bail!(
-                "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",
-                path.display()
-            );
-        }
-        let opened = if self.no_mmap { Index::read(&path) } else { Index::open(&path) };
-        opened.with_context(|| format!("cannot use the index {}", path.display()))
+        open(&self.path(), self.no_mmap)
     }
+}
+
+/// Opens an index at a path, one that can tell what a picture shows.
+pub(super) fn open_for_pictures(path: &Path, no_mmap: bool) -> anyhow::Result<Index> {
+    let index = open(path, no_mmap)?;
+    index.check_recognises().with_context(|| format!("cannot use the index {}", path.display()))?;
+    Ok(index)
+}
+
+fn open(path: &Path, no_mmap: bool) -> anyhow::Result<Index> {
+    if !path.exists() {
+        bail!(
+            "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",
+            path.display()
+        );
+    }
+    let opened = if no_mmap { Index::read(path) } else { Index::open(path) };
+    opened.with_context(|| format!("cannot use the index {}", path.display()))
 }

@@ -1,6 +1,8 @@
-//! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper.
+//! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper,
+//! [`shapes`] asks what more hand shapes in the index are worth.
 
 pub mod paper;
+pub mod shapes;
 mod svg;
 
 use std::fmt;
