@@ -69,7 +69,7 @@ function show(number) {
   busy = true;
   only("asking");
   const isAgain = number < state.answered;
-  $("progress").textContent = `Picture ${number + 1} of ${state.total}${isAgain ? ", once more" : ""}`;
+  $("progress").textContent = `Picture ${number + 1} of ${state.total}${isAgain ? ", again" : ""}`;
   $("back").textContent = isAgain ? "Forward" : "Back";
   $("back").disabled = !isAgain && state.answered === 0;
   document.querySelectorAll("#choices button").forEach((button, at) => {
