@@ -68,21 +68,21 @@ impl Picture {
         }
         let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
         let mut rgb = Vec::with_capacity(width * height);
-        for y in 0..height {
-            let rows = y * factor..((y + 1) * factor).min(self.height);
-            for x in 0..width {
-                let columns = x * factor..((x + 1) * factor).min(self.width);
-                let mut sum = [0u32; 3];
-                for row in rows.clone() {
-                    for pixel in &self.rgb[row * self.width..][columns.clone()] {
-                        for (total, value) in sum.iter_mut().zip(pixel) {
-                            *total += u32::from(*value);
-                        }
-                    }
+        // Down the columns first: whole rows of numbers are added at once.
+        let mut columns = vec![[0u32; 3]; self.width];
+        for rows in self.rgb.chunks(factor * self.width) {
+            columns.fill([0; 3]);
+            for row in rows.chunks_exact(self.width) {
+                for (sum, value) in columns.as_flattened_mut().iter_mut().zip(row.as_flattened()) {
+                    *sum += u32::from(*value);
                 }
-                let count = (rows.len() * columns.len()) as u32;
-                rgb.push(sum.map(|total| ((total + count / 2) / count) as u8));
             }
+            let rows = rows.len() / self.width;
+            rgb.extend(columns.chunks(factor).map(|block| {
+                let count = (rows * block.len()) as u32;
+                let sum = block.iter().fold([0; 3], |[r, g, b], add| [r + add[0], g + add[1], b + add[2]]);
+                sum.map(|total| ((total + count / 2) / count) as u8)
+            }));
         }
         Self { width, height, rgb }
     }

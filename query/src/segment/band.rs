@@ -7,7 +7,7 @@ use super::{Mask, component, distance};
 /// The arm beyond the band crosses the picture's border for at least this long, in radii of a disc of the hand's area.
 const ARM_WIDTH: f32 = 0.5;
 /// A band is at most this wide, in the same radii.
-const WIDEST: f32 = 0.9;
+const WIDEST: f32 = 0.6;
 /// What lies on a way between both parts of at most this many times the shortest is band.
 const DETOUR: f32 = 1.5;
 

@@ -7,6 +7,7 @@ const CHROMA_STEP: i32 = 3;
 /// Bins along the luma axis.
 const LUMA_BINS: usize = 12;
 const PLANE: usize = CHROMA_BINS * CHROMA_BINS;
+/// A multiple of 16: see `total`.
 const BINS: usize = LUMA_BINS * PLANE;
 
 /// The histogram bin of a colour: luma, and the chroma axes B - Y and R - Y.
@@ -34,7 +35,7 @@ pub(super) fn log_odds(bins: &[u16], shares: &[f32], weights: &[f32], doubt: f32
     spread(&mut other);
     spread(&mut hand);
     // Shares of all hand and of all else, so that a small hand is not held against its colour.
-    let scale = |bins: &[f32]| 1.0 / bins.iter().sum::<f32>().max(1e-6);
+    let scale = |bins: &[f32]| 1.0 / total(bins).max(1e-6);
     let (of_hand, of_other) = (scale(&hand), scale(&other));
     let table: Vec<f32> = hand
         .iter()
@@ -48,6 +49,15 @@ pub(super) fn log_odds(bins: &[u16], shares: &[f32], weights: &[f32], doubt: f32
     bins.iter().map(|&bin| table[usize::from(bin)]).collect()
 }
 
+/// The sum of all bins, in sixteen sums side by side: one alone would wait for every addition.
+fn total(bins: &[f32]) -> f32 {
+    let mut sums = [0f32; 16];
+    for sixteen in bins.chunks_exact(16) {
+        sums.iter_mut().zip(sixteen).for_each(|(sum, bin)| *sum += bin);
+    }
+    sums.iter().sum()
+}
+
 /// Spreads each bin over its neighbours with the weights 1, 2, 1, twice along each chroma axis and once along luma:
 /// noise moves a pixel by a bin or so.
 fn spread(bins: &mut [f32]) {
@@ -56,11 +66,22 @@ fn spread(bins: &mut [f32]) {
             continue;
         }
         for _ in 0..2 {
-            plane.chunks_exact_mut(CHROMA_BINS).for_each(|line| spread_across(line, 1));
+            // Most lines are empty.
+            let lines = plane.chunks_exact_mut(CHROMA_BINS);
+            lines.filter(|line| line.iter().any(|&count| count != 0.0)).for_each(spread_along);
             spread_across(plane, CHROMA_BINS);
         }
     }
     spread_across(bins, PLANE);
+}
+
+/// Spreads the values of one line.
+fn spread_along(line: &mut [f32]) {
+    let mut padded = [0f32; CHROMA_BINS + 2];
+    padded[1..=CHROMA_BINS].copy_from_slice(line);
+    for (out, three) in line.iter_mut().zip(padded.windows(3)) {
+        *out = 0.25 * three[0] + 0.5 * three[1] + 0.25 * three[2];
+    }
 }
 
 /// Spreads groups of `stride` values over the groups before and after them.

@@ -68,7 +68,7 @@ pub struct CompanionParams {
 
 impl Default for CompanionParams {
     fn default() -> Self {
-        Self { likely: 0.5, least: 0.01, distance: 2.0, alike: 0.5, border: 2.5 }
+        Self { likely: 0.5, least: 0.01, distance: 3.0, alike: 0.5, border: 2.5 }
     }
 }
 

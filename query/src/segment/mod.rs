@@ -46,8 +46,8 @@ pub struct SegmentParams {
     pub companions: component::CompanionParams,
     /// The smallest share of the picture that a hand may fill.
     pub min_share: f32,
-    /// The smallest share of a hand's pixels that the published model must take for skin without any adaptation:
-    /// what follows a picture's own light far enough finds skin on a white bottle.
+    /// The smallest share of a hand's pixels that the published model must find possible, the light set right but nothing
+    /// else adapted: what follows a picture's own colours far enough finds skin on a white bottle.
     pub min_published: f32,
 }
 
@@ -61,7 +61,7 @@ impl Default for SegmentParams {
             median_passes: 3,
             companions: component::CompanionParams::default(),
             min_share: 0.004,
-            min_published: 0.02,
+            min_published: 0.1,
         }
     }
 }
@@ -98,15 +98,81 @@ fn find(picture: &Picture, fewest: usize, params: &SegmentParams) -> Option<Mask
     }
     let smallest = (params.min_share * (width * height) as f32) as usize;
     let hand = component::most_hand_like(&mask, &odds.placed, smallest.max(fewest))?;
-    if published_share(picture, &hand) < params.min_published {
+    if published_share(picture, &hand, params.adapt.cast) < params.min_published {
         return None;
     }
     Some(band::bridge(&component::with_companions(&hand, &odds.colour, &params.companions)))
 }
 
-/// The share of a mask's pixels whose colour is skin to the published model.
-fn published_share(picture: &Picture, mask: &Mask) -> f32 {
+/// Log-odds of the published model below which a colour is no skin under any light.
+const IMPOSSIBLE: f32 = -1.0;
+
+/// The share of a mask's pixels whose colour may be skin to the published model.
+fn published_share(picture: &Picture, mask: &Mask, cast: f32) -> f32 {
+    let light = light::Light::of(picture, cast);
     let pixels = picture.rgb().iter().zip(mask.pixels()).filter(|(_, inside)| **inside != 0);
-    let is_skin = pixels.filter(|(rgb, _)| skin::log_odds(**rgb) > 0.0).count();
-    is_skin as f32 / mask.area().max(1) as f32
+    let is_possible = pixels.filter(|(rgb, _)| skin::log_odds(light.correct(**rgb)) > IMPOSSIBLE).count();
+    is_possible as f32 / mask.area().max(1) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SKIN: [u8; 3] = [205, 145, 115];
+    const BLACK: [u8; 3] = [28, 28, 30];
+    const CLOTH: [u8; 3] = [90, 120, 100];
+
+    /// A picture of 320 x 240 whose pixels have the colour that `colour` gives for their place.
+    fn picture(colour: impl Fn(usize, usize) -> [u8; 3]) -> Picture {
+        Picture::new(320, 240, (0..320 * 240).map(|at| colour(at % 320, at / 320)).collect()).unwrap()
+    }
+
+    fn is_palm(x: usize, y: usize) -> bool {
+        (x as f32 - 150.0).hypot(y as f32 - 120.0) < 45.0
+    }
+
+    #[test]
+    fn an_arm_is_whole_across_its_watch_and_the_hand_ends_there() {
+        let arm = |x: usize, y: usize| x >= 150 && (93..147).contains(&y);
+        let found = segment(
+            &picture(|x, y| match (is_palm(x, y) || arm(x, y), (205..225).contains(&x)) {
+                (true, true) => BLACK,
+                (true, false) => SKIN,
+                _ => CLOTH,
+            }),
+            &SegmentParams::default(),
+        )
+        .unwrap();
+        let whole: Vec<bool> =
+            (0..320 * 240).map(|at| is_palm(at % 320, at / 320) || arm(at % 320, at / 320)).collect();
+        let whole = Mask::from_values(320, 240, &whole, |v| v);
+        assert!(found.skin.iou(&whole).unwrap() > 0.95, "{:?}", found.skin.iou(&whole));
+        assert!(found.hand.get(150, 120) && !found.hand.get(280, 120));
+    }
+
+    #[test]
+    fn fingertips_beyond_a_held_bottle_belong_to_the_hand_and_the_bottle_does_not() {
+        let bottle = |x: usize| (115..150).contains(&x);
+        let finger = |x: usize, y: usize| (100..115).contains(&x) && (95..145).contains(&y);
+        let found = segment(
+            &picture(|x, y| match (bottle(x), is_palm(x, y) || finger(x, y)) {
+                (true, _) => BLACK,
+                (false, true) => SKIN,
+                _ => CLOTH,
+            }),
+            &SegmentParams::default(),
+        )
+        .unwrap();
+        assert!(found.hand.get(107, 120), "fingers");
+        assert!(found.hand.get(175, 120), "palm");
+        assert!(!found.hand.get(132, 120) && !found.hand.get(132, 20), "bottle");
+    }
+
+    #[test]
+    fn a_white_bottle_before_a_wall_is_no_hand() {
+        let bottle = |x: usize, y: usize| (130..190).contains(&x) && (40..220).contains(&y);
+        let found = picture(|x, y| if bottle(x, y) { [225, 222, 218] } else { [120, 130, 140] });
+        assert_eq!(segment(&found, &SegmentParams::default()), None);
+    }
 }

@@ -12,67 +12,81 @@ const PASSES: i32 = 2;
 /// A filter for values that belong to the pixels of one picture.
 pub(super) struct Smooth {
     width: usize,
-    /// How far the colour of a pixel is from that of its left neighbour, and from the one above: sums of three
-    /// absolute differences; 0 where there is no such neighbour.
-    left: Vec<u16>,
-    above: Vec<u16>,
-    /// For each pass: how much of a neighbour's value a pixel takes, by the difference of their colours.
-    feedback: Vec<Vec<f32>>,
+    height: usize,
+    passes: Vec<Pass>,
+}
+
+/// How much of a neighbour's value each pixel takes in one pass, 0..1.
+struct Pass {
+    /// Of the neighbour above: row by row, from the second row on.
+    above: Vec<f32>,
+    /// Of the neighbour to the left: column by column, from the second column on.
+    left: Vec<f32>,
 }
 
 impl Smooth {
     /// A filter that reaches some `reach` pixels, and at which a sum of colour differences of `edge` doubles the way of
     /// `reach` pixels.
     pub(super) fn new(picture: &Picture, reach: f32, edge: f32) -> Self {
-        let (width, rgb) = (picture.width(), picture.rgb());
-        let difference =
-            |a: &[u8; 3], b: &[u8; 3]| a.iter().zip(b).map(|(a, b)| u16::from(a.abs_diff(*b))).sum::<u16>();
-        let mut left = vec![0; rgb.len()];
-        for (row, pixels) in left.chunks_exact_mut(width).zip(rgb.chunks_exact(width)) {
-            for (out, pair) in row.iter_mut().skip(1).zip(pixels.windows(2)) {
-                *out = difference(&pair[0], &pair[1]);
-            }
+        let (width, height, rgb) = (picture.width(), picture.height(), picture.rgb());
+        let difference = |a: &[u8; 3], b: &[u8; 3]| {
+            a.iter().zip(b).map(|(a, b)| usize::from(a.abs_diff(*b))).sum::<usize>()
+        };
+        let above: Vec<usize> =
+            rgb.iter().skip(width).zip(rgb).map(|(here, above)| difference(here, above)).collect();
+        let mut left = Vec::with_capacity(rgb.len());
+        for x in 1..width {
+            let column = rgb.iter().skip(x).step_by(width).zip(rgb.iter().skip(x - 1).step_by(width));
+            left.extend(column.map(|(here, left)| difference(here, left)));
         }
-        let mut above = vec![0; rgb.len()];
-        for ((out, here), before) in above.iter_mut().skip(width).zip(rgb.iter().skip(width)).zip(rgb) {
-            *out = difference(here, before);
-        }
-        let feedback = (1..=PASSES)
+        let passes = (1..=PASSES)
             .map(|pass| {
-                let sigma = reach * 3f32.sqrt() * 2f32.powi(PASSES - pass) / (4f32.powi(PASSES) - 1.0).sqrt();
-                let decay = -(2f32.sqrt()) / sigma;
-                (0..=3 * 255).map(|step| (decay * (1.0 + reach / edge * step as f32)).exp()).collect()
+                let share = 3f32.sqrt() * 2f32.powi(PASSES - pass) / (4f32.powi(PASSES) - 1.0).sqrt();
+                let decay = -(2f32.sqrt()) / (reach * share);
+                let by_difference: Vec<f32> =
+                    (0..=3 * 255).map(|step| (decay * (1.0 + reach / edge * step as f32)).exp()).collect();
+                let feedback = |steps: &[usize]| steps.iter().map(|&step| by_difference[step]).collect();
+                Pass { above: feedback(&above), left: feedback(&left) }
             })
             .collect();
-        Self { width, left, above, feedback }
+        Self { width, height, passes }
     }
 
     /// Filters `values`, one a pixel, in place.
     pub(super) fn apply(&self, values: &mut [f32]) {
-        for feedback in &self.feedback {
-            let take = |difference: u16| feedback[usize::from(difference)];
-            for (row, left) in values.chunks_exact_mut(self.width).zip(self.left.chunks_exact(self.width)) {
-                for x in 1..row.len() {
-                    row[x] += take(left[x]) * (row[x - 1] - row[x]);
-                }
-                for x in (1..row.len()).rev() {
-                    row[x - 1] += take(left[x]) * (row[x] - row[x - 1]);
-                }
-            }
-            let rows = values.len() / self.width;
-            for y in 1..rows {
-                let (before, here) = values[(y - 1) * self.width..].split_at_mut(self.width);
-                for ((here, before), &above) in here.iter_mut().zip(before).zip(&self.above[y * self.width..])
-                {
-                    *here += take(above) * (*before - *here);
-                }
-            }
-            for y in (1..rows).rev() {
-                let (before, here) = values[(y - 1) * self.width..].split_at_mut(self.width);
-                for ((here, before), &above) in here.iter().zip(before).zip(&self.above[y * self.width..]) {
-                    *before += take(above) * (*here - *before);
-                }
-            }
+        // Along rows each value waits for the one before; along columns a whole row goes at once. So rows are made columns.
+        let mut turned = vec![0f32; values.len()];
+        for pass in &self.passes {
+            transpose(self.width, values, &mut turned);
+            along_columns(self.height, &mut turned, &pass.left);
+            transpose(self.height, &turned, values);
+            along_columns(self.width, values, &pass.above);
+        }
+    }
+}
+
+/// Turns rows of `width` values into columns.
+fn transpose(width: usize, from: &[f32], to: &mut [f32]) {
+    let height = from.len() / width;
+    for (y, row) in from.chunks_exact(width).enumerate() {
+        for (x, value) in row.iter().enumerate() {
+            to[x * height + y] = *value;
+        }
+    }
+}
+
+/// The exponential filter down and up the columns of rows of `width` values.
+fn along_columns(width: usize, values: &mut [f32], feedback: &[f32]) {
+    for (y, feedback) in feedback.chunks_exact(width).enumerate() {
+        let (before, here) = values[y * width..][..2 * width].split_at_mut(width);
+        for ((here, before), feedback) in here.iter_mut().zip(before).zip(feedback) {
+            *here += feedback * (*before - *here);
+        }
+    }
+    for (y, feedback) in feedback.chunks_exact(width).enumerate().rev() {
+        let (before, here) = values[y * width..][..2 * width].split_at_mut(width);
+        for ((here, before), feedback) in here.iter().zip(before).zip(feedback) {
+            *before += feedback * (*here - *before);
         }
     }
 }
