@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use grasp_index::{
     BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
 };
-use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, View};
+use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -167,6 +167,7 @@ impl Hands {
                     grasp: Arc::clone(&grasp),
                     stage: plan.stages.get(stage).copied().unwrap_or(Stage::Grasp),
                     object: grasp.object.object(size),
+                    example: None,
                     look: plan.look.clone(),
                     // Another light than that of the index's own views from the same direction.
                     seed: plan.seed.wrapping_add(FIRST_SEED),
@@ -182,14 +183,19 @@ impl Hands {
     }
 
     fn view(&self, rng: &mut ChaCha8Rng) -> View {
-        let grid = &self.plan.grid;
-        let [low, high] = grid.elevation_deg;
-        let elevation: f64 = rng.random_range(0.0..1.0);
-        let roll = rng.random_range(0..grid.rolls_deg.len().max(1) as u64) as usize;
-        View {
-            azimuth_deg: rng.random_range(0.0..360.0),
-            elevation_deg: low + (high - low) * elevation,
-            roll_deg: grid.rolls_deg.get(roll).copied().unwrap_or(0.0),
+        let height: f64 = rng.random_range(0.0..1.0);
+        let azimuth_deg = rng.random_range(0.0..360.0);
+        match &self.plan.views {
+            Views::Grid(grid) => {
+                let [low, high] = grid.elevation_deg;
+                let roll = rng.random_range(0..grid.rolls_deg.len().max(1) as u64) as usize;
+                let roll_deg = grid.rolls_deg.get(roll).copied().unwrap_or(0.0);
+                View { azimuth_deg, elevation_deg: low + (high - low) * height, roll_deg }
+            }
+            Views::Random(_) => {
+                let elevation_deg = (2.0 * height - 1.0).asin().to_degrees();
+                View { azimuth_deg, elevation_deg, roll_deg: rng.random_range(0.0..360.0) }
+            }
         }
     }
 }

@@ -24,14 +24,16 @@ mod grasp;
 mod hand;
 mod mesh;
 mod plan;
+mod random;
 mod raster;
 mod scene;
+mod variation;
 mod view;
 
 pub mod render_set;
 
 pub use grasp::{
-    Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement, Stage,
+    Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement, Stage,
     StagePose, UnknownStage,
 };
 pub use hand::{
@@ -40,4 +42,5 @@ pub use hand::{
 pub use plan::{Preset, RenderPlan, UnknownPreset};
 pub use raster::HAND_FLOOR;
 pub use scene::{Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};
-pub use view::{View, ViewGrid, world_from_hand};
+pub use variation::Variation;
+pub use view::{View, ViewGrid, Views, world_from_hand};

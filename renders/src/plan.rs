@@ -4,17 +4,26 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
 use crate::grasp::{GraspSet, Stage};
 use crate::hand::HandShape;
 use crate::scene::{Look, SceneSpec};
-use crate::view::{View, ViewGrid};
+use crate::variation::Variation;
+use crate::view::{View, ViewGrid, Views};
+
+/// Hand shapes and views a scene of the `wide` preset: 3,600 scenes and 216,000 renders.
+const WIDE_HANDS: usize = 100;
+const WIDE_VIEWS: usize = 60;
 
 /// A named plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preset {
     /// As in the paper: one hand shape, six grasps, 900 views each over the upper half-sphere.
     Paper,
-    /// Several hand shapes, all stages, two object sizes, both half-spheres, rolls all round.
+    /// Many hand shapes, all stages, objects of any size, poses and arms that vary as people's do, and views from
+    /// everywhere with any roll.
     Wide,
 }
 
@@ -66,9 +75,11 @@ pub struct RenderPlan {
     /// Object sizes as shares (0 to 1) of the grasp's own range.
     pub object_sizes: Vec<f64>,
     /// The camera directions.
-    pub grid: ViewGrid,
+    pub views: Views,
     /// How a picture is taken.
     pub look: Look,
+    /// How scenes differ from what the data say.
+    pub variation: Variation,
     /// Seed of all variations.
     pub seed: u64,
 }
@@ -81,22 +92,28 @@ impl RenderPlan {
             grasps: GraspSet::builtin(),
             stages: vec![Stage::Grasp],
             object_sizes: vec![0.5],
-            grid: ViewGrid::default(),
+            views: Views::Grid(ViewGrid::default()),
             look: Look::default(),
+            variation: Variation::NONE,
             seed: 0,
         };
         match preset {
             Preset::Paper => paper,
             Preset::Wide => RenderPlan {
-                hand_shapes: hands(3),
-                stages: vec![Stage::Close, Stage::Grasp],
+                hand_shapes: hands(WIDE_HANDS),
+                stages: Stage::ALL.to_vec(),
                 object_sizes: vec![0.2, 0.8],
-                grid: ViewGrid {
-                    step_deg: 15.0,
-                    elevation_deg: [-75.0, 75.0],
-                    rolls_deg: (0..12).map(|i| f64::from(i) * 30.0).collect(),
+                views: Views::Random(WIDE_VIEWS),
+                look: Look { distance_variation: 0.25, light_variation: 0.6, ..Look::default() },
+                variation: Variation {
+                    joints: 0.65,
+                    tilt_deg: 6.0,
+                    place: 0.04,
+                    size: 0.4,
+                    closure: 0.12,
+                    examples: 0.65,
+                    arms: Some(([1.05, 1.5], [0.0, 0.02])),
                 },
-                look: Look { distance_variation: 0.2, light_variation: 0.3, ..Look::default() },
                 ..paper
             },
         }
@@ -116,14 +133,16 @@ impl RenderPlan {
             for grasp in &grasps {
                 for &stage in &self.stages {
                     for &size in &self.object_sizes {
-                        scenes.push(SceneSpec {
+                        let spec = SceneSpec {
                             hand_shape: Arc::clone(&shape),
                             grasp: Arc::clone(grasp),
                             stage,
                             object: grasp.object.object(size),
+                            example: None,
                             look: self.look.clone(),
                             seed: self.seed,
-                        });
+                        };
+                        scenes.push(self.variation.of(spec));
                     }
                 }
             }
@@ -131,15 +150,23 @@ impl RenderPlan {
         scenes
     }
 
-    /// All views of each scene, in a fixed order.
-    pub fn views(&self) -> Vec<View> {
-        self.grid.views()
+    /// All views of a scene, in a fixed order; they follow from the scene's own parameters.
+    pub fn views(&self, scene: &SceneSpec) -> Vec<View> {
+        match &self.views {
+            Views::Grid(grid) => grid.views(),
+            Views::Random(count) => {
+                // Another stream than the variations of light and distance.
+                let mut rng = ChaCha8Rng::seed_from_u64(scene.params_hash());
+                rng.set_stream(1);
+                (0..*count).map(|_| View::random(&mut rng)).collect()
+            }
+        }
     }
 
     /// How many renders the plan makes.
     pub fn renders(&self) -> usize {
         let scenes = self.hand_shapes.len() * self.grasps.len() * self.stages.len() * self.object_sizes.len();
-        scenes * self.views().len()
+        scenes * self.views.count()
     }
 }
 
@@ -162,10 +189,31 @@ mod tests {
     #[test]
     fn the_wide_preset_covers_rolls_and_both_half_spheres() {
         let plan = RenderPlan::preset(Preset::Wide);
-        assert_eq!(plan.scenes().len() * plan.views().len(), plan.renders());
+        let scenes = plan.with_hands(2).scenes();
+        let plan = RenderPlan::preset(Preset::Wide);
         assert!(plan.renders() < 300_000, "{}", plan.renders());
-        assert!(plan.views().iter().any(|v| v.elevation_deg < -45.0));
-        assert!(plan.views().iter().any(|v| v.roll_deg > 170.0));
+        let views: Vec<View> = scenes.iter().flat_map(|scene| plan.views(scene)).collect();
+        assert_eq!(views.len(), scenes.len() * WIDE_VIEWS);
+        let share =
+            |is: fn(&View) -> bool| views.iter().filter(|v| is(v)).count() as f64 / views.len() as f64;
+        // A band of a sphere is as large as it is high.
+        assert!((share(|v| v.elevation_deg < -30.0) - 0.25).abs() < 0.03);
+        assert!((share(|v| v.roll_deg > 270.0) - 0.25).abs() < 0.03);
+        assert_ne!(plan.views(&scenes[0]), plan.views(&scenes[1]));
+        assert_eq!(plan.views(&scenes[0]), plan.views(&scenes[0]));
+    }
+
+    #[test]
+    fn varied_scenes_differ_and_follow_from_the_seed() {
+        let plan = |seed| RenderPlan { seed, ..RenderPlan::preset(Preset::Wide).with_hands(20) };
+        let (scenes, again, other) = (plan(0).scenes(), plan(0).scenes(), plan(1).scenes());
+        assert!(scenes.iter().zip(&again).all(|(a, b)| a.params_hash() == b.params_hash()));
+        assert!(scenes.iter().zip(&other).all(|(a, b)| a.params_hash() != b.params_hash()));
+        let posed = scenes.iter().filter(|scene| scene.example.is_some()).count() as f64;
+        assert!((posed / scenes.len() as f64 - 0.65).abs() < 0.06, "{posed} of {}", scenes.len());
+        for (a, b) in scenes.iter().zip(&scenes[1..]) {
+            assert_ne!(a.object, b.object);
+        }
     }
 
     #[test]

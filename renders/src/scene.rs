@@ -7,14 +7,14 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::grasp::{Grasp, Object, Stage, grip};
+use crate::grasp::{Example, Grasp, Object, Stage, grip};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
 use crate::mesh::{Mesh, surface_nets};
 use crate::raster::{self, Drawing, Light};
 use crate::view::{View, world_from_hand};
 
 /// Changes whenever the same parameters give other pixels than before.
-pub const RENDERER_VERSION: u32 = 1;
+pub const RENDERER_VERSION: u32 = 2;
 
 /// How a picture is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub struct Look {
     /// Length of the black arm in metres that goes on where the hand is cut and hides what lies behind it, as
     /// a sleeve does once a picture is segmented; 0 leaves it out.
     pub arm: f64,
+    /// How wide that arm is where it begins, as a share of the wrist: 1 is a bare wrist, 1.5 a wide sleeve.
+    pub sleeve: f64,
     /// Distance of the camera from the hand's centre, in hand lengths.
     pub distance: f64,
     /// How far that distance may vary from view to view, as a share of it: 0 to 0.5.
@@ -42,6 +44,7 @@ impl Default for Look {
             side: 48,
             forearm: 0.0,
             arm: 0.25,
+            sleeve: 1.2,
             distance: 4.0,
             distance_variation: 0.0,
             light_variation: 0.0,
@@ -61,6 +64,8 @@ pub struct SceneSpec {
     pub stage: Stage,
     /// Holding what.
     pub object: Object,
+    /// Posed like this, and not by closing the fingers on the object.
+    pub example: Option<Example>,
     /// Seen how.
     pub look: Look,
     /// Seed of the variations of light and distance.
@@ -127,7 +132,8 @@ impl SceneSpec {
         // A margin of two cells: the surface must not touch the grid's border.
         let margin = Vector3::repeat(2.0 * self.look.cell);
         let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| surface.distance(p));
-        let black = [object, arm(&self.hand_shape, surface.cut_x(), self.look.arm)];
+        let sleeve = arm(&self.hand_shape, surface.cut_x(), self.look.arm, self.look.sleeve);
+        let black = [object, sleeve];
         let (drawing, centre) = assemble(hand, &black, surface.cut_x());
         Ok(Scene {
             drawing,
@@ -141,6 +147,9 @@ impl SceneSpec {
 
     /// The hand's joint angles and the object's mesh at this stage.
     fn pose(&self, skeleton: &Skeleton) -> (HandPose, Mesh) {
+        if let Some(example) = &self.example {
+            return (example.pose, example.object.mesh());
+        }
         let held = grip(skeleton, &self.grasp, self.object);
         let stage = self.grasp.stage(self.stage);
         let mut object = held.object;
@@ -154,6 +163,7 @@ impl Look {
         let side = self.side as f64;
         let rules = [
             ("the picture's side in pixels", side, 8.0, 1024.0, "8 to 1024"),
+            ("the sleeve's width in wrists", self.sleeve, 0.5, 3.0, "0.5 to 3"),
             ("the forearm's length in metres", self.forearm, 0.0, 0.4, "0 to 0.4"),
             ("the camera's distance in hand lengths", self.distance, 1.5, 1000.0, "1.5 to 1000"),
             ("the variation of distance", self.distance_variation, 0.0, 0.5, "0 to 0.5"),
@@ -197,15 +207,15 @@ fn assemble(hand: Mesh, black: &[Mesh], cut_x: f64) -> (Drawing, Vector3<f64>) {
     (drawing, centre.cast())
 }
 
-/// The arm in its sleeve, from the cut backwards: an elliptic cone a little wider than the wrist.
-fn arm(shape: &HandShape, cut_x: f64, length: f64) -> Mesh {
+/// The arm in its sleeve, from the cut backwards: an elliptic cone that begins `sleeve` times as wide as the wrist.
+fn arm(shape: &HandShape, cut_x: f64, length: f64, sleeve: f64) -> Mesh {
     const SIDES: u32 = 32;
     let mut mesh = Mesh::default();
     if length == 0.0 {
         return mesh;
     }
     // (distance behind the cut, widening), the ends closed by a ring of no size.
-    for (back, wide) in [(0.0, 0.0), (0.0, 1.2), (length, 1.2 + length), (length, 0.0)] {
+    for (back, wide) in [(0.0, 0.0), (0.0, sleeve), (length, sleeve + length), (length, 0.0)] {
         for side in 0..SIDES {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
             let y = 0.5 * shape.wrist_breadth * wide * cos;
@@ -283,6 +293,7 @@ mod tests {
         SceneSpec {
             hand_shape: Arc::new(shape),
             object: grasp.object.object(0.5),
+            example: None,
             grasp: Arc::new(grasp),
             stage,
             look: Look::default(),
@@ -335,7 +346,7 @@ mod tests {
 
     #[test]
     fn the_arm_is_closed_and_right_side_out() {
-        let mesh = arm(&HandShape::mean(), -0.01, 0.25);
+        let mesh = arm(&HandShape::mean(), -0.01, 0.25, 1.2);
         assert!(mesh.is_closed());
         assert!(mesh.volume() > 3e-4, "{}", mesh.volume());
     }

@@ -1,6 +1,9 @@
 //! Where the camera stands, and what that means as a rotation.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use rand_chacha::ChaCha8Rng;
+
+use crate::random::between;
 
 /// One camera direction, in degrees.
 ///
@@ -19,6 +22,18 @@ pub struct View {
 }
 
 impl View {
+    /// A view drawn from all rotations alike, to a tenth of a degree.
+    pub(crate) fn random(rng: &mut ChaCha8Rng) -> View {
+        let tenths = |degrees: f64| (degrees * 10.0).round() / 10.0;
+        // Equal heights of a sphere have equal areas.
+        let elevation = between(rng, [-1.0, 1.0]).asin();
+        View {
+            azimuth_deg: tenths(between(rng, [0.0, 359.9])),
+            elevation_deg: tenths(elevation.to_degrees()),
+            roll_deg: tenths(between(rng, [0.0, 359.9])),
+        }
+    }
+
     /// The rotation from `world` into the camera's optical frame (z forward, x right, y down).
     pub fn camera_from_world(&self) -> UnitQuaternion<f64> {
         let (sin_a, cos_a) = self.azimuth_deg.to_radians().sin_cos();
@@ -42,6 +57,26 @@ pub fn world_from_hand(up: &Vector3<f64>) -> UnitQuaternion<f64> {
     let y = up.cross(&x);
     let rows = Matrix3::from_rows(&[x.transpose(), y.transpose(), up.transpose()]);
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rows))
+}
+
+/// Which camera directions a plan takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Views {
+    /// The same directions for every scene, in equal steps.
+    Grid(ViewGrid),
+    /// So many directions for every scene, other ones for each, drawn from all rotations alike: any azimuth, elevation
+    /// and roll. As many scenes then cover the rotations more densely than any grid of the same number would.
+    Random(usize),
+}
+
+impl Views {
+    /// How many views a scene has.
+    pub fn count(&self) -> usize {
+        match self {
+            Views::Grid(grid) => grid.views().len(),
+            Views::Random(count) => *count,
+        }
+    }
 }
 
 /// Camera directions in equal steps.

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grasp_renders::render_set::{Manifest, RenderSetError, Summary, write_set};
-use grasp_renders::{HAND_FLOOR, Look, Preset, RenderPlan, ViewGrid};
+use grasp_renders::{HAND_FLOOR, Look, Preset, RenderPlan, ViewGrid, Views};
 
 fn small_plan() -> RenderPlan {
     RenderPlan {
-        grid: ViewGrid { step_deg: 60.0, elevation_deg: [-30.0, 30.0], rolls_deg: vec![0.0, 90.0] },
+        views: Views::Grid(ViewGrid {
+            step_deg: 60.0,
+            elevation_deg: [-30.0, 30.0],
+            rolls_deg: vec![0.0, 90.0],
+        }),
         look: Look { light_variation: 0.3, distance_variation: 0.2, ..Look::default() },
         ..RenderPlan::preset(Preset::Paper)
     }
@@ -58,7 +62,7 @@ fn what_was_written_is_read_back() {
     write(folder.path(), &plan);
     let manifest = Manifest::read(folder.path()).expect("the manifest is read");
     assert_eq!(manifest.rows.len(), plan.renders());
-    let views = plan.views();
+    let views = plan.views(&plan.scenes()[0]);
     for (s, spec) in plan.scenes().iter().enumerate() {
         let scene = spec.build().expect("a scene");
         let row = &manifest.rows[s * views.len() + 7];

@@ -42,14 +42,13 @@ pub(super) fn describe(
     known: &Known,
     take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let views = plan.views();
     for specs in plan.scenes().chunks(SCENES_AT_ONCE) {
         // A scene all of whose views are known need not be built.
         let scenes: Vec<Option<Scene>> = specs
             .par_iter()
             .map(|spec| {
                 let hash = spec.params_hash();
-                let all_known = views.iter().all(|view| known.contains(source_hash(hash, view)));
+                let all_known = plan.views(spec).iter().all(|view| known.contains(source_hash(hash, view)));
                 if all_known { Ok(None) } else { spec.build().map(Some) }
             })
             .collect::<Result<_, _>>()
@@ -57,7 +56,8 @@ pub(super) fn describe(
         for (spec, scene) in specs.iter().zip(&scenes) {
             let template = template(spec, names)?;
             let hash = spec.params_hash();
-            let described = views
+            let described = plan
+                .views(spec)
                 .par_iter()
                 .map(|view| {
                     let entry = NewEntry {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use grasp_renders::{GraspSet, HandShape, Preset, RenderPlan, Stage};
+use grasp_renders::{GraspSet, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
@@ -11,8 +11,8 @@ const MOST_VIEWS: f64 = 1e6;
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
-    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` adds hand shapes, object sizes,
-    /// the lower half-sphere and rolls. The options below change it.
+    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` is 100 hand shapes at all stages, in varied
+    /// poses, with objects of all sizes, seen from everywhere with any roll. The options below change it.
     #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
     preset: Preset,
     /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range.
@@ -37,6 +37,12 @@ pub(super) struct PlanOptions {
     /// Rolls about the optical axis, evenly spaced over the full turn.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360))]
     rolls: Option<u32>,
+    /// Instead of a grid, take N views of every scene, other ones for each: any azimuth, elevation and roll.
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "elevations", "rolls"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    views: Option<u32>,
+    /// Pose this share of the scenes, 0 to 1, like the examples in the grasps' file; the rest close on their objects.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    examples: Option<f64>,
     /// Distance of the camera, in hand lengths.
     #[arg(long, value_name = "LENGTHS")]
     distance: Option<f64>,
@@ -82,37 +88,57 @@ impl PlanOptions {
             plan.stages.clone_from(&self.stage);
         }
         plan.grasps = self.grasps()?;
-        if let Some(step) = self.step {
-            plan.grid.step_deg = step;
-        }
-        if let Some(elevations) = self.elevations {
-            plan.grid.elevation_deg = elevations;
-        }
-        if let Some(rolls) = self.rolls {
-            plan.grid.rolls_deg = (0..rolls).map(|i| f64::from(i) * 360.0 / f64::from(rolls)).collect();
+        plan.views = self.views(plan.views)?;
+        if let Some(share) = self.examples {
+            plan.variation.examples = share;
         }
         let look = &mut plan.look;
         look.distance = self.distance.unwrap_or(look.distance);
         look.forearm = self.forearm.map_or(look.forearm, |millimetres| millimetres / 1000.0);
         look.light_variation = self.light_variation.unwrap_or(look.light_variation);
         look.distance_variation = self.distance_variation.unwrap_or(look.distance_variation);
-        // A grid so fine that only listing it would take minutes is a slip of the keyboard.
-        if !(0.5..=180.0).contains(&plan.grid.step_deg) {
-            bail!("--step {}: a step lies between 0.5 and 180 degrees", plan.grid.step_deg);
-        }
-        let [low, high] = plan.grid.elevation_deg;
-        let directions = (360.0 / plan.grid.step_deg).ceil() * ((high - low) / plan.grid.step_deg + 1.0);
-        let views = directions * plan.grid.rolls_deg.len() as f64;
-        if views > MOST_VIEWS {
-            bail!(
-                "{views:.0} views of each scene are too many: widen --step or lower --rolls ({MOST_VIEWS} at most)"
-            );
-        }
         if plan.renders() == 0 {
             bail!("these options leave no view to render: widen --elevations");
         }
         Ok(plan)
     }
+
+    /// The preset's views, changed by the options: any of those of a grid makes it one.
+    fn views(&self, preset: Views) -> anyhow::Result<Views> {
+        if let Some(count) = self.views {
+            return Ok(Views::Random(count as usize));
+        }
+        let mut grid = match preset {
+            Views::Random(_) if self.step.is_none() && self.elevations.is_none() && self.rolls.is_none() => {
+                return Ok(preset);
+            }
+            Views::Random(_) => ViewGrid { elevation_deg: [-84.0, 84.0], ..ViewGrid::default() },
+            Views::Grid(grid) => grid,
+        };
+        grid.step_deg = self.step.unwrap_or(grid.step_deg);
+        grid.elevation_deg = self.elevations.unwrap_or(grid.elevation_deg);
+        if let Some(rolls) = self.rolls {
+            grid.rolls_deg = (0..rolls).map(|i| f64::from(i) * 360.0 / f64::from(rolls)).collect();
+        }
+        // A grid so fine that only listing it would take minutes is a slip of the keyboard.
+        if !(0.5..=180.0).contains(&grid.step_deg) {
+            bail!("--step {}: a step lies between 0.5 and 180 degrees", grid.step_deg);
+        }
+        let [low, high] = grid.elevation_deg;
+        let directions = (360.0 / grid.step_deg).ceil() * ((high - low) / grid.step_deg + 1.0);
+        let views = directions * grid.rolls_deg.len() as f64;
+        if views > MOST_VIEWS {
+            bail!(
+                "{views:.0} views of each scene are too many: widen --step or lower --rolls ({MOST_VIEWS} at most)"
+            );
+        }
+        Ok(Views::Grid(grid))
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| format!("`{text}` is no share: write a number from 0 to 1"))
 }
 
 fn elevations(text: &str) -> Result<[f64; 2], String> {

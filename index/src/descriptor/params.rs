@@ -101,7 +101,7 @@ impl Default for DescriptorParams {
         Self {
             kind: DescriptorKind::Default,
             bins: 4,
-            levels: 3,
+            levels: 4,
             sampling: Sampling::KeepAspect { side: 48 },
             tone: Tone::Normalised { contrast: 0.12 },
         }

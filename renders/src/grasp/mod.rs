@@ -1,10 +1,12 @@
 //! The grasps: data, not code. A grasp says how the hand opens and closes, what it holds, where, and how it
 //! is held in the world; the fingers then close on the object by themselves until they touch.
 
+mod example;
 mod grip;
 mod object;
 mod set;
 
+pub use example::Example;
 pub(crate) use grip::grip;
 pub use object::{Object, PlacedObject};
 pub use set::{GraspSet, GraspSetError};
@@ -153,6 +155,8 @@ pub struct Grasp {
     pub closed: HandPose,
     /// The stages `reach` and `close`.
     pub(crate) stages: [StagePose; 2],
+    /// Hands of this grasp as they were seen; may be none.
+    pub examples: Vec<Example>,
 }
 
 impl Grasp {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use super::example::RawExample;
 use super::{Grasp, ObjectKind, ObjectRange, Placement, StagePose};
 use crate::hand::{Digit, HandPose, JOINT_NAMES, Joints, joint_limits};
 
@@ -144,6 +145,8 @@ struct RawGrasp {
     object: RawObject,
     open: RawPose,
     closed: RawPose,
+    #[serde(default)]
+    example: Vec<RawExample>,
 }
 
 #[derive(Deserialize)]
@@ -168,12 +171,12 @@ enum RawPlace {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawPose {
-    thumb: [f64; 5],
-    index: [f64; 4],
-    middle: [f64; 4],
-    ring: [f64; 4],
-    little: [f64; 4],
+pub(super) struct RawPose {
+    pub(super) thumb: [f64; 5],
+    pub(super) index: [f64; 4],
+    pub(super) middle: [f64; 4],
+    pub(super) ring: [f64; 4],
+    pub(super) little: [f64; 4],
 }
 
 impl RawGrasp {
@@ -205,6 +208,7 @@ impl RawGrasp {
             open: self.open.check("open")?,
             closed: self.closed.check("closed")?,
             stages: [stages.reach, stages.close],
+            examples: self.example.iter().map(|e| e.check(self.object.kind)).collect::<Result<_, _>>()?,
         })
     }
 }
@@ -248,7 +252,7 @@ impl RawObject {
 }
 
 impl RawPose {
-    fn check(&self, pose: &str) -> Result<HandPose, String> {
+    pub(super) fn check(&self, pose: &str) -> Result<HandPose, String> {
         let four = |[a, b, c, d]: [f64; 4]| [a, b, c, d, 0.0];
         let raw = [self.thumb, four(self.index), four(self.middle), four(self.ring), four(self.little)];
         let mut digits: [Joints; 5] = [[0.0; 5]; 5];
@@ -275,7 +279,7 @@ impl RawPose {
     }
 }
 
-fn unit(key: &str, v: [f64; 3]) -> Result<Vector3<f64>, String> {
+pub(super) fn unit(key: &str, v: [f64; 3]) -> Result<Vector3<f64>, String> {
     Vector3::from(v)
         .try_normalize(1e-6)
         .filter(|v| v.iter().all(|x| x.is_finite()))

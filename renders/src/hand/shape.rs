@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
+
+use crate::random::normal;
 
 /// Mean and spread of every measure, and the presets; see the file for its sources.
 const TABLE: &str = include_str!("../../data/hand.toml");
@@ -192,13 +194,6 @@ impl HandShape {
             digits,
         }
     }
-}
-
-/// A standard normal number (Box and Muller 1958).
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let unit = |bits: u64| (bits >> 11) as f64 / (1u64 << 53) as f64;
-    let radius = (-2.0 * (1.0 - unit(rng.next_u64())).ln()).sqrt();
-    radius * (std::f64::consts::TAU * unit(rng.next_u64())).cos()
 }
 
 #[cfg(test)]

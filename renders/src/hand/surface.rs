@@ -157,7 +157,7 @@ fn thumb_side(thumb: &Chain) -> V {
     (thumb.nail - along * along.dot(&thumb.nail)).try_normalize(1e-9).unwrap_or_else(V::zeros)
 }
 
-/// Skin between neighbouring fingers, and between thumb and index finger.
+/// Skin between neighbouring fingers, over the metacarpals, and between thumb and index finger.
 fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
     let thick = skeleton.shape().palm_thickness;
     let along = |chain: &Chain, bone: usize, t: f64| {
@@ -171,6 +171,13 @@ fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
             [along(a, 0, 0.24) + low, along(b, 0, 0.30) + low, (a.points[0] + b.points[0]) * 0.5 + low],
             0.20 * thick,
         ));
+    }
+    // Tendons and skin fill the valleys between the metacarpals: the back of the hand is even.
+    for pair in chains[1..].windows(2) {
+        let (a, b) = (pair[0].points[0], pair[1].points[0]);
+        let middle = V::new(0.25 * skeleton.shape().palm_length, 0.275 * (a.y + b.y), 0.0);
+        let rise = V::new(0.0, 0.0, 0.02 * thick);
+        webs.push(([a + rise, b + rise, middle + rise], 0.26 * thick));
     }
     let thumb = &chains[0];
     let index = chains[1].points[0];

@@ -102,8 +102,7 @@ pub fn write_set(
     cancel: &AtomicBool,
 ) -> Result<Summary, RenderSetError> {
     let scenes = plan.scenes();
-    let views = plan.views();
-    let total = scenes.len() * views.len();
+    let total = plan.renders();
     if total == 0 {
         return Err(RenderSetError::Empty);
     }
@@ -113,10 +112,10 @@ pub fn write_set(
     }
     refuse_foreign(folder)?;
     let counts = Counts::default();
-    let job = Job { folder, views: &views, total, counts: &counts, progress, cancel };
+    let job = Job { folder, plan, total, counts: &counts, progress, cancel };
     scenes.par_iter().try_for_each(|spec| job.write_scene(spec))?;
 
-    let rows = scenes.iter().flat_map(|spec| views.iter().map(move |view| row(spec, view)));
+    let rows = scenes.iter().flat_map(|spec| plan.views(spec).into_iter().map(move |view| row(spec, &view)));
     let path = folder.join(MANIFEST);
     let failed = |source| RenderSetError::Write { path: path.clone(), source };
     let bytes = manifest::to_csv(rows).map_err(failed)?;
@@ -149,7 +148,7 @@ struct Counts {
 
 struct Job<'a> {
     folder: &'a Path,
-    views: &'a [View],
+    plan: &'a RenderPlan,
     total: usize,
     counts: &'a Counts,
     progress: &'a (dyn Fn(usize, usize) + Sync),
@@ -161,8 +160,8 @@ impl Job<'_> {
         let hash = spec.params_hash();
         self.go_on()?;
         // Only a scene that lacks a picture is worth building.
-        let missing: Vec<&View> = self
-            .views
+        let views = self.plan.views(spec);
+        let missing: Vec<&View> = views
             .par_iter()
             .filter(|view| {
                 // Once stopped, nothing more is looked at; what that leaves out is not rendered either.

@@ -177,9 +177,9 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
 
 /// The descriptors of all renders of a plan, in its order, without those that show no hand.
 fn describe(plan: &RenderPlan, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
-    let views = plan.views();
     let mut all = Vec::new();
     for spec in plan.scenes() {
+        let views = plan.views(&spec);
         interrupt::check()?;
         let scene = spec.build().context("cannot render")?;
         let described: Vec<Option<Vec<f32>>> = views
