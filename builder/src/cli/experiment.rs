@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Subcommand;
 use grasp_index::DescriptorParams;
-use grasp_renders::{Preset, RenderPlan};
+use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 
 use super::Global;
 use crate::experiment::scale::data::Data;
@@ -156,8 +156,14 @@ impl Shapes {
     fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let mut plan = RenderPlan { seed: self.seed, ..RenderPlan::preset(self.preset) };
-        if let Some(step) = self.step {
-            plan.grid.step_deg = step;
+        if let Some(step_deg) = self.step {
+            let grid = match plan.views {
+                Views::Grid(grid) => ViewGrid { step_deg, ..grid },
+                Views::Random(_) => {
+                    ViewGrid { step_deg, elevation_deg: [-84.0, 84.0], ..ViewGrid::default() }
+                }
+            };
+            plan.views = Views::Grid(grid);
         }
         let descriptor = DescriptorParams::by_name(&self.descriptor)
             .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
