@@ -66,20 +66,20 @@ fn of_queries_that_do_not_fit() {
         let options = SearchOptions { k, ..SearchOptions::default() };
         index.search(query, &options).expect_err("the query does not fit").to_string()
     };
-    assert_snapshot!(search(&[0.0; 340], 10), @"the query has 340 values, the index's descriptors have 84: describe pictures with the index's own parameters");
-    assert_snapshot!(search(&[f32::NAN; 84], 10), @"value 0 of the query is not a finite number");
-    assert_snapshot!(search(&[0.0; 84], 0), @"k is 0: ask for at least one neighbour");
+    assert_snapshot!(search(&[0.0; 300], 10), @"the query has 300 values, the index's descriptors have 340: describe pictures with the index's own parameters");
+    assert_snapshot!(search(&[f32::NAN; 340], 10), @"value 0 of the query is not a finite number");
+    assert_snapshot!(search(&[0.0; 340], 0), @"k is 0: ask for at least one neighbour");
     assert_snapshot!(index.entry(36).expect_err("one past the end"), @"there is no entry 36: the index holds 36, counted from 0");
 }
 
 #[test]
 fn of_entries_that_do_not_fit() {
     let mut writer = IndexWriter::new(support::params(2)).expect("the parameters are sound");
-    let good = NewEntry { file: "a.png".into(), descriptor: vec![0.0; 84], ..NewEntry::default() };
+    let good = NewEntry { file: "a.png".into(), descriptor: vec![0.0; 340], ..NewEntry::default() };
     let mut refused = |entry| writer.push(entry).expect_err("the entry does not fit").to_string();
     assert_snapshot!(refused(NewEntry { class: 2, ..good.clone() }), @"the entry a.png cannot be added: its class is number 2, and the index has 2");
-    assert_snapshot!(refused(NewEntry { descriptor: vec![0.0; 83], ..good.clone() }), @"the entry a.png cannot be added: its descriptor has 83 values, the index's have 84");
-    assert_snapshot!(refused(NewEntry { descriptor: vec![f32::NAN; 84], ..good.clone() }), @"the entry a.png cannot be added: value 0 of its descriptor is not a finite number");
+    assert_snapshot!(refused(NewEntry { descriptor: vec![0.0; 339], ..good.clone() }), @"the entry a.png cannot be added: its descriptor has 339 values, the index's have 340");
+    assert_snapshot!(refused(NewEntry { descriptor: vec![f32::NAN; 340], ..good.clone() }), @"the entry a.png cannot be added: value 0 of its descriptor is not a finite number");
     assert_snapshot!(refused(NewEntry { thumbnail: Some(vec![1]), ..good }), @"the entry a.png cannot be added: its thumbnail has 1 pixels, the index's have 0");
     assert!(matches!(writer.finish_bytes(), Err(BuildError::Empty)));
     let none = IndexWriter::new(IndexParams::default()).expect_err("no classes");

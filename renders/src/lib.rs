@@ -10,7 +10,7 @@
 //!
 //! let plan = RenderPlan::preset(Preset::Paper);
 //! let scene = plan.scenes()[0].build()?;
-//! let render = scene.render(&plan.views()[450]);
+//! let render = scene.render(&plan.views(&plan.scenes()[0])[450]);
 //! assert_eq!(render.grey.len(), 48 * 48);
 //! assert!(render.grey.iter().any(|&grey| grey > 0));
 //! # Ok::<(), grasp_renders::SceneError>(())

@@ -9,7 +9,7 @@ use grasp_index::npy::{NpyHeader, NpyType};
 use grasp_tests::{Outcome, program, run, run_with_input, small_index};
 
 /// Values of a descriptor of the small index.
-const DIM: usize = 84;
+const DIM: usize = 340;
 
 fn descriptors() -> Vec<Vec<f32>> {
     let index = Index::open(small_index()).unwrap();
@@ -155,7 +155,7 @@ fn rows_are_filled_where_the_index_has_fewer_entries() {
 fn a_vector_is_a_single_query() {
     let folder = tempfile::tempdir().unwrap();
     let two = array(&queries(1), DIM);
-    let text = String::from_utf8_lossy(&two[10..128]).replace("(1, 84)", "(84,)");
+    let text = String::from_utf8_lossy(&two[10..128]).replace("(1, 340)", "(340,)");
     let mut bytes = two[..10].to_vec();
     bytes.extend(format!("{:<118}", text.trim_end()).bytes());
     bytes.extend(&two[128..]);
@@ -227,11 +227,11 @@ fn arrays_that_cannot_be_searched_for_are_told() {
     };
     insta::assert_snapshot!(refusal(&header("<f4", "<f8")), @"grasp-query: cannot use the queries q.npy: its values are '<f8', <f4 is needed: convert them with astype('<f4')");
     insta::assert_snapshot!(refusal(&header("False", "True")), @"grasp-query: cannot use the queries q.npy: its values lie column by column (Fortran order): save numpy.ascontiguousarray(...) of it");
-    insta::assert_snapshot!(refusal(&header("(2, 84)", "(2, 42, 2)")), @"grasp-query: cannot use the queries q.npy: its shape is (2, 42, 2): (rows, columns) is needed, or (columns,) for a single row");
-    insta::assert_snapshot!(refusal(&header("(2, 84)", "(2, 42)")), @"grasp-query: cannot use the queries q.npy: its rows have 42 values, 84 are needed");
-    insta::assert_snapshot!(refusal(&header("(2, 84)", "(0, 84)")), @"grasp-query: q.npy holds no query");
-    insta::assert_snapshot!(refusal(&header("(2, 84)", "(4294967296, 84)")), @"grasp-query: cannot use the queries q.npy: truncated: 1443109011456 bytes of values expected, 672 found: copy or write the file again");
-    insta::assert_snapshot!(refusal(&sound[..sound.len() - 1]), @"grasp-query: cannot use the queries q.npy: truncated: 672 bytes of values expected, 671 found: copy or write the file again");
+    insta::assert_snapshot!(refusal(&header("(2, 340)", "(2, 170, 2)")), @"grasp-query: cannot use the queries q.npy: its shape is (2, 170, 2): (rows, columns) is needed, or (columns,) for a single row");
+    insta::assert_snapshot!(refusal(&header("(2, 340)", "(2, 170)")), @"grasp-query: cannot use the queries q.npy: its rows have 170 values, 340 are needed");
+    insta::assert_snapshot!(refusal(&header("(2, 340)", "(0, 340)")), @"grasp-query: q.npy holds no query");
+    insta::assert_snapshot!(refusal(&header("(2, 340)", "(4294967296, 340)")), @"grasp-query: cannot use the queries q.npy: truncated: 5841155522560 bytes of values expected, 2720 found: copy or write the file again");
+    insta::assert_snapshot!(refusal(&sound[..sound.len() - 1]), @"grasp-query: cannot use the queries q.npy: truncated: 2720 bytes of values expected, 2719 found: copy or write the file again");
     insta::assert_snapshot!(refusal(b""), @"grasp-query: cannot use the queries q.npy: not a .npy file (it ends too soon): write one with numpy.save");
     insta::assert_snapshot!(refusal(b"0.1 0.2 0.3\n"), @"grasp-query: cannot use the queries q.npy: not a .npy file (it begins otherwise): write one with numpy.save");
     let mut values = queries(5);

@@ -171,7 +171,7 @@ fn arrays_that_are_none_are_told() {
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--out", "x.npy"]);
     assert!(said.contains("choose another --out"), "{said}");
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--descriptor", "default"]);
-    assert!(said.contains("the rows have 3 values, and those of the descriptor `default` have 84"), "{said}");
+    assert!(said.contains("the rows have 3 values, and those of the descriptor `default` have 340"), "{said}");
     fs::write(folder.path().join("q.npy"), array(&some(4), 2)).unwrap();
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--held-out", "q.npy"]);
     assert!(said.contains("has rows of 2 values, the index's have 3"), "{said}");
@@ -222,7 +222,7 @@ fn queries_are_of_other_hands_and_always_the_same() {
     };
     let one = write("one.npy", &["--threads", "1"]);
     let header = NpyHeader::read(&mut &one[..], NpyType::F32).unwrap();
-    assert_eq!((header.columns, header.rows > 50), (84, true));
+    assert_eq!((header.columns, header.rows > 50), (340, true));
     assert!(one == write("two.npy", &["--threads", "2"]), "the number of threads changes queries");
     let clean = write("clean.npy", &["--clean"]);
     assert!(one != clean && one != write("other.npy", &["--seed", "8"]));
@@ -230,7 +230,7 @@ fn queries_are_of_other_hands_and_always_the_same() {
     let index = Index::open(small_index()).unwrap();
     let header = NpyHeader::read(&mut &clean[..], NpyType::F32).unwrap();
     let values = header.read_values(&mut &clean[header.offset as usize..]).unwrap();
-    for query in values.chunks_exact(84) {
+    for query in values.chunks_exact(340) {
         let found = index.search(query, &SearchOptions { k: 1, effort: Effort::Exact }).unwrap();
         assert!(found.neighbours[0].distance > 1e-3);
     }

@@ -130,8 +130,8 @@ fn distance(a: &[f32], b: &[f32]) -> f32 {
 #[test]
 fn the_lengths_are_the_papers() {
     assert_eq!(DescriptorParams::paper().dim(), 84);
-    assert_eq!(DescriptorParams::default().dim(), 84);
-    assert_eq!(DescriptorParams { levels: 4, ..DescriptorParams::default() }.dim(), 340);
+    assert_eq!(DescriptorParams::default().dim(), 340);
+    assert_eq!(DescriptorParams { levels: 3, ..DescriptorParams::default() }.dim(), 84);
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn x_is_downward() {
 
 #[test]
 fn cells_come_finest_level_first() {
-    let params = DescriptorParams::default();
+    let params = DescriptorParams::paper();
     let descriptor: Vec<f32> = (0..84).map(|at| at as f32).collect();
     let cells: Vec<Cell<'_>> = params.cells(&descriptor).collect();
     assert_eq!(cells.len(), 16 + 4 + 1);
@@ -214,7 +214,7 @@ fn different_parameters_have_different_fingerprints() {
     let others = [
         DescriptorParams::paper(),
         DescriptorParams { bins: 5, ..base },
-        DescriptorParams { levels: 4, ..base },
+        DescriptorParams { levels: 3, ..base },
         DescriptorParams { sampling: Sampling::KeepAspect { side: 64 }, ..base },
         DescriptorParams { sampling: Sampling::Stretch { side: 48 }, ..base },
         DescriptorParams { tone: Tone::AsIs, ..base },
