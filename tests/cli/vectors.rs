@@ -171,7 +171,10 @@ fn arrays_that_are_none_are_told() {
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--out", "x.npy"]);
     assert!(said.contains("choose another --out"), "{said}");
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--descriptor", "default"]);
-    assert!(said.contains("the rows have 3 values, and those of the descriptor `default` have 340"), "{said}");
+    assert!(
+        said.contains("the rows have 3 values, and those of the descriptor `default` have 340"),
+        "{said}"
+    );
     fs::write(folder.path().join("q.npy"), array(&some(4), 2)).unwrap();
     let said = refused(folder.path(), &["build", "--descriptors", "x.npy", "--held-out", "q.npy"]);
     assert!(said.contains("has rows of 2 values, the index's have 3"), "{said}");
