@@ -116,7 +116,7 @@ impl Hands {
             ..plan.look.clone()
         };
         // The shapes that the views are not of are not needed.
-        let plan = RenderPlan { hand_shapes: Vec::new(), look, ..plan.clone() };
+        let plan = RenderPlan { hand_shapes: Vec::new(), hand_models: Vec::new(), look, ..plan.clone() };
         Self { a_grasp: hand_shapes.len(), hand_shapes, plan, views, seed }
     }
 
@@ -164,6 +164,7 @@ impl Hands {
                 let size = rng.random_range(0.2..0.8);
                 let spec = SceneSpec {
                     hand_shape: Arc::clone(shape),
+                    hand_model: None,
                     grasp: Arc::clone(&grasp),
                     stage: plan.stages.get(stage).copied().unwrap_or(Stage::Grasp),
                     object: grasp.object.object(size),

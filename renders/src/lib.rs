@@ -22,6 +22,7 @@
 
 mod grasp;
 mod hand;
+mod hand_model;
 mod mesh;
 mod plan;
 mod random;
@@ -39,6 +40,7 @@ pub use grasp::{
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,
 };
+pub use hand_model::{HandModel, HandModelError};
 pub use plan::{Preset, RenderPlan, UnknownPreset};
 pub use raster::HAND_FLOOR;
 pub use scene::{Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::grasp::{GraspSet, Stage};
 use crate::hand::HandShape;
+use crate::hand_model::HandModel;
 use crate::scene::{Look, SceneSpec};
 use crate::variation::Variation;
 use crate::view::{View, ViewGrid, Views};
@@ -68,6 +69,8 @@ impl FromStr for Preset {
 pub struct RenderPlan {
     /// Whose hands.
     pub hand_shapes: Vec<HandShape>,
+    /// Hands that were read from files, rendered after those.
+    pub hand_models: Vec<Arc<HandModel>>,
     /// The grasps.
     pub grasps: GraspSet,
     /// The stages.
@@ -89,6 +92,7 @@ impl RenderPlan {
     pub fn preset(preset: Preset) -> RenderPlan {
         let paper = RenderPlan {
             hand_shapes: vec![HandShape::mean()],
+            hand_models: Vec::new(),
             grasps: GraspSet::builtin(),
             stages: vec![Stage::Grasp],
             object_sizes: vec![0.5],
@@ -119,7 +123,7 @@ impl RenderPlan {
         }
     }
 
-    /// The same plan with `n` hand shapes: the presets first, then sampled hands.
+    /// The same plan with `n` hand shapes: the presets first, then sampled hands. Hand models stay.
     pub fn with_hands(self, n: usize) -> RenderPlan {
         RenderPlan { hand_shapes: hands(n), ..self }
     }
@@ -128,13 +132,15 @@ impl RenderPlan {
     pub fn scenes(&self) -> Vec<SceneSpec> {
         let mut scenes = Vec::new();
         let grasps: Vec<_> = self.grasps.iter().cloned().map(Arc::new).collect();
-        for shape in &self.hand_shapes {
-            let shape = Arc::new(shape.clone());
+        let shapes = self.hand_shapes.iter().map(|shape| (Arc::new(shape.clone()), None));
+        let models = self.hand_models.iter().map(|m| (Arc::new(m.shape().clone()), Some(Arc::clone(m))));
+        for (shape, model) in shapes.chain(models) {
             for grasp in &grasps {
                 for &stage in &self.stages {
                     for &size in &self.object_sizes {
                         let spec = SceneSpec {
                             hand_shape: Arc::clone(&shape),
+                            hand_model: model.clone(),
                             grasp: Arc::clone(grasp),
                             stage,
                             object: grasp.object.object(size),
@@ -165,8 +171,8 @@ impl RenderPlan {
 
     /// How many renders the plan makes.
     pub fn renders(&self) -> usize {
-        let scenes = self.hand_shapes.len() * self.grasps.len() * self.stages.len() * self.object_sizes.len();
-        scenes * self.views.count()
+        let hands = self.hand_shapes.len() + self.hand_models.len();
+        hands * self.grasps.len() * self.stages.len() * self.object_sizes.len() * self.views.count()
     }
 }
 

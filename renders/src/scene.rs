@@ -1,5 +1,6 @@
 //! One hand shape in one grasp at one stage with one object: built once, seen from many sides.
 
+use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -9,6 +10,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::grasp::{Example, Grasp, Object, Stage, grip};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
+use crate::hand_model::HandModel;
 use crate::mesh::{Mesh, surface_nets};
 use crate::raster::{self, Drawing, Light};
 use crate::view::{View, world_from_hand};
@@ -54,10 +56,12 @@ impl Default for Look {
 }
 
 /// What a scene is made of. Cheap to copy; [`SceneSpec::build`] does the work.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct SceneSpec {
     /// Whose hand.
     pub hand_shape: Arc<HandShape>,
+    /// The model whose measures these are, and whose skin is drawn.
+    pub hand_model: Option<Arc<HandModel>>,
     /// In which grasp.
     pub grasp: Arc<Grasp>,
     /// How far closed.
@@ -111,6 +115,20 @@ pub struct Render {
     pub view: View,
 }
 
+impl fmt::Debug for SceneSpec {
+    /// All fields, a model only where there is one: pictures of our own hands are the same as before there were models.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let SceneSpec { hand_shape, hand_model, grasp, stage, object, example, look, seed } = self;
+        let mut all = f.debug_struct("SceneSpec");
+        all.field("hand_shape", hand_shape);
+        if let Some(model) = hand_model {
+            all.field("hand_model", model);
+        }
+        all.field("grasp", grasp).field("stage", stage).field("object", object);
+        all.field("example", example).field("look", look).field("seed", seed).finish()
+    }
+}
+
 impl SceneSpec {
     /// A hash of all that the scene's pixels follow from, the renderer's version included.
     pub fn params_hash(&self) -> u64 {
@@ -125,16 +143,15 @@ impl SceneSpec {
     /// [`SceneError::Look`] when a parameter of the look is out of its range.
     pub fn build(&self) -> Result<Scene, SceneError> {
         self.look.check()?;
-        let skeleton = Skeleton::new(&self.hand_shape);
+        let skeleton = match &self.hand_model {
+            None => Skeleton::new(&self.hand_shape),
+            Some(model) => model.skeleton(),
+        };
         let (pose, object) = self.pose(&skeleton);
-        let surface = HandSurface::new(&skeleton, &pose, self.look.forearm);
-        let (low, high) = surface.bounds();
-        // A margin of two cells: the surface must not touch the grid's border.
-        let margin = Vector3::repeat(2.0 * self.look.cell);
-        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| surface.distance(p));
-        let sleeve = arm(&self.hand_shape, surface.cut_x(), self.look.arm, self.look.sleeve);
+        let (hand, cut) = self.hand(&skeleton, &pose);
+        let sleeve = arm(&self.hand_shape, &cut, self.look.arm, self.look.sleeve);
         let black = [object, sleeve];
-        let (drawing, centre) = assemble(hand, &black, surface.cut_x());
+        let (drawing, centre) = assemble(hand, &black, cut.x);
         Ok(Scene {
             drawing,
             centre,
@@ -143,6 +160,20 @@ impl SceneSpec {
             look: self.look.clone(),
             noise: self.params_hash(),
         })
+    }
+
+    /// The posed hand, and the middle of the place where it is cut.
+    fn hand(&self, skeleton: &Skeleton, pose: &HandPose) -> (Mesh, Vector3<f64>) {
+        if let Some(model) = &self.hand_model {
+            let cut = model.cut(self.look.forearm);
+            return (model.posed(pose, cut.x), cut);
+        }
+        let surface = HandSurface::new(skeleton, pose, self.look.forearm);
+        let (low, high) = surface.bounds();
+        // A margin of two cells: the surface must not touch the grid's border.
+        let margin = Vector3::repeat(2.0 * self.look.cell);
+        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| surface.distance(p));
+        (hand, Vector3::new(surface.cut_x(), 0.0, 0.0))
     }
 
     /// The hand's joint angles and the object's mesh at this stage.
@@ -207,8 +238,9 @@ fn assemble(hand: Mesh, black: &[Mesh], cut_x: f64) -> (Drawing, Vector3<f64>) {
     (drawing, centre.cast())
 }
 
-/// The arm in its sleeve, from the cut backwards: an elliptic cone that begins `sleeve` times as wide as the wrist.
-fn arm(shape: &HandShape, cut_x: f64, length: f64, sleeve: f64) -> Mesh {
+/// The arm in its sleeve, backwards from the middle of the cut: an elliptic cone that begins `sleeve` times as wide as the
+/// wrist.
+fn arm(shape: &HandShape, cut: &Vector3<f64>, length: f64, sleeve: f64) -> Mesh {
     const SIDES: u32 = 32;
     let mut mesh = Mesh::default();
     if length == 0.0 {
@@ -220,7 +252,7 @@ fn arm(shape: &HandShape, cut_x: f64, length: f64, sleeve: f64) -> Mesh {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
             let y = 0.5 * shape.wrist_breadth * wide * cos;
             let z = 0.6 * shape.wrist_thickness * wide * sin;
-            mesh.vertices.push(Vector3::new(cut_x - back, y, z).cast());
+            mesh.vertices.push((cut + Vector3::new(-back, y, z)).cast());
             mesh.normals.push(Vector3::x());
         }
     }
@@ -292,6 +324,7 @@ mod tests {
         let grasp = set.get(grasp).expect("a grasp").clone();
         SceneSpec {
             hand_shape: Arc::new(shape),
+            hand_model: None,
             object: grasp.object.object(0.5),
             example: None,
             grasp: Arc::new(grasp),
@@ -346,7 +379,7 @@ mod tests {
 
     #[test]
     fn the_arm_is_closed_and_right_side_out() {
-        let mesh = arm(&HandShape::mean(), -0.01, 0.25, 1.2);
+        let mesh = arm(&HandShape::mean(), &Vector3::new(-0.01, 0.0, 0.0), 0.25, 1.2);
         assert!(mesh.is_closed());
         assert!(mesh.volume() > 3e-4, "{}", mesh.volume());
     }

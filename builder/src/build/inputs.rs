@@ -20,7 +20,8 @@ impl Inputs {
             vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
         match source {
             Source::Plan(plan) => {
-                let (hands, grasps, views) = (plan.hand_shapes.len(), plan.grasps.len(), plan.views.count());
+                let hands = plan.hand_shapes.len() + plan.hand_models.len();
+                let (grasps, views) = (plan.grasps.len(), plan.views.count());
                 let scenes = plan.renders() / views.max(1);
                 let text = format!(
                     "rendered: {scenes} scenes (hand shapes: {hands}, grasps: {grasps}) of {views} views, seed {}",

@@ -17,6 +17,9 @@ pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
     for shape in &plan.hand_shapes {
         names.hand_shapes.add(&shape.name)?;
     }
+    for model in &plan.hand_models {
+        names.hand_shapes.add(&model.shape().name)?;
+    }
     for stage in &plan.stages {
         names.stages.add(stage.name())?;
     }

@@ -29,7 +29,7 @@ Examples:
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
     /// Render sets to index; none renders on the fly.
-    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
+    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
     renders: Vec<PathBuf>,
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
@@ -49,7 +49,7 @@ pub(crate) struct Build {
 #[command(next_help_heading = "Vectors in place of pictures")]
 struct VectorOptions {
     /// Index the rows of this array: 32-bit floating-point numbers in NumPy's format, of any length of row.
-    #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
+    #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
     descriptors: Option<PathBuf>,
     /// What the rows are, a line each: a table with the column `grasp` and any of `file`, `cutkosky`, `stage`, `hand`, `hand_shape`,
     /// `object`, `azimuth`, `elevation`, `roll`, `qx`, `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.

@@ -1,9 +1,10 @@
 //! Which hands, objects and views to render: the options that `render` and `build` share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
-use grasp_renders::{GraspSet, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
+use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
@@ -15,13 +16,18 @@ pub(super) struct PlanOptions {
     /// poses, with objects of all sizes, seen from everywhere with any roll. The options below change it.
     #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
     preset: Preset,
-    /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range.
-    #[arg(long, value_name = "N", conflicts_with = "hand_shape", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
+    /// renders that hand alone.
+    #[arg(long, value_name = "N", conflicts_with = "hand_shape", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     hands: Option<u32>,
     /// Render this hand shape (may be repeated): mean, small, large, slender, broad, long-fingered, short-fingered,
     /// or hand-SEED for a sampled one.
     #[arg(long, value_name = "NAME")]
     hand_shape: Vec<String>,
+    /// Render this hand as well (may be repeated): a skinned mesh in a binary glTF file (.glb) with the joints of WebXR's
+    /// hands, `wrist` to `pinky-finger-tip`. It is named after the file; a left hand is mirrored.
+    #[arg(long, value_name = "FILE.glb")]
+    hand_model: Vec<PathBuf>,
     /// Render this stage (may be repeated): reach, close, grasp.
     #[arg(long, value_name = "NAME")]
     stage: Vec<Stage>,
@@ -84,6 +90,17 @@ impl PlanOptions {
             plan.hand_shapes =
                 self.hand_shape.iter().map(|name| HandShape::preset(name)).collect::<Result<_, _>>()?;
         }
+        for path in &self.hand_model {
+            let model = hand_model(path)?;
+            let name = &model.shape().name;
+            if plan.hand_models.iter().any(|other| other.shape().name == *name) {
+                bail!("two --hand-model files are named {name}: rename one");
+            }
+            plan.hand_models.push(Arc::new(model));
+        }
+        if plan.hand_shapes.is_empty() && plan.hand_models.is_empty() {
+            bail!("--hands 0 leaves no hand to render: add --hand-model FILE.glb");
+        }
         if !self.stage.is_empty() {
             plan.stages.clone_from(&self.stage);
         }
@@ -134,6 +151,10 @@ impl PlanOptions {
         }
         Ok(Views::Grid(grid))
     }
+}
+
+fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
+    HandModel::load(path).with_context(|| format!("cannot use the hand of {}", path.display()))
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -46,6 +46,9 @@ impl Queries {
         let params = DescriptorParams::by_name(&self.descriptor)
             .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
         let plan = self.plan.plan(self.seed)?;
+        if !plan.hand_models.is_empty() {
+            bail!("queries are of hands that no index holds: leave out --hand-model");
+        }
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
         let clean = hands.describe(&params)?;

@@ -10,4 +10,4 @@ mod surface;
 pub use shape::{FingerMeasures, HandShape, HandShapeError};
 pub(crate) use skeleton::{Chain, JOINTS};
 pub use skeleton::{Digit, HandPose, JOINT_NAMES, Joints, Skeleton, joint_limits};
-pub(crate) use surface::HandSurface;
+pub(crate) use surface::{HandSurface, WRIST_CUT};

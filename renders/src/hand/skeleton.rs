@@ -110,6 +110,8 @@ impl Chain {
 #[derive(Debug, Clone)]
 pub struct Skeleton {
     shape: HandShape,
+    /// The centre of each digit's first joint.
+    roots: [Vector3<f64>; 5],
 }
 
 /// The knuckles' places as shares of the palm's length (x), breadth (y) and thickness (z), and the tilt of
@@ -127,7 +129,14 @@ const THUMB_ROOT: [f64; 3] = [0.28, 0.28, -0.30];
 impl Skeleton {
     /// The skeleton of a hand shape.
     pub fn new(shape: &HandShape) -> Skeleton {
-        Skeleton { shape: shape.clone() }
+        let shares = [THUMB_ROOT, KNUCKLES[0].0, KNUCKLES[1].0, KNUCKLES[2].0, KNUCKLES[3].0];
+        let roots = shares.map(|share| palm_point(shape, share));
+        Skeleton { shape: shape.clone(), roots }
+    }
+
+    /// The skeleton of a hand shape whose knuckles and thumb's root are where they were measured.
+    pub(crate) fn with_roots(shape: &HandShape, roots: [Vector3<f64>; 5]) -> Skeleton {
+        Skeleton { shape: shape.clone(), roots }
     }
 
     /// The hand shape behind the skeleton.
@@ -136,16 +145,28 @@ impl Skeleton {
     }
 
     /// A point given in shares of the palm's length, breadth and thickness, in metres.
-    pub(crate) fn palm_point(&self, [x, y, z]: [f64; 3]) -> Vector3<f64> {
-        let s = &self.shape;
-        Vector3::new(x * s.palm_length, y * s.palm_breadth, z * s.palm_thickness)
+    pub(crate) fn palm_point(&self, shares: [f64; 3]) -> Vector3<f64> {
+        palm_point(&self.shape, shares)
     }
 
     /// The centre of a digit's first joint: a finger's knuckle, the thumb's root.
     pub(crate) fn root(&self, digit: Digit) -> Vector3<f64> {
+        self.roots[digit as usize]
+    }
+
+    /// The straight digit whose first bone points `along` (unit length); a thumb's nail is turned by `pronation`.
+    pub(crate) fn along(&self, digit: Digit, along: &Vector3<f64>, pronation: f64) -> Chain {
         match digit {
-            Digit::Thumb => self.palm_point(THUMB_ROOT),
-            _ => self.palm_point(KNUCKLES[digit as usize - 1].0),
+            Digit::Thumb => {
+                let (radial, palmar) = (along.y.atan2(along.x), (-along.z).clamp(-1.0, 1.0).asin());
+                self.chain(digit, &[radial, palmar, pronation, 0.0, 0.0])
+            }
+            _ => {
+                let tilt = KNUCKLES[digit as usize - 1].1.to_radians();
+                let level = Rotation3::from_axis_angle(&Vector3::x_axis(), -tilt) * along;
+                let (spread, knuckle) = (level.y.atan2(level.x), (-level.z).clamp(-1.0, 1.0).asin());
+                self.chain(digit, &[spread, knuckle, 0.0, 0.0, 0.0])
+            }
         }
     }
 
@@ -213,6 +234,10 @@ impl Skeleton {
             nail: Rotation3::from_axis_angle(&axis, knuckle + end) * nail,
         }
     }
+}
+
+fn palm_point(shape: &HandShape, [x, y, z]: [f64; 3]) -> Vector3<f64> {
+    Vector3::new(x * shape.palm_length, y * shape.palm_breadth, z * shape.palm_thickness)
 }
 
 #[cfg(test)]

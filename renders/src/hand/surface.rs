@@ -14,7 +14,7 @@ const FINGER_ROOT_BLEND: f64 = 0.010;
 const THUMB_BLEND: f64 = 0.012;
 
 /// Where the hand is cut when it has no forearm: this far behind the wrist's centre, in metres.
-const WRIST_CUT: f64 = 0.012;
+pub(crate) const WRIST_CUT: f64 = 0.012;
 
 type V = Vector3<f64>;
 

@@ -1,0 +1,378 @@
+//! Joints, bones and skin of a model in its rest pose, in the file's own frame.
+
+use std::collections::HashMap;
+
+use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::HandModelError;
+use super::glb::{Document, Glb, Node, Primitive, broken};
+use crate::hand::Digit;
+
+type V = Vector3<f64>;
+
+/// Corners that a mesh may have, and triangles: a scan is to be reduced first, or every view takes seconds.
+const MOST_CORNERS: usize = 500_000;
+const MOST_TRIANGLES: usize = 1_000_000;
+/// Sets of four joints a corner (`JOINTS_0`, `JOINTS_1`).
+const SETS: usize = 2;
+/// Joints that still move a corner after the weakest were left out.
+pub(super) const INFLUENCES: usize = 4;
+/// The palm with the wrist, and three bones a digit.
+pub(super) const BONES: usize = 16;
+/// The number of the bone that the palm and the wrist are.
+pub(super) const PALM: usize = 0;
+
+/// The wrist, and of each digit the joints from the palm outward; the tip comes last.
+const WRIST: &str = "wrist";
+pub(super) const THUMB: [&str; 4] =
+    ["thumb-metacarpal", "thumb-phalanx-proximal", "thumb-phalanx-distal", "thumb-tip"];
+pub(super) const FINGERS: [[&str; 5]; 4] = [
+    [
+        "index-finger-metacarpal",
+        "index-finger-phalanx-proximal",
+        "index-finger-phalanx-intermediate",
+        "index-finger-phalanx-distal",
+        "index-finger-tip",
+    ],
+    [
+        "middle-finger-metacarpal",
+        "middle-finger-phalanx-proximal",
+        "middle-finger-phalanx-intermediate",
+        "middle-finger-phalanx-distal",
+        "middle-finger-tip",
+    ],
+    [
+        "ring-finger-metacarpal",
+        "ring-finger-phalanx-proximal",
+        "ring-finger-phalanx-intermediate",
+        "ring-finger-phalanx-distal",
+        "ring-finger-tip",
+    ],
+    [
+        "pinky-finger-metacarpal",
+        "pinky-finger-phalanx-proximal",
+        "pinky-finger-phalanx-intermediate",
+        "pinky-finger-phalanx-distal",
+        "pinky-finger-tip",
+    ],
+];
+
+/// The number of a digit's bone, counted from the palm.
+pub(super) fn bone(digit: Digit, i: usize) -> usize {
+    1 + 3 * digit as usize + i
+}
+
+/// All joints with the bones that they move.
+fn joints() -> impl Iterator<Item = (&'static str, usize)> {
+    let thumb = THUMB.into_iter().enumerate().map(|(i, name)| (name, bone(Digit::Thumb, i.min(2))));
+    let fingers = Digit::FINGERS.into_iter().zip(FINGERS).flat_map(|(digit, names)| {
+        // A finger's first joint lies in the palm and does not move by itself.
+        names.into_iter().enumerate().map(move |(i, name)| match i {
+            0 => (name, PALM),
+            _ => (name, bone(digit, (i - 1).min(2))),
+        })
+    });
+    std::iter::once((WRIST, PALM)).chain(thumb).chain(fingers)
+}
+
+/// A joint at rest: where it is, and its own axes where they are told.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Joint {
+    pub(super) at: V,
+    /// WebXR has the bone along -z and the nail's side at +y; whether this file does is for the reader to see.
+    pub(super) forward: V,
+    pub(super) up: V,
+}
+
+/// A corner's place and what moves it: bones and their weights, which sum to 1; unused ones weigh 0.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    pub(super) at: V,
+    pub(super) bones: [(u8, f32); INFLUENCES],
+}
+
+impl Corner {
+    /// The bone that moves it most.
+    pub(super) fn bone(&self) -> usize {
+        usize::from(self.bones[0].0)
+    }
+}
+
+/// The skin at rest.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Skin {
+    /// Corners and triangles read, those in one place and those of no area among them: the work that a file makes is bounded.
+    read: [usize; 2],
+    pub(super) corners: Vec<Corner>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// A model at rest.
+#[derive(Debug)]
+pub(super) struct Rig {
+    pub(super) wrist: V,
+    /// Of each digit, thumb first, the three joints that bend or turn it, and the tip.
+    pub(super) digits: [[Joint; 4]; 5],
+    pub(super) skin: Skin,
+}
+
+impl Rig {
+    /// Finds joints and skin.
+    pub(super) fn read(glb: &Glb) -> Result<Rig, HandModelError> {
+        let scene = Nodes::new(&glb.document)?;
+        let named = name_joints(&glb.document)?;
+        let joint = |name: &str| {
+            // Every name was found.
+            let pose = named.get(name).and_then(|&node| scene.poses.get(node)).copied().unwrap_or_default();
+            let axis = |i: usize| pose.fixed_view::<3, 1>(0, i).into_owned();
+            Joint { at: axis(3), forward: -axis(2), up: axis(1) }
+        };
+        let mut digits = [THUMB.map(joint); 5];
+        for (digit, names) in digits[1..].iter_mut().zip(FINGERS) {
+            let [_, rest @ ..] = names;
+            *digit = rest.map(joint);
+        }
+        let mut bones: Vec<Option<usize>> = vec![None; glb.document.nodes.len()];
+        for (name, bone) in joints() {
+            if let Some(slot) = named.get(name).and_then(|&node| bones.get_mut(node)) {
+                *slot = Some(bone);
+            }
+        }
+        let skin = read_skin(glb, &scene, &bones)?;
+        Ok(Rig { wrist: joint(WRIST).at, digits, skin })
+    }
+}
+
+/// The nodes of all 25 joints.
+fn name_joints(document: &Document) -> Result<HashMap<&'static str, usize>, HandModelError> {
+    let mut found = HashMap::new();
+    let mut missing = Vec::new();
+    for (name, _) in joints() {
+        let mut nodes = document.nodes.iter().enumerate().filter(|(_, n)| n.name.as_deref() == Some(name));
+        match (nodes.next(), nodes.next()) {
+            (None, _) => missing.push(name),
+            (Some((node, _)), None) => {
+                found.insert(name, node);
+            }
+            (Some(_), Some(_)) => return Err(HandModelError::TwiceJoint(name)),
+        }
+    }
+    if missing.is_empty() { Ok(found) } else { Err(HandModelError::MissingJoints(missing)) }
+}
+
+/// The tree of nodes.
+struct Nodes {
+    parents: Vec<Option<usize>>,
+    /// From each node's frame into the scene's.
+    poses: Vec<Matrix4<f64>>,
+}
+
+impl Nodes {
+    fn new(document: &Document) -> Result<Nodes, HandModelError> {
+        let nodes = &document.nodes;
+        let mut parents = vec![None; nodes.len()];
+        for (parent, node) in nodes.iter().enumerate() {
+            for &child in &node.children {
+                match parents.get_mut(child) {
+                    Some(slot @ None) => *slot = Some(parent),
+                    Some(_) => return Err(broken(format!("node {child} has two parents"))),
+                    None => return Err(broken(format!("node {parent} has a child that is not there"))),
+                }
+            }
+        }
+        // From the roots down; what is not reached goes in a circle.
+        let mut poses = vec![None; nodes.len()];
+        let mut open: Vec<(usize, Matrix4<f64>)> =
+            (0..nodes.len()).filter(|&i| parents[i].is_none()).map(|i| (i, Matrix4::identity())).collect();
+        while let Some((i, above)) = open.pop() {
+            let pose = above * local(&nodes[i]);
+            if !pose.iter().all(|x| x.is_finite()) {
+                return Err(broken(format!("the place, rotation or scale of node {i} cannot be")));
+            }
+            poses[i] = Some(pose);
+            open.extend(nodes[i].children.iter().map(|&child| (child, pose)));
+        }
+        let poses: Option<Vec<_>> = poses.into_iter().collect();
+        let poses = poses.ok_or_else(|| broken("some of its nodes go in a circle".to_owned()))?;
+        Ok(Nodes { parents, poses })
+    }
+
+    /// What `of` knows of a node or of the nearest one above it that it knows.
+    fn nearest<T: Copy>(&self, mut node: usize, of: &[Option<T>]) -> Option<T> {
+        loop {
+            if let Some(known) = of.get(node).copied().flatten() {
+                return Some(known);
+            }
+            node = self.parents.get(node).copied().flatten()?;
+        }
+    }
+}
+
+fn local(node: &Node) -> Matrix4<f64> {
+    if let Some(matrix) = node.matrix {
+        return Matrix4::from_column_slice(&matrix);
+    }
+    let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    // A rotation of no length becomes NaN, which the caller looks for.
+    let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).to_homogeneous();
+    let scale = Matrix4::new_nonuniform_scaling(&V::from(node.scale.unwrap_or([1.0; 3])));
+    Translation3::from(node.translation.unwrap_or([0.0; 3])).to_homogeneous() * turn * scale
+}
+
+/// Every mesh that is bound to the hand's joints, in one. `bones` tells of a node which bone it is, if it is a joint.
+fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, HandModelError> {
+    let document = &glb.document;
+    let mut skin = Skin::default();
+    // Corners in one place are one: seams of textures must not show.
+    let mut places: HashMap<[u64; 3], u32> = HashMap::new();
+    for node in &document.nodes {
+        let (Some(mesh), Some(bound)) = (node.mesh, node.skin) else { continue };
+        let (Some(mesh), Some(bound)) = (document.meshes.get(mesh), document.skins.get(bound)) else {
+            return Err(broken("a node names a mesh or a skin that is not there".to_owned()));
+        };
+        if !bound.joints.iter().any(|&joint| bones.get(joint).copied().flatten().is_some()) {
+            continue;
+        }
+        let mut binds = vec![Matrix4::identity(); bound.joints.len()];
+        if let Some(accessor) = bound.inverse_bind_matrices {
+            let matrices = glb.rows::<16>(accessor, "MAT4")?;
+            if matrices.len() < binds.len() {
+                return Err(broken("a skin has more joints than inverse bind matrices".to_owned()));
+            }
+            for (bind, matrix) in binds.iter_mut().zip(matrices) {
+                *bind = Matrix4::from_column_slice(&matrix);
+            }
+        }
+        let mut moves = Vec::with_capacity(binds.len());
+        for (&joint, bind) in bound.joints.iter().zip(&binds) {
+            let Some(pose) = scene.poses.get(joint) else {
+                return Err(broken(format!("a skin names node {joint}, which is not there")));
+            };
+            // Bones of no hand's (twists, the forearm) go with the joint above them, or with the wrist.
+            moves.push((pose * bind, scene.nearest(joint, bones).unwrap_or(PALM)));
+        }
+        for primitive in &mesh.primitives {
+            read_primitive(glb, primitive, &moves, &mut skin, &mut places)?;
+        }
+    }
+    if skin.triangles.is_empty() {
+        return Err(HandModelError::NotAHand(
+            "no mesh is bound to its joints: skin the mesh to them".to_owned(),
+        ));
+    }
+    Ok(skin)
+}
+
+fn read_primitive(
+    glb: &Glb,
+    primitive: &Primitive,
+    moves: &[(Matrix4<f64>, usize)],
+    skin: &mut Skin,
+    places: &mut HashMap<[u64; 3], u32>,
+) -> Result<(), HandModelError> {
+    if primitive.mode.unwrap_or(4) != 4 {
+        return Err(HandModelError::Unsupported(
+            "its mesh is not made of triangles: triangulate it".to_owned(),
+        ));
+    }
+    let attribute = |name: &str| primitive.attributes.get(name).copied();
+    let position = attribute("POSITION").ok_or_else(|| broken("a mesh has no POSITION".to_owned()))?;
+    let positions = glb.rows::<3>(position, "VEC3")?;
+    let mut sets = Vec::new();
+    for set in 0..SETS {
+        let (Some(joints), Some(weights)) =
+            (attribute(&format!("JOINTS_{set}")), attribute(&format!("WEIGHTS_{set}")))
+        else {
+            break;
+        };
+        sets.push((glb.rows::<4>(joints, "VEC4")?, glb.rows::<4>(weights, "VEC4")?));
+    }
+    if sets.is_empty() {
+        return Err(broken("a mesh has a skin but no JOINTS_0 and WEIGHTS_0".to_owned()));
+    }
+    skin.read[0] += positions.len();
+    if skin.read[0] > MOST_CORNERS {
+        return Err(HandModelError::Unsupported(format!(
+            "its mesh has more than {MOST_CORNERS} corners: reduce it"
+        )));
+    }
+    let mut numbers = Vec::with_capacity(positions.len());
+    for (i, position) in positions.iter().enumerate() {
+        let mut influences = Vec::with_capacity(4 * SETS);
+        for (joints, weights) in &sets {
+            let (Some(joints), Some(weights)) = (joints.get(i), weights.get(i)) else {
+                return Err(broken("a mesh has fewer joints or weights than corners".to_owned()));
+            };
+            influences.extend(joints.iter().copied().zip(weights.iter().copied()));
+        }
+        let corner = bind(position, &influences, moves)
+            .ok_or_else(|| broken(format!("corner {i} of a mesh has weights or joints that cannot be")))?;
+        // Adding 0 makes -0 the same as 0.
+        let place = corner.at.map(|x| (x + 0.0).to_bits()).into();
+        numbers.push(*places.entry(place).or_insert_with(|| {
+            skin.corners.push(corner);
+            skin.corners.len() as u32 - 1
+        }));
+    }
+    let order: Vec<f64> = match primitive.indices {
+        Some(accessor) => glb.rows::<1>(accessor, "SCALAR")?.into_iter().map(|[i]| i).collect(),
+        None => (0..numbers.len()).map(|i| i as f64).collect(),
+    };
+    skin.read[1] += order.len() / 3;
+    if skin.read[1] > MOST_TRIANGLES {
+        return Err(HandModelError::Unsupported(format!(
+            "its mesh has more than {MOST_TRIANGLES} triangles: reduce it"
+        )));
+    }
+    for corners in order.chunks_exact(3) {
+        let mut triangle = [0; 3];
+        for (slot, &index) in triangle.iter_mut().zip(corners) {
+            let number = whole(index).and_then(|i| numbers.get(i));
+            *slot =
+                *number.ok_or_else(|| broken("a triangle names a corner that is not there".to_owned()))?;
+        }
+        let [a, b, c] = triangle;
+        if a != b && b != c && c != a {
+            skin.triangles.push(triangle);
+        }
+    }
+    Ok(())
+}
+
+/// Where a corner is at rest, and the bones that move it; `None` when its weights or joints cannot be.
+fn bind(position: &[f64; 3], influences: &[(f64, f64)], moves: &[(Matrix4<f64>, usize)]) -> Option<Corner> {
+    let mut weights = [0.0; BONES];
+    let mut at = V::zeros();
+    let mut sum = 0.0;
+    for &(joint, weight) in influences {
+        // Unused places may name any joint.
+        if weight == 0.0 {
+            continue;
+        }
+        if !(weight > 0.0 && weight.is_finite()) {
+            return None;
+        }
+        let (pose, bone) = moves.get(whole(joint)?)?;
+        at += (pose * V::from(*position).push(1.0)).xyz() * weight;
+        weights[*bone] += weight;
+        sum += weight;
+    }
+    let at = at / sum;
+    if sum == 0.0 || !at.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let mut strongest: Vec<usize> = (0..BONES).collect();
+    strongest.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+    strongest.truncate(INFLUENCES);
+    let kept: f64 = strongest.iter().map(|&bone| weights[bone]).sum();
+    let mut bones = [(0, 0.0); INFLUENCES];
+    for (slot, bone) in bones.iter_mut().zip(strongest) {
+        *slot = (bone as u8, (weights[bone] / kept) as f32);
+    }
+    Some(Corner { at, bones })
+}
+
+/// A number that was stored as a whole one.
+fn whole(value: f64) -> Option<usize> {
+    (value >= 0.0 && value.fract() == 0.0 && value < f64::from(u32::MAX)).then_some(value as usize)
+}
