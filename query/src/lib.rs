@@ -4,7 +4,7 @@
 //! Section III), [`recognise`] describes the hand, searches the index and lets the neighbours vote (Sections IV and
 //! V), [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
 //! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII, and
-//! [`quiz`] asks a person the same. [`search`] takes raw
+//! [`quiz`] asks a person the same. [`robot`] makes a strategy for a robot hand of the answer (Section VI). [`search`] takes raw
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
@@ -15,5 +15,6 @@ pub mod output;
 pub mod picture;
 pub mod quiz;
 pub mod recognise;
+pub mod robot;
 pub mod search;
 pub mod segment;

@@ -9,6 +9,7 @@ mod man;
 mod options;
 mod quiz;
 mod recognise;
+mod robot;
 mod search;
 mod selection;
 
@@ -39,6 +40,8 @@ Examples:
   grasp-query recognise cup.jpg                          which grasp is this?
   grasp-query recognise --json *.jpg                     one JSON record a picture
   grasp-query recognise cup.jpg --explain why.png        draw how the answer came about
+  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
+                                                         what a robot hand does to grasp alike
   ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
                                                          every frame of a video
   grasp-query evaluate labels.csv                        score labelled pictures

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
+use super::robot::{self, RobotArguments, Setting};
 use crate::explain;
 use crate::output::human;
 use crate::output::record::Record;
@@ -26,6 +27,7 @@ Examples:
   grasp-query recognise cup.png --depth depth.png --depth-range 400..900
   grasp-query recognise cup.jpg --explain why.png
   grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
+  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, PNM).
@@ -59,10 +61,19 @@ pub(super) struct Recognise {
     #[arg(long)]
     timings: bool,
     #[command(flatten)]
+    robot: RobotArguments,
+    #[command(flatten)]
     recognise: RecogniseArguments,
     /// Some drawing could not be written.
     #[arg(skip)]
     undrawn: AtomicBool,
+}
+
+/// What every picture is answered with.
+struct Means<'a> {
+    recogniser: Recogniser<'a>,
+    source: MaskSource,
+    robot: Option<Setting>,
 }
 
 impl Recognise {
@@ -84,21 +95,27 @@ impl Recognise {
             let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
             super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
         }
+        let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let source = self.source()?;
+        let means = Means { recogniser, source: self.source()?, robot };
 
-        let mut output = Output { json: self.json, status: super::SUCCESS, out: io::stdout().lock() };
+        let form = match (self.json, self.robot.is_moveit()) {
+            (true, _) => Form::Json,
+            (false, true) => Form::Moveit,
+            (false, false) => Form::Text,
+        };
+        let mut output = Output { form, status: super::SUCCESS, out: io::stdout().lock() };
         let stdin = Path::new("-");
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
         for group in self.images.chunk_by(|a, b| a != stdin && b != stdin) {
             if group == [stdin] {
-                self.run_stream(&recogniser, &source, &mut output)?;
+                self.run_stream(&means, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
-                let answer = |path: &PathBuf| self.answer_file(&recogniser, &source, path);
+                let answer = |path: &PathBuf| self.answer_file(&means, path);
                 // A single picture is answered before a pool of threads would have started.
                 let records: Vec<Record> = match batch {
                     [single] => vec![answer(single)],
@@ -113,12 +130,7 @@ impl Recognise {
     }
 
     /// Standard input, frame by frame: each is answered before the next is awaited.
-    fn run_stream(
-        &self,
-        recogniser: &Recogniser<'_>,
-        source: &MaskSource,
-        output: &mut Output<impl Write>,
-    ) -> anyhow::Result<()> {
+    fn run_stream(&self, means: &Means<'_>, output: &mut Output<impl Write>) -> anyhow::Result<()> {
         let mut frames = Frames::new(io::stdin().lock());
         let name = || "-".to_owned();
         let Some(first) = frames.next() else {
@@ -132,7 +144,7 @@ impl Recognise {
             let is_stream = number > 0 || frames.has_more();
             let frame_number = is_stream.then_some(number);
             let record = match frame {
-                Ok(bytes) => self.answer(recogniser, source, name(), frame_number, &bytes),
+                Ok(bytes) => self.answer(means, name(), frame_number, &bytes),
                 Err(error) => Record::failed(name(), frame_number, "stream", error.to_string()),
             };
             output.write(&record)?;
@@ -142,31 +154,27 @@ impl Recognise {
         Ok(())
     }
 
-    fn answer_file(&self, recogniser: &Recogniser<'_>, source: &MaskSource, path: &Path) -> Record {
+    fn answer_file(&self, means: &Means<'_>, path: &Path) -> Record {
         let name = path.display().to_string();
         match picture::read(path) {
-            Ok(bytes) => self.answer(recogniser, source, name, None, &bytes),
+            Ok(bytes) => self.answer(means, name, None, &bytes),
             Err(error) => Record::not_recognised(name, None, &error.into()),
         }
     }
 
-    fn answer(
-        &self,
-        recogniser: &Recogniser<'_>,
-        source: &MaskSource,
-        name: String,
-        frame: Option<u64>,
-        bytes: &[u8],
-    ) -> Record {
-        let index = recogniser.index();
-        let found = match recogniser.recognise(bytes, source) {
+    fn answer(&self, means: &Means<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Record {
+        let index = means.recogniser.index();
+        let found = match means.recogniser.recognise(bytes, &means.source) {
             Ok(found) => found,
             Err(error) => return Record::not_recognised(name, frame, &error),
         };
-        let record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
+        let mut record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
             Ok(record) => record,
             Err(error) => return Record::failed(name, frame, "index", error.to_string()),
         };
+        if let (Record::Answer(answer), Some(setting)) = (&mut record, &means.robot) {
+            setting.complete(answer, &found);
+        }
         match self.draw(&record, &found, index) {
             Ok(()) => record,
             // The answer stands, drawn or not.
@@ -227,9 +235,17 @@ fn drawing_name(file: &str, frame: Option<u64>) -> String {
     }
 }
 
+/// What a record is written as.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Text,
+    Json,
+    Moveit,
+}
+
 /// Writes records in order and remembers the worst exit status.
 struct Output<W> {
-    json: bool,
+    form: Form,
     status: u8,
     out: W,
 }
@@ -237,14 +253,19 @@ struct Output<W> {
 impl<W: Write> Output<W> {
     fn write(&mut self, record: &Record) -> anyhow::Result<()> {
         self.status = self.status.max(record.status());
-        if self.json {
-            serde_json::to_writer(&mut self.out, record).map_err(io::Error::from)?;
-            self.out.write_all(b"\n")?;
-        } else if let Record::Failure(_) = record {
-            // Text on standard output is answers; why there is none belongs beside it.
-            let _ = io::stderr().write_all(human::text(record).as_bytes());
-        } else {
-            self.out.write_all(human::text(record).as_bytes())?;
+        match (self.form, record) {
+            (Form::Json, _) => {
+                serde_json::to_writer(&mut self.out, record).map_err(io::Error::from)?;
+                self.out.write_all(b"\n")?;
+            }
+            (Form::Moveit, Record::Answer(answer)) if answer.error.is_none() => {
+                self.out.write_all(robot::yaml(answer).unwrap_or_default().as_bytes())?;
+            }
+            (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
+            // Standard output is answers; why there is none belongs beside it.
+            (Form::Text | Form::Moveit, _) => {
+                let _ = io::stderr().write_all(human::text(record).as_bytes());
+            }
         }
         self.out.flush()?;
         Ok(())

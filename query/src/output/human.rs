@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::record::{Answer, Record};
+use crate::robot::Strategy;
 
 /// Classes below this probability are not named as runners-up.
 const WORTH_NAMING: f64 = 0.01;
@@ -53,6 +54,12 @@ fn answer_text(answer: &Answer) -> String {
             100.0 * answer.search.share_of_database,
         );
     }
+    if let Some(strategy) = &answer.strategy {
+        strategy_text(strategy, &mut text);
+    }
+    if let Some(error) = &answer.error {
+        let _ = writeln!(text, "    no strategy: {}", error.message);
+    }
     if let Some(timings) = &answer.timings {
         let _ = writeln!(
             text,
@@ -66,4 +73,19 @@ fn answer_text(answer: &Answer) -> String {
         );
     }
     text
+}
+
+fn strategy_text(strategy: &Strategy, text: &mut String) {
+    let [x, y, z] = strategy.palm_in_world.position.map(|metres| 1e3 * metres);
+    let _ = writeln!(
+        text,
+        "    {}: {} on {} ({:.0} mm between the fingers), palm at {x:.0}, {y:.0}, {z:.0} mm in the world",
+        strategy.robot,
+        strategy.grasp,
+        strategy.object,
+        1e3 * strategy.object_width,
+    );
+    for warning in &strategy.warnings {
+        let _ = writeln!(text, "    warning: {warning}");
+    }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::view;
 use crate::recognise::{RecogniseError, Recognition, Side, Timings};
+use crate::robot::Strategy;
 
 /// What is known about one input: an answer or an error.
 #[derive(Clone, Debug, Serialize)]
@@ -44,8 +45,8 @@ pub struct Answer {
     /// What the search cost.
     pub search: SearchRecord,
     /// The robot's strategy; null unless one was asked for.
-    pub strategy: Option<()>,
-    /// Null: there is none.
+    pub strategy: Option<Strategy>,
+    /// Why there is no strategy, where one was asked for; otherwise null.
     pub error: Option<ErrorRecord>,
     /// Milliseconds of each step, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -241,6 +242,7 @@ impl Record {
     /// The exit status that the input asks for: 0 recognised, 1 rejected, 2 an error.
     pub fn status(&self) -> u8 {
         match self {
+            Self::Answer(answer) if answer.error.is_some() => 2,
             Self::Answer(_) => 0,
             Self::Failure(failure) if failure.error.is_rejection => 1,
             Self::Failure(_) => 2,

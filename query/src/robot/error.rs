@@ -1,0 +1,88 @@
+//! What can be wrong with the robot's files, or keep it from a strategy.
+
+use std::path::PathBuf;
+
+/// Why there is no strategy.
+#[derive(Debug, thiserror::Error)]
+pub enum RobotError {
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file is no such description.
+    #[error("{name} is no description of {what}: {problem}")]
+    Format {
+        /// The file, or the name of a description that comes with the program.
+        name: String,
+        /// What it should describe, with its article.
+        what: &'static str,
+        /// What is wrong and what is needed.
+        problem: String,
+    },
+    /// The hand is none that comes with the program.
+    #[error(
+        "no robot hand is called `{name}`: there are {known}; or name a file that describes one, as HAND.toml"
+    )]
+    UnknownHand {
+        /// What was asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// The human grasp has no counterpart.
+    #[error("{hand} has no grasp for `{grasp}`: name one under [map] in its file")]
+    Unmapped {
+        /// The robot hand.
+        hand: String,
+        /// The human grasp.
+        grasp: String,
+    },
+    /// The hand has no such grasp.
+    #[error("{hand} has no grasp called `{grasp}`: it has {known}")]
+    UnknownGrasp {
+        /// The robot hand.
+        hand: String,
+        /// The robot grasp that was asked for.
+        grasp: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// The object does not go between the fingers.
+    #[error(
+        "{object} is {:.0} mm wide where the fingers close, and {hand} opens to {:.0} mm: approach it from another side, or take another hand",
+        1e3 * width, 1e3 * widest
+    )]
+    TooWide {
+        /// The object.
+        object: String,
+        /// The robot hand.
+        hand: String,
+        /// The object's extent, in metres.
+        width: f64,
+        /// The most, in metres.
+        widest: f64,
+    },
+    /// The orientation of the human hand is unknown.
+    #[error(
+        "the neighbours tell nothing of the hand's orientation: take an index that was built with orientations"
+    )]
+    NoOrientation,
+}
+
+impl RobotError {
+    /// A short, stable name for JSON records.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Read { .. } | Self::Format { .. } => "file",
+            Self::UnknownHand { .. } => "unknown_hand",
+            Self::Unmapped { .. } => "unmapped",
+            Self::UnknownGrasp { .. } => "unknown_grasp",
+            Self::TooWide { .. } => "too_wide",
+            Self::NoOrientation => "no_orientation",
+        }
+    }
+}

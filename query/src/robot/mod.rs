@@ -1,0 +1,27 @@
+//! From the human's grasp to the robot's: the paper's Section VI.
+//!
+//! [`RobotHand`] says, as data, which of a robot hand's grasps does for each human grasp, and how that is made;
+//! [`Object`] and [`Camera`] say what lies and stands where. [`Strategy`] puts them together with a recognised hand
+//! into approach, grasp and retreat, which [`moveit`] writes for ROS.
+//!
+//! # Frames
+//!
+//! Metres and radians; quaternions x, y, z, w. `world`: z up. `camera`: z forward, x right, y down. `hand`: the human
+//! hand, x from the wrist to the middle knuckle, z out of the back, y = z cross x. `palm`: the robot's, origin in
+//! the middle of its palm's surface, z the direction of approach, y to the side of its thumb. `wrist`: the link that an arm
+//! carries, turned as the palm is. `object`: about the middle of its shape.
+
+mod camera;
+mod error;
+mod hand;
+mod human;
+pub mod moveit;
+mod object;
+mod read;
+mod strategy;
+
+pub use camera::Camera;
+pub use error::RobotError;
+pub use hand::{RobotGrasp, RobotHand, Value, Way, Window};
+pub use object::{Frame, Object, Shape};
+pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};

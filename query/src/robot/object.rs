@@ -1,0 +1,198 @@
+//! The object: a simple shape, where it lies, and what it weighs.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Vector3};
+use serde::Deserialize;
+
+use super::read::{Source, text};
+use super::{Camera, RobotError};
+
+/// How deep an object may lie in its table before that is an error, in metres: what a measurement may be wrong by.
+const SUNK: f64 = 0.002;
+/// The largest object, in metres.
+const LARGEST: f64 = 2.0;
+
+/// A convex shape about its own middle, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A cylinder or a disc; its axis is z.
+    Cylinder {
+        /// Of the circle.
+        radius: f64,
+        /// From end to end.
+        height: f64,
+    },
+    /// A box.
+    Box {
+        /// Whole lengths along x, y and z.
+        size: [f64; 3],
+    },
+    /// A ball.
+    Sphere {
+        /// Of the ball.
+        radius: f64,
+    },
+}
+
+impl Shape {
+    /// How far the shape reaches from its middle in a direction of unit length, in metres.
+    pub fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Cylinder { radius, height } => {
+                radius * direction.xy().norm() + 0.5 * height * direction.z.abs()
+            }
+            Self::Box { size } => 0.5 * direction.abs().dot(&Vector3::from(*size)),
+            Self::Sphere { radius } => *radius,
+        }
+    }
+
+    /// The way from the middle to the surface in a direction of unit length, in metres.
+    pub fn half_chord(&self, direction: &Vector3<f64>) -> f64 {
+        // A direction along a face never meets it.
+        match self {
+            Self::Cylinder { radius, height } => {
+                (radius / direction.xy().norm()).min(0.5 * height / direction.z.abs())
+            }
+            Self::Box { size } => {
+                let [x, y, z] = size.map(|length| 0.5 * length);
+                (x / direction.x.abs()).min(y / direction.y.abs()).min(z / direction.z.abs())
+            }
+            Self::Sphere { radius } => *radius,
+        }
+    }
+}
+
+/// A thing to be grasped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// What messages and records call it.
+    pub name: String,
+    /// What it looks like.
+    pub shape: Shape,
+    /// In kilograms.
+    pub mass: f64,
+    /// Of the object against fingers.
+    pub friction: f64,
+    /// The frame that `pose` is in.
+    pub frame: Frame,
+    /// `frame_from_object`, about the shape's middle.
+    pub pose: Isometry3<f64>,
+    /// The height of the table in the world, in metres, where there is one.
+    pub table: Option<f64>,
+}
+
+/// What a pose is relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Frame {
+    /// z up.
+    #[default]
+    World,
+    /// The camera's optical frame.
+    Camera,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: Option<String>,
+    shape: String,
+    radius: Option<f64>,
+    height: Option<f64>,
+    size: Option<[f64; 3]>,
+    mass: Option<f64>,
+    friction: Option<f64>,
+    #[serde(default)]
+    frame: Frame,
+    position: [f64; 3],
+    quaternion_xyzw: [f64; 4],
+    table: Option<f64>,
+}
+
+impl Object {
+    /// Reads a description: `name`, `shape` (`cylinder` or `disc` with `radius`
+    /// and `height`, `box` with `size`, `sphere` with `radius`), `position`, `quaternion_xyzw`, and where they matter
+    /// `frame`, `mass`, `friction`, `table`.
+    ///
+    /// # Errors
+    /// [`RobotError::Read`], [`RobotError::Format`].
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        Self::parse(&path.display().to_string(), &text(path)?)
+    }
+
+    /// Reads a description from memory; `name` stands for it in errors.
+    ///
+    /// # Errors
+    /// [`RobotError::Format`]: a size is missing or impossible, the pose is no rotation, a key is unknown.
+    pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
+        let source = Source { name, what: "an object" };
+        let file: File = source.parse(text)?;
+        let needed = |key: &str, value: Option<f64>| {
+            let value = value.ok_or_else(|| {
+                source.error(format!("a {} has no size without `{key}`, in metres", file.shape))
+            })?;
+            source.length(key, value, LARGEST)
+        };
+        let shape = match file.shape.as_str() {
+            "cylinder" | "disc" => Shape::Cylinder {
+                radius: needed("radius", file.radius)?,
+                height: needed("height", file.height)?,
+            },
+            "sphere" => Shape::Sphere { radius: needed("radius", file.radius)? },
+            "box" => {
+                let size = file
+                    .size
+                    .ok_or_else(|| source.error("a box has no size without `size = [x, y, z]`, in metres"))?;
+                for length in size {
+                    source.length("size", length, LARGEST)?;
+                }
+                Shape::Box { size }
+            }
+            other => {
+                return Err(
+                    source.error(format!("shape = `{other}`: cylinder, disc, box or sphere is needed"))
+                );
+            }
+        };
+        if let Some(table) = file.table {
+            source.position("table", [0.0, 0.0, table])?;
+        }
+        let mass = file.mass.map_or(Ok(DEFAULT_MASS), |mass| source.length("mass", mass, 50.0))?;
+        let friction = file.friction.map_or(Ok(DEFAULT_FRICTION), |mu| source.length("friction", mu, 5.0))?;
+        Ok(Self {
+            name: file.name.unwrap_or_else(|| "object".into()),
+            shape,
+            mass,
+            friction,
+            frame: file.frame,
+            pose: source.pose(file.position, file.quaternion_xyzw)?,
+            table: file.table,
+        })
+    }
+
+    /// `world_from_object`.
+    ///
+    /// # Errors
+    /// [`RobotError::Format`]: the object lies in its table.
+    pub fn in_world(&self, camera: &Camera) -> Result<Isometry3<f64>, RobotError> {
+        let world_from_object = match self.frame {
+            Frame::World => self.pose,
+            Frame::Camera => camera.world_from_camera * self.pose,
+        };
+        let down = world_from_object.inverse_transform_vector(&-Vector3::z());
+        let lowest = world_from_object.translation.z - self.shape.reach(&down);
+        if let Some(depth) = self.table.map(|table| table - lowest).filter(|depth| *depth > SUNK) {
+            return Err(Source { name: &self.name, what: "an object on a table" }.error(format!(
+                "it lies {:.0} mm inside the table: raise its position, which is that of its middle, or lower `table`",
+                1e3 * depth
+            )));
+        }
+        Ok(world_from_object)
+    }
+}
+
+/// What an object weighs that does not say, in kilograms.
+const DEFAULT_MASS: f64 = 0.35;
+/// Rubber on plastic.
+const DEFAULT_FRICTION: f64 = 0.8;

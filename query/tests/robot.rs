@@ -1,0 +1,186 @@
+//! From a recognised hand to what a robot does: geometry, warnings, the two hands, bad input.
+
+use grasp_query::recognise::Side;
+use grasp_query::robot::{Camera, Object, RobotError, RobotHand, Seen, Strategy, moveit};
+use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+const BOTTLE: &str = include_str!("../data/objects/bottle.toml");
+const CAMERA: &str = include_str!("../data/objects/camera.toml");
+
+fn hand(name: &str) -> RobotHand {
+    RobotHand::find(name).unwrap()
+}
+
+fn bottle() -> Object {
+    Object::parse("bottle.toml", BOTTLE).unwrap()
+}
+
+fn camera() -> Camera {
+    Camera::parse("camera.toml", CAMERA).unwrap()
+}
+
+/// A right hand round an upright bottle: the thumb up, the palm coming along the world's x.
+fn upright() -> UnitQuaternion<f64> {
+    // Columns: where the hand's x, y, z point in the world.
+    let axes = Matrix3::from_columns(&[-Vector3::y(), Vector3::z(), -Vector3::x()]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&axes))
+}
+
+fn seen(grasp: &str, world_from_hand: UnitQuaternion<f64>, camera: &Camera) -> Seen {
+    let camera_from_hand = camera.world_from_camera.rotation.inverse() * world_from_hand;
+    Seen { grasp: grasp.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 }
+}
+
+fn isometry(pose: &grasp_query::robot::Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = pose.quaternion_xyzw;
+    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(pose.position.into(), rotation)
+}
+
+fn close(a: Vector3<f64>, b: Vector3<f64>) -> bool {
+    (a - b).norm() < 1e-6
+}
+
+#[test]
+fn the_palm_comes_from_where_the_human_hand_came() {
+    let camera = camera();
+    let strategy =
+        Strategy::new(&hand("barrett"), &seen("power-sphere", upright(), &camera), &bottle(), &camera)
+            .unwrap();
+    assert_eq!((strategy.grasp.as_str(), strategy.human_grasp.as_str()), ("wrap", "power-sphere"));
+    let palm = isometry(&strategy.palm_in_world);
+    assert!(close(palm * Vector3::z(), Vector3::x()), "the approach is the human hand's");
+    // Radius 35 mm and 10 mm between palm and bottle, at the height of its middle.
+    assert!(close(palm.translation.vector, Vector3::new(0.50 - 0.045, 0.0, 0.08)), "{palm}");
+    // The robot's thumb is on the side of the human's wrist, across the upright axis.
+    assert!(close(palm * Vector3::y(), Vector3::y()));
+    assert!((strategy.object_width - 0.07).abs() < 1e-6);
+    // The wrist is a flange behind the palm; both frames are turned alike.
+    let wrist = isometry(&strategy.wrist_in_world);
+    assert!(close(wrist * Point3::new(0.0, 0.0, 0.08) - Point3::origin(), palm.translation.vector));
+    assert_eq!(strategy.wrist.frame, "object");
+}
+
+#[test]
+fn a_hand_from_above_stays_clear_of_the_table() {
+    let camera = camera();
+    let axes = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()]);
+    let flat = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&axes));
+    let text = BOTTLE.replace("[0.50, 0.0, 0.08]", "[0.50, 0.0, 0.035]").replace(
+        "[0.0, 0.0, 0.0, 1.0]",
+        // Lying along the world's y.
+        "[0.70710678, 0.0, 0.0, 0.70710678]",
+    );
+    let lying = Object::parse("lying.toml", &text).unwrap();
+    let seen = seen("large-diameter", flat, &camera);
+    let strategy = Strategy::new(&hand("barrett"), &seen, &lying, &camera).unwrap();
+    let palm = isometry(&strategy.palm_in_world);
+    assert!(close(palm * Vector3::z(), -Vector3::z()));
+    assert!((palm.translation.z - 0.125).abs() < 1e-6, "80 mm would do for the object: {palm}");
+}
+
+#[test]
+fn a_known_hand_position_moves_the_grip_along_the_object() {
+    let mut camera = camera();
+    let seen = seen("large-diameter", upright(), &camera);
+    let assumed = Strategy::new(&hand("barrett"), &seen, &bottle(), &camera).unwrap();
+    assert_eq!(assumed.estimate.hand_position, "assumed");
+    // A wrist whose grip is 30 mm above the bottle's middle.
+    let grip = Vector3::new(0.50, 0.0, 0.11);
+    let wrist = grip - upright() * Vector3::new(0.089, 0.013, -0.059);
+    camera.hand = Some(camera.world_from_camera.inverse() * Point3::from(wrist));
+    let given = Strategy::new(&hand("barrett"), &seen, &bottle(), &camera).unwrap();
+    assert_eq!(given.estimate.hand_position, "given");
+    let [a, b] = [&assumed, &given].map(|strategy| isometry(&strategy.palm_in_world).translation.vector);
+    assert!((b - a - Vector3::new(0.0, 0.0, 0.03)).norm() < 1e-6, "{a} {b}");
+}
+
+#[test]
+fn another_hand_is_another_file() {
+    let camera = camera();
+    let seen = seen("pinch", upright(), &camera);
+    let strategy = Strategy::new(&hand("parallel-gripper"), &seen, &bottle(), &camera).unwrap();
+    assert_eq!(strategy.grasp, "parallel");
+    assert_eq!(strategy.open["gripper_left_finger_joint"], 0.04);
+    let wide = BOTTLE.replace("radius = 0.035", "radius = 0.05");
+    let wide = Object::parse("wide.toml", &wide).unwrap();
+    let error = Strategy::new(&hand("parallel-gripper"), &seen, &wide, &camera).unwrap_err();
+    insta::assert_snapshot!(error, @"bottle is 100 mm wide where the fingers close, and parallel-gripper opens to 75 mm: approach it from another side, or take another hand");
+}
+
+#[test]
+fn every_human_grasp_has_a_counterpart_as_in_the_paper() {
+    let barrett = hand("barrett");
+    let robot = |human: &str| barrett.for_human(human).unwrap().0;
+    for human in ["large-diameter", "small-diameter", "abducted-thumb", "power-sphere"] {
+        assert_eq!(robot(human), "wrap");
+    }
+    assert_eq!((robot("pinch"), robot("precision-disc")), ("two-finger-thumb", "precision-disc"));
+    assert!(matches!(barrett.for_human("wave"), Err(RobotError::Unmapped { .. })));
+}
+
+#[test]
+fn what_is_less_sure_than_the_grasp_tolerates_is_said() {
+    let text = include_str!("../data/robots/parallel-gripper.toml").to_owned()
+        + "[grasp.parallel.window]\nposition_m = 0.005\nyaw_rad = 0.1\nobject = \"bottle\"\nengine = \"none\"\n";
+    let hand = RobotHand::parse("own.toml", &text).unwrap();
+    let camera = camera();
+    let strategy =
+        Strategy::new(&hand, &seen("large-diameter", upright(), &camera), &bottle(), &camera).unwrap();
+    insta::assert_snapshot!(strategy.warnings.join("\n"), @"
+    the hand's position is known to +-10 mm, the grasp tolerates +-5 mm
+    the hand's orientation is known to +-8 degrees, the grasp tolerates a yaw of +-6: take it as a first guess and correct it by touch
+    ");
+}
+
+#[test]
+fn moveit_gets_the_wrist_in_the_world() {
+    let camera = camera();
+    let strategy =
+        Strategy::new(&hand("parallel-gripper"), &seen("pinch", upright(), &camera), &bottle(), &camera)
+            .unwrap();
+    insta::assert_snapshot!(moveit::yaml(&strategy, "cup.jpg", 0.75));
+}
+
+#[test]
+fn bad_descriptions_say_what_is_needed() {
+    let object = |text: &str| Object::parse("own.toml", text).unwrap_err().to_string();
+    let mut said = vec![
+        object(&BOTTLE.replace("radius = 0.035", "")),
+        object(&BOTTLE.replace("radius = 0.035", "radius = nan")),
+        object(&BOTTLE.replace("\"cylinder\"", "\"cone\"")),
+        object(&BOTTLE.replace("0.0, 1.0]", "0.0, 2.0]")),
+        object(&BOTTLE.replace("mass", "weight")),
+        Camera::parse("own.toml", &CAMERA.replace("0.3", "nan")).unwrap_err().to_string(),
+        RobotHand::find("shadow").unwrap_err().to_string(),
+        RobotHand::find("no-such.toml").unwrap_err().to_string(),
+    ];
+    let sunk = Object::parse("own.toml", &BOTTLE.replace("0.08]", "0.03]")).unwrap();
+    said.push(sunk.in_world(&camera()).unwrap_err().to_string());
+    let barrett = include_str!("../data/robots/barrett.toml");
+    let hand = |text: &str| RobotHand::parse("own.toml", text).unwrap_err().to_string();
+    said.push(hand(&barrett.replace("pinch = \"two-finger-thumb\"", "pinch = \"poke\"")));
+    said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "bh_j32_joint = 3.0\n")));
+    said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "")));
+    insta::assert_snapshot!(said.join("\n\n"));
+}
+
+proptest! {
+    /// However the hand is turned: the palm looks along the approach, a standoff before the surface, and left and right are mirror images.
+    #[test]
+    fn the_palm_always_faces_the_object(angles in prop::array::uniform3(-3.1f64..3.1), left: bool) {
+        let camera = camera();
+        let mut ball = Object::parse("ball", "shape = 'sphere'\nradius = 0.03\nposition = [0.4, 0.1, 0.5]\nquaternion_xyzw = [0, 0, 0, 1]").unwrap();
+        ball.table = None;
+        let [a, b, c] = angles;
+        let mut seen = seen("large-diameter", UnitQuaternion::from_euler_angles(a, b, c), &camera);
+        if left {
+            seen.side = Side::Left;
+        }
+        let strategy = Strategy::new(&hand("barrett"), &seen, &ball, &camera).unwrap();
+        let palm = isometry(&strategy.palm);
+        prop_assert!((palm.translation.vector + 0.04 * (palm * Vector3::z())).norm() < 1e-9);
+        prop_assert!((Vector3::from(strategy.approach_vector.vector) - palm * Vector3::z()).norm() < 1e-9);
+    }
+}
