@@ -29,7 +29,7 @@ Examples:
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
     /// Render sets to index; none renders on the fly.
-    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation"])]
+    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation"])]
     renders: Vec<PathBuf>,
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
@@ -49,7 +49,7 @@ pub(crate) struct Build {
 #[command(next_help_heading = "Vectors in place of pictures")]
 struct VectorOptions {
     /// Index the rows of this array: 32-bit floating-point numbers in NumPy's format, of any length of row.
-    #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
+    #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
     descriptors: Option<PathBuf>,
     /// What the rows are, a line each: a table with the column `grasp` and any of `file`, `cutkosky`, `stage`, `hand`, `hand_shape`,
     /// `object`, `azimuth`, `elevation`, `roll`, `qx`, `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.
@@ -79,11 +79,12 @@ struct IndexOptions {
     /// Buckets a table (the paper's H), for --tables and --planes.
     #[arg(long, value_name = "H", default_value_t = 4096, requires = "tables", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     buckets: u32,
-    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`), or none.
-    #[arg(long, default_value = "f32", value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
+    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`; the default of
+    /// `--preset wide`), or none.
+    #[arg(long, default_value = "f32", default_value_if("preset", "wide", "f16"), value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
     originals: String,
-    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none.
-    #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. `--preset wide` keeps 32.
+    #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, default_value_if("preset", "wide", "32"), value_parser = clap::value_parser!(u32).range(0..=1024))]
     thumbnails: u32,
 }
 
