@@ -76,12 +76,16 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
 /// # Errors
 /// Where the bytes are no picture, are cut short, or their header asks for more than [`MAX_PIXELS`].
 pub fn decode(bytes: &[u8]) -> Result<Picture, DecodeError> {
-    // On black, as segmented pictures have it: what is transparent is no hand.
-    let rgba = dynamic(bytes)?.into_rgba8();
-    let (width, height) = (rgba.width() as usize, rgba.height() as usize);
-    let on_black = |value: u8, alpha: u8| (u16::from(value) * u16::from(alpha) / 255) as u8;
-    let pixels =
-        rgba.pixels().map(|&image::Rgba([r, g, b, a])| [r, g, b].map(|value| on_black(value, a))).collect();
+    let decoded = dynamic(bytes)?;
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let pixels = if decoded.color().has_alpha() {
+        // On black, as segmented pictures have it: what is transparent is no hand.
+        let on_black = |value: u8, alpha: u8| (u16::from(value) * u16::from(alpha) / 255) as u8;
+        let flat = |&image::Rgba([r, g, b, a]): &image::Rgba<u8>| [r, g, b].map(|value| on_black(value, a));
+        decoded.into_rgba8().pixels().map(flat).collect()
+    } else {
+        decoded.into_rgb8().as_chunks().0.to_vec()
+    };
     Picture::new(width, height, pixels).ok_or_else(|| DecodeError::Damaged("no pixels".into()))
 }
 

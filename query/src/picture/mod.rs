@@ -62,10 +62,14 @@ impl Picture {
 
     /// The picture with blocks of pixels averaged, so that no side is longer than `side`.
     pub fn shrunk_to(self, side: usize) -> Self {
-        let factor = self.shrink_factor(side);
-        if factor == 1 {
-            return self;
+        match self.shrink_factor(side) {
+            1 => self,
+            factor => self.shrunk(factor),
         }
+    }
+
+    /// The picture with blocks of `factor` x `factor` pixels averaged; those at the right and lower border may be smaller.
+    pub(crate) fn shrunk(&self, factor: usize) -> Self {
         let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
         let mut rgb = Vec::with_capacity(width * height);
         // Down the columns first: whole rows of numbers are added at once.

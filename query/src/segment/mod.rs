@@ -78,7 +78,7 @@ pub struct Segmentation {
 /// Finds the hand in a colour picture, or `None` where nothing looks like one.
 pub fn segment(picture: &Picture, params: &SegmentParams) -> Option<Segmentation> {
     let factor = picture.shrink_factor(params.side);
-    let shrunk = picture.clone().shrunk_to(params.side);
+    let shrunk = picture.shrunk(factor);
     let small = find(&shrunk, component::MIN_PIXELS / (factor * factor), params)?;
     let mut skin = refine::enlarge(&small, &shrunk, picture, factor);
     for _ in 1..params.median_passes {

@@ -150,7 +150,7 @@ mod tests {
         let rgb: Vec<[u8; 3]> =
             (0..side * side).map(|at| if truth(at) { [200, 140, 110] } else { [60, 80, 90] }).collect();
         let picture = Picture::new(side, side, rgb).unwrap();
-        let shrunk = picture.clone().shrunk_to(side / factor);
+        let shrunk = picture.shrunk(factor);
         let small = Mask::from_values(side / factor, side / factor, shrunk.rgb(), |[r, _, _]| r > 130);
         let expected: Vec<bool> = (0..side * side).map(truth).collect();
         let expected = Mask::from_values(side, side, &expected, |v| v);
