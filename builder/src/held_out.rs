@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use grasp_index::{
     BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
 };
-use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, View, Views};
+use grasp_renders::{HandShape, Look, Preset, RenderPlan, SceneSpec, Stage, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -20,9 +20,9 @@ use crate::interrupt;
 /// Sampled hands from this seed on are nobody's: plans count theirs up from 0.
 const FIRST_SEED: u64 = 2_000_000;
 /// Hand shapes that a build holds out.
-pub const HANDS: usize = 4;
+pub const HANDS: usize = 6;
 /// Of these, how many are seen in each grasp: posing and meshing a hand takes as long as a hundred views of it.
-const HANDS_A_GRASP: usize = 2;
+const HANDS_A_GRASP: usize = 4;
 /// Views of them: half a second's work for two cores.
 pub const VIEWS: usize = 1_200;
 /// How far light and distance vary at least.
@@ -60,13 +60,13 @@ impl HeldOut {
         })
     }
 
-    /// The descriptors, in rows.
+    /// The descriptors, in rows, and what they show.
     ///
     /// # Errors
     /// When the file cannot be read or has rows of another length, or the work was interrupted.
-    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Asked> {
         match self {
-            Self::Nothing => Ok(Vec::new()),
+            Self::Nothing => Ok(Asked::default()),
             Self::Rendered(hands) => hands.describe(params),
             Self::File(path) => {
                 let rows = Rows::open(path)?;
@@ -77,17 +77,28 @@ impl HeldOut {
                         path.display()
                     );
                 }
-                rows.all().with_context(|| cannot_use(path))
+                let descriptors = rows.all().with_context(|| cannot_use(path))?;
+                Ok(Asked { descriptors, grasps: Vec::new() })
             }
         }
     }
+}
+
+/// Held-out descriptors.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// In rows.
+    pub descriptors: Vec<f32>,
+    /// The name of each row's grasp; nothing where that is not known.
+    pub grasps: Vec<Arc<str>>,
 }
 
 fn cannot_use(path: &Path) -> String {
     format!("cannot use {}", path.display())
 }
 
-/// Views of hand shapes that a plan does not have, in its grasps, in varied light, from anywhere between its views.
+/// Views of hand shapes that a plan does not have, in its grasps, posed as differently as people do, in varied light, from anywhere
+/// between its views.
 #[derive(Clone, Debug)]
 pub struct Hands {
     hand_shapes: Vec<HandShape>,
@@ -136,15 +147,19 @@ impl Hands {
     ///
     /// # Errors
     /// When the work was interrupted.
-    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
-        let mut all = Vec::new();
+    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Asked> {
+        let mut all = Asked::default();
         for scenes in self.scenes().chunks(rayon::current_num_threads().max(1)) {
             interrupt::check()?;
             let described: Vec<Vec<f32>> = scenes
                 .par_iter()
                 .map(|(spec, views)| described(spec, views, params))
                 .collect::<anyhow::Result<_>>()?;
-            all.extend(described.into_iter().flatten());
+            for ((spec, _), rows) in scenes.iter().zip(described) {
+                let grasp: Arc<str> = spec.grasp.name.as_str().into();
+                all.grasps.extend(std::iter::repeat_n(grasp, rows.len() / params.dim().max(1)));
+                all.descriptors.extend(rows);
+            }
         }
         Ok(all)
     }
@@ -156,6 +171,8 @@ impl Hands {
         let plan = &self.plan;
         let count = self.a_grasp * plan.grasps.len();
         let hand_shapes: Vec<_> = self.hand_shapes.iter().cloned().map(Arc::new).collect();
+        // Hands in an index may all be posed alike; those that it is asked for are not.
+        let people = RenderPlan::preset(Preset::Wide).variation;
         let mut in_turn = hand_shapes.iter().cycle();
         let mut scenes = Vec::with_capacity(count);
         for grasp in plan.grasps.iter().cloned().map(Arc::new) {
@@ -173,6 +190,7 @@ impl Hands {
                     // Another light than that of the index's own views from the same direction.
                     seed: plan.seed.wrapping_add(FIRST_SEED),
                 };
+                let spec = people.of(spec);
                 // So that they sum up to what is asked for.
                 let at = scenes.len();
                 let views = (at + 1) * self.views / count - at * self.views / count;

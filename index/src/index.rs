@@ -243,21 +243,28 @@ impl Index {
             (None, None) => fitted,
         };
         let ballots: Vec<Ballot> = neighbours.iter().filter_map(|neighbour| self.ballot(neighbour)).collect();
-        let shares = vote::probabilities(&ballots, catalogue.classes.len(), sigma);
-        let scores = (0u16..).zip(&catalogue.classes).zip(shares);
+        let voters = ballots.iter().map(|ballot| (ballot.class, ballot.distance));
+        let shares = vote::shares(voters, catalogue.classes.len(), sigma);
+        // Another width than the calibrated one makes other shares.
+        let probabilities = match options.has_own_width() {
+            true => shares.clone(),
+            false => catalogue.calibration.probabilities(&shares),
+        };
+        let scores = (0u16..).zip(&catalogue.classes).zip(shares.into_iter().zip(probabilities));
         let mut classes: Vec<ClassScore> = scores
-            .map(|((class, info), probability)| ClassScore {
+            .map(|((class, info), (share, probability))| ClassScore {
                 class,
                 name: info.name.clone(),
                 cutkosky: info.cutkosky,
                 probability,
+                share,
             })
             .collect();
         // Stable: equals stay in the order of their numbers.
         classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let first = classes.first().map_or(0, |score| score.class);
         Vote {
-            kernel_mass: vote::kernel_mass(&ballots, sigma),
+            kernel_mass: vote::kernel_mass(ballots.iter().map(|ballot| ballot.distance), sigma),
             orientation: vote::estimate(&ballots, first, sigma, options.euler_mean),
             classes,
         }

@@ -67,7 +67,7 @@ mod vote;
 pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
-pub use file::catalogue::{Calibration, Catalogue, ClassInfo, HashInfo, Kept, Originals};
+pub use file::catalogue::{Catalogue, ClassInfo, HashInfo, Kept, Originals};
 pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
@@ -87,8 +87,8 @@ pub use search::searcher::Searcher;
 
 pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
 pub use vote::{
-    ClassScore, OrientationEstimate, Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance,
-    mean_rotation,
+    Calibrated, Calibration, ClassScore, Doubt, OrientationEstimate, Reliability, ReliabilityBin, Sigma,
+    Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,
 };
 
 /// The version of the index format that this crate writes, and the newest that it reads.

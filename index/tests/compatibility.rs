@@ -1,11 +1,14 @@
-//! What becomes of indexes that other versions of this crate have written: those of version 2 are read, and answer, for ever.
+//! What becomes of indexes that other versions of this crate have written: those of versions 2 and 3 are read, and answer, for ever.
 //!
-//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 2 anew.
-//! That is right only while no release has written version 2, or for a new version under a new name.
+//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 3 anew.
+//! That is right only while no release has written version 3, or for a new version under a new name.
 
 mod support;
 
-use grasp_index::{DescriptorKind, Effort, HashInfo, Index, OpenError, SearchOptions, VoteOptions};
+use grasp_index::{
+    Calibration, DescriptorKind, DescriptorParams, Effort, HashInfo, Index, IndexParams, OpenError,
+    SearchOptions, VoteOptions,
+};
 use insta::assert_snapshot;
 use std::path::PathBuf;
 use std::sync::Once;
@@ -26,26 +29,38 @@ fn version_1_is_refused() {
     }
 }
 
-/// One of each hash.
-fn version_2() -> [Index; 2] {
+/// One of each hash, of each version.
+fn indexes() -> [Index; 4] {
     static REGENERATED: Once = Once::new();
     REGENERATED.call_once(|| {
         if std::env::var_os("REGENERATE").is_some() {
-            support::write(path("v2.idx"), support::small_params()).expect("the fixture is written");
-            let learned = support::small_learned_params();
-            support::write(path("v2-learned.idx"), learned).expect("the fixture is written");
+            for (name, params) in
+                [("v3.idx", support::small_params()), ("v3-learned.idx", support::small_learned_params())]
+            {
+                // Short descriptors: fixtures stay in the repository for ever.
+                let descriptor = DescriptorParams { levels: 3, ..params.descriptor };
+                let params = IndexParams { descriptor, ..params };
+                support::write(path(name), params).expect("the fixture is written");
+            }
         }
     });
-    ["v2.idx", "v2-learned.idx"].map(|name| Index::open(path(name)).expect("the fixture opens"))
+    let names = ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx"];
+    names.map(|name| Index::open(path(name)).expect("the fixture opens"))
 }
 
 #[test]
-fn version_2_verifies_and_knows_what_it_is() {
-    let [random, learned] = version_2();
-    assert!(matches!(random.catalogue().hash, HashInfo::Random(_)));
-    assert!(matches!(learned.catalogue().hash, HashInfo::Learned(_)));
-    for index in [random, learned] {
+fn old_and_new_indexes_verify_and_know_what_they_are() {
+    let [old_random, old_learned, random, learned] = indexes();
+    for index in [&old_random, &random] {
+        assert!(matches!(index.catalogue().hash, HashInfo::Random(_)));
+    }
+    for index in [&old_learned, &learned] {
+        assert!(matches!(index.catalogue().hash, HashInfo::Learned(_)));
+    }
+    for index in [old_random, old_learned, random, learned] {
         knows_what_it_is(&index);
+        // Version 2 has no calibration; these of version 3 were made without held-out hands.
+        assert_eq!(index.catalogue().calibration, Calibration::default());
     }
 }
 
@@ -66,8 +81,8 @@ fn knows_what_it_is(index: &Index) {
 }
 
 #[test]
-fn version_2_answers() {
-    version_2().iter().for_each(answers);
+fn old_and_new_indexes_answer() {
+    indexes().iter().for_each(answers);
 }
 
 fn answers(index: &Index) {

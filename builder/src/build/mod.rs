@@ -125,7 +125,10 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     }
     writer.add_provenance(inputs.provenance());
     let spinner = progress.spinner("rendering held-out hands");
-    writer.hold_out(recipe.held_out.describe(&recipe.descriptor)?)?;
+    let asked = recipe.held_out.describe(&recipe.descriptor)?;
+    // Where a set shows other grasps than its grasps' own file tells of, what is held out says nothing about its vote.
+    let classes: anyhow::Result<Vec<u16>> = asked.grasps.iter().map(|grasp| names.class(grasp)).collect();
+    writer.hold_out(asked.descriptors, classes.unwrap_or_default())?;
     spinner.finish_and_clear();
     let spinner = progress.spinner("hashing");
     let summary = writer.finish(&|phase, _| {
@@ -134,6 +137,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
             Phase::Tune => "choosing the hash",
             Phase::Tables => "filling the hash tables",
             Phase::Measure => "measuring the search",
+            Phase::Calibrate => "calibrating the vote",
             _ => "writing",
         });
         if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured};
+use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured};
 use serde_json::{Value, json};
 
 /// Show what is in an index: its entries, parameters, origin, and how well its search does.
@@ -73,7 +73,9 @@ fn as_text(name: &str, index: &Index) -> String {
             catalogue.sigma.mean_distance, catalogue.sigma.literal
         ),
     );
-    line("vote", format!("k = {}, sigma x {}", catalogue.calibration.k, catalogue.calibration.sigma_scale));
+    for text in vote_text(&catalogue.calibration) {
+        line("vote", text);
+    }
     line("hash", hash_text(catalogue));
     line("measured", measured_text(&catalogue.measured));
     for point in &catalogue.measured.curve {
@@ -121,6 +123,48 @@ fn hash_text(catalogue: &Catalogue) -> String {
         ),
         _ => "of a kind that this version does not know".to_owned(),
     }
+}
+
+/// How neighbours are weighed, and what that is worth.
+fn vote_text(calibration: &Calibration) -> Vec<String> {
+    let Calibration { k, sigma_scale, floor, power, .. } = calibration;
+    let mut lines = vec![format!("k = {k}, sigma x {sigma_scale}")];
+    let Some(measured) = &calibration.measured else {
+        lines.push("not calibrated: the probability is the share of the weights".to_owned());
+        return lines;
+    };
+    lines.push(format!("probability: (share + {floor})^{power:.3}, divided by the sum of all classes"));
+    if let Some(farthest) = calibration.farthest {
+        let least = calibration.least_probability;
+        lines.push(format!(
+            "unknown: farther than {farthest:.3} from all entries, or a probability below {least:.2}"
+        ));
+    }
+    let [least, most] = measured.noise;
+    lines.push(format!(
+        "{} queries of held-out hands, moved by {least} to {most} sigma: {:.1} % right, log-likelihood {:.3}, calibration error {:.3}",
+        measured.reliability.n(),
+        measured.reliability.accuracy().unwrap_or(0.0) * 100.0,
+        measured.log_likelihood,
+        measured.reliability.expected_error().unwrap_or(0.0),
+    ));
+    lines
+}
+
+fn vote_json(calibration: &Calibration) -> Value {
+    let Calibration { k, sigma_scale, floor, power, farthest, least_probability, .. } = calibration;
+    let measured = calibration.measured.as_ref().map(|measured| {
+        let reliability = &measured.reliability;
+        let bins = reliability.bins.iter().filter(|bin| bin.n > 0);
+        let bins: Vec<Value> = bins
+            .map(|bin| json!({"n": bin.n, "probability": bin.stated(), "right": bin.found()}))
+            .collect();
+        json!({
+            "queries": reliability.n(), "noise": measured.noise, "top1": reliability.accuracy(),
+            "log_likelihood": measured.log_likelihood, "ece": reliability.expected_error(), "reliability": bins,
+        })
+    });
+    json!({"k": k, "sigma_scale": sigma_scale, "floor": floor, "power": power, "farthest": farthest, "least_probability": least_probability, "measured": measured})
 }
 
 /// The names of a list, if any.
@@ -194,7 +238,7 @@ fn as_json(name: &str, index: &Index) -> Value {
         "originals": catalogue.originals.name(), "keeps": catalogue.kept.names(),
         "classes": classes, "hand_shapes": catalogue.hand_shapes, "stages": catalogue.stages,
         "sigma": {"mean_distance": catalogue.sigma.mean_distance, "literal": catalogue.sigma.literal},
-        "vote": {"k": catalogue.calibration.k, "sigma_scale": catalogue.calibration.sigma_scale},
+        "vote": vote_json(&catalogue.calibration),
         "hash": hash,
         "measured": {
             "queries": measured.queries, "held_out": measured.held_out, "noise": measured.noise,

@@ -51,7 +51,7 @@ impl Queries {
         }
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
-        let clean = hands.describe(&params)?;
+        let clean = hands.describe(&params)?.descriptors;
         let dim = params.dim();
         let rows = if self.clean { clean } else { held_out::moved(&clean, dim, self.seed) };
         let count = rows.len() / dim;

@@ -5,7 +5,7 @@ use crate::file::sections::Section;
 use crate::search::effort::Measured;
 use crate::search::learned::LearnedHash;
 use crate::search::random::RandomHash;
-use crate::vote::Sigma;
+use crate::vote::{Calibration, Sigma};
 use rkyv::{Archive, Deserialize, Serialize};
 
 /// The parameters, names and measurements of an index, and where its sections lie.
@@ -129,21 +129,6 @@ pub struct ClassInfo {
     pub name: String,
     /// Its number in Cutkosky's taxonomy, such as 9.
     pub cutkosky: u8,
-}
-
-/// How neighbours are best weighed: fitted by the builder on hand shapes that were held out.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
-pub struct Calibration {
-    /// How many neighbours vote.
-    pub k: u32,
-    /// The factor on [`Sigma::mean_distance`] that makes the kernel's width.
-    pub sigma_scale: f64,
-}
-
-impl Default for Calibration {
-    fn default() -> Self {
-        Self { k: 10, sigma_scale: 1.0 }
-    }
 }
 
 /// Which hash the buckets were made by.

@@ -20,13 +20,15 @@ const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
 /// The header's length in bytes.
 pub(crate) const LENGTH: usize = 64;
 /// The version of the format that this crate reads and writes. It grows when older readers cannot read new files.
-pub(crate) const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 3;
 /// The oldest version that this crate reads. Version 1 was written by no release.
 const OLDEST: u32 = 2;
 
 /// Where the catalogue lies, and the hash of its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
+    /// The version that wrote the file.
+    pub(crate) version: u32,
     pub(crate) file_length: u64,
     pub(crate) catalogue_offset: u64,
     pub(crate) catalogue_length: u64,
@@ -37,8 +39,8 @@ impl Header {
     pub(crate) fn to_bytes(self) -> [u8; LENGTH] {
         let mut bytes = [0; LENGTH];
         bytes[0..8].copy_from_slice(&MAGIC);
-        bytes[8..12].copy_from_slice(&VERSION.to_le_bytes());
-        bytes[12..16].copy_from_slice(&VERSION.to_le_bytes());
+        bytes[8..12].copy_from_slice(&self.version.to_le_bytes());
+        bytes[12..16].copy_from_slice(&self.version.to_le_bytes());
         bytes[16..24].copy_from_slice(&self.file_length.to_le_bytes());
         bytes[24..32].copy_from_slice(&self.catalogue_offset.to_le_bytes());
         bytes[32..40].copy_from_slice(&self.catalogue_length.to_le_bytes());
@@ -83,6 +85,7 @@ impl Header {
             return Err(OpenError::TooOld { wrote, oldest: OLDEST });
         }
         let header = Self {
+            version: wrote,
             file_length: u64_at(bytes, 16),
             catalogue_offset: u64_at(bytes, 24),
             catalogue_length: u64_at(bytes, 32),

@@ -1,11 +1,11 @@
 //! What an index is made from, and what comes of it.
 
 use super::atomic::WriteError;
-use super::catalogue::{Calibration, ClassInfo, HashInfo, Kept, Originals};
+use super::catalogue::{ClassInfo, HashInfo, Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::search::build::HashParams;
 use crate::search::effort::Measured;
-use crate::vote::Sigma;
+use crate::vote::{Calibration, Sigma};
 use nalgebra::UnitQuaternion;
 use thiserror::Error;
 
@@ -31,11 +31,13 @@ pub struct IndexParams {
     /// with. Those of hand shapes that the index does not hold are best. Where there are none, the index's own are used,
     /// each held out for its own query.
     pub held_out: Vec<f32>,
+    /// What those show, a position in [`Self::classes`] a row: what the vote is calibrated with. Nothing where that is not known.
+    pub held_out_classes: Vec<u16>,
     /// What all randomness comes from.
     pub seed: u64,
     /// The side of the thumbnails in pixels, at most 1024; 0 keeps none.
     pub thumbnail_side: u32,
-    /// How neighbours are best weighed.
+    /// How neighbours are weighed where there are no [`Self::held_out_classes`] to find that out by.
     pub calibration: Calibration,
     /// Names and values to keep with the index, such as where its renders come from. No dates, where a rebuild is to
     /// give the same bytes.
@@ -119,6 +121,8 @@ pub enum Phase {
     Tables,
     /// Measuring the search.
     Measure,
+    /// Calibrating the vote.
+    Calibrate,
     /// Writing the file.
     Write,
 }
@@ -132,6 +136,8 @@ pub struct Summary {
     pub bytes: u64,
     /// Equation 5.
     pub sigma: Sigma,
+    /// How neighbours are weighed.
+    pub calibration: Calibration,
     /// The hash that was chosen.
     pub hash: HashInfo,
     /// How well it does.

@@ -18,6 +18,7 @@ pub(crate) mod open;
 pub(crate) mod pack;
 pub(crate) mod sections;
 pub(crate) mod verify;
+mod version2;
 pub(crate) mod write;
 
 pub use error::OpenError;

@@ -2,9 +2,10 @@
 
 use super::OpenError;
 use super::bytes::Bytes;
-use super::catalogue::{ArchivedCatalogue, Catalogue};
+use super::catalogue::Catalogue;
 use super::header::Header;
 use super::sections::{Layout, SectionKind};
+use super::version2::CatalogueOfVersion2;
 use bytemuck::AnyBitPattern;
 use rkyv::rancor::Error as ArchiveError;
 use xxhash_rust::xxh3::xxh3_64;
@@ -31,8 +32,11 @@ impl Opened {
         // Its hash is right, so it is whole: something else wrote it.
         let unreadable =
             |_: ArchiveError| OpenError::corrupt("the catalogue is not of the form that this version reads");
-        let archived = rkyv::access::<ArchivedCatalogue, ArchiveError>(archive).map_err(unreadable)?;
-        let catalogue = rkyv::deserialize::<Catalogue, ArchiveError>(archived).map_err(unreadable)?;
+        let catalogue = match header.version {
+            2 => version_2(archive),
+            _ => rkyv::from_bytes::<Catalogue, ArchiveError>(archive),
+        };
+        let catalogue = catalogue.map_err(unreadable)?;
         let layout = Layout::check(&catalogue, header.catalogue_offset)?;
         // Every search reads these, and they lie together before the catalogue.
         let searched = layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize;
@@ -57,4 +61,9 @@ impl Opened {
         let (start, end) = (*offsets.get(at)?, *offsets.get(at.checked_add(1)?)?);
         std::str::from_utf8(self.raw(text).get(start as usize..end as usize)?).ok()
     }
+}
+
+/// Validated as [`rkyv::from_bytes`] always does.
+fn version_2(archive: &[u8]) -> Result<Catalogue, ArchiveError> {
+    rkyv::from_bytes::<CatalogueOfVersion2, ArchiveError>(archive).map(Catalogue::from)
 }

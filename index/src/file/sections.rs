@@ -282,9 +282,6 @@ impl Layout {
     }
 }
 
-/// More neighbours than that make no vote, only work.
-const MOST_NEIGHBOURS: u32 = 100_000;
-
 /// The catalogue's numbers against each other.
 fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     let corrupt = |what: &str| Err(OpenError::corrupt(format_args!("the catalogue {what}")));
@@ -337,10 +334,7 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
         return corrupt("states an impossible sigma");
     }
-    let scale = catalogue.calibration.sigma_scale;
-    let is_calibrated =
-        (1..=MOST_NEIGHBOURS).contains(&catalogue.calibration.k) && positive(scale) && scale > 0.0;
-    if !is_calibrated {
+    if !catalogue.calibration.is_possible() {
         return corrupt("states an impossible calibration");
     }
     Ok(())

@@ -2,13 +2,16 @@
 
 use super::effort::Measured;
 use super::learned::fit::{Fitted, fit};
+use super::measure::{self, QUERIES_OF_THE_VOTE};
 use super::random::tables::Tables;
 use super::random::{self, Random, RandomHash, RandomHyperplanes, tune};
+use super::searcher::{Scratch, hashed};
 use super::simd::Simd;
 use super::stored::{Stored, Values};
-use super::{Hash, Rows, measure};
+use super::{Hash, Neighbour, Rows, SearchOptions};
 use crate::file::catalogue::HashInfo;
 use crate::file::sections::SectionKind;
+use rayon::prelude::*;
 
 /// Which hash an index gets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,6 +52,7 @@ pub(crate) enum Step {
 #[derive(Debug)]
 pub(crate) struct Built {
     table: Table,
+    keeps_descriptors: bool,
     pub(crate) measured: Measured,
 }
 
@@ -84,11 +88,15 @@ pub(crate) fn build<E: Send>(
         }
     };
     step(Step::Measure, 0.0)?;
-    // Rounded to 16 bits, descriptors find what they find as they are.
-    let values = if keeps_descriptors { Values::F32(rows.values) } else { Values::None };
-    let stored = Stored { values, ..rows.into() };
+    let stored = stored(rows, keeps_descriptors);
     let measured = measure::measure(rows, stored, held_out, &*table.hash(rows), sigma, seed);
-    Ok(Built { table, measured })
+    Ok(Built { table, keeps_descriptors, measured })
+}
+
+/// Rounded to 16 bits, descriptors find what they find as they are.
+fn stored(rows: Rows<'_>, keeps_descriptors: bool) -> Stored<'_> {
+    let values = if keeps_descriptors { Values::F32(rows.values) } else { Values::None };
+    Stored { values, ..rows.into() }
 }
 
 impl Table {
@@ -110,6 +118,27 @@ impl Built {
             Table::Learned(fitted) => HashInfo::Learned(fitted.size),
             Table::Random { size, .. } => HashInfo::Random(*size),
         }
+    }
+
+    /// Held-out rows, moved by `noise` in units of `sigma`, each with the `k` entries that a search finds by default.
+    pub(crate) fn ask(
+        &self,
+        rows: Rows<'_>,
+        held_out: Rows<'_>,
+        k: usize,
+        noise: [f64; 2],
+        sigma: f64,
+        seed: u64,
+    ) -> Vec<(u32, Vec<Neighbour>)> {
+        let hash = self.table.hash(rows);
+        let enough = self.measured.enough(SearchOptions::default().effort);
+        let probes = enough.or(self.measured.curve.last()).map_or(1, |point| point.probes);
+        let stored = stored(rows, self.keeps_descriptors);
+        let queries = measure::moved(held_out, QUERIES_OF_THE_VOTE, noise, sigma, seed, 3);
+        let find = |scratch: &mut Scratch, (row, vector): (u32, Vec<f32>)| {
+            (row, hashed(stored, &*hash, Simd::best(), &vector, k, probes, scratch).neighbours)
+        };
+        queries.into_par_iter().map_init(Scratch::default, find).collect()
     }
 
     /// The bytes of one of the hash's sections; none for a section that is another's.

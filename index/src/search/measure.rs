@@ -16,6 +16,8 @@ use rayon::prelude::*;
 /// a direction in which the data varies: noise that is even in all directions promised 0.97 where 0.88 came true.
 pub const NOISE: [f64; 2] = [0.2, 0.5];
 const QUERIES: usize = 800;
+/// Queries that the vote is calibrated by: more, for they cost no exact search.
+pub(crate) const QUERIES_OF_THE_VOTE: usize = 2_000;
 /// Neighbours that recall is measured over.
 const RECALL_K: usize = 10;
 /// More effort than this finds is not measured.
@@ -44,21 +46,33 @@ pub(crate) fn queries(
     stream: u64,
 ) -> Vec<Query> {
     let own = held_out.len() == 0;
-    let from = if own { rows } else { held_out };
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    // The tables' streams count up from 1: these stay clear of them.
-    rng.set_stream(u64::MAX - stream);
-    let moved: Vec<(Option<u32>, Vec<f32>)> = (0..QUERIES.min(from.len()))
-        .filter_map(|_| {
-            let [row, start, end] = [(); 3].map(|()| rng.random_range(0..from.len() as u64) as u32);
-            let length = rng.random_range(NOISE[0]..NOISE[1]) * sigma;
-            let vector = step(from.get(row)?, from.get(start)?, from.get(end)?, length as f32);
-            Some((own.then_some(row), vector))
-        })
-        .collect();
+    let moved = moved(if own { rows } else { held_out }, QUERIES, NOISE, sigma, seed, stream);
+    let moved: Vec<(Option<u32>, Vec<f32>)> =
+        moved.into_iter().map(|(row, vector)| (own.then_some(row), vector)).collect();
     let nearest = exact::nearest_of_many(rows, &moved, k);
     let queries = moved.into_iter().zip(nearest);
     queries.map(|((itself, vector), nearest)| Query { itself, vector, nearest }).collect()
+}
+
+/// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of `sigma`. Each is told with the row that it was made from.
+pub(crate) fn moved(
+    from: Rows<'_>,
+    count: usize,
+    noise: [f64; 2],
+    sigma: f64,
+    seed: u64,
+    stream: u64,
+) -> Vec<(u32, Vec<f32>)> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // The tables' streams count up from 1: these stay clear of them.
+    rng.set_stream(u64::MAX - stream);
+    (0..count.min(from.len()))
+        .filter_map(|_| {
+            let [row, start, end] = [(); 3].map(|()| rng.random_range(0..from.len() as u64) as u32);
+            let length = rng.random_range(noise[0]..noise[1]) * sigma;
+            Some((row, step(from.get(row)?, from.get(start)?, from.get(end)?, length as f32)))
+        })
+        .collect()
 }
 
 /// `row`, moved by `length` in the direction from `start` to `end`.

@@ -1,17 +1,25 @@
 //! From neighbours to an answer: the class (Equation 3), the orientation (Equation 4), and the width sigma of the
-//! kernel that both weigh with (Equation 5).
+//! kernel that both weigh with (Equation 5). What the class's share of the weights is worth as a probability is fitted on hands
+//! that the index does not hold.
 
+mod calibration;
 mod class;
+mod fit;
 mod orientation;
+mod reliability;
 mod sigma;
 
-pub(crate) use class::{kernel_mass, probabilities};
+pub use calibration::{Calibrated, Calibration, Doubt};
+pub(crate) use class::{kernel_mass, shares};
+pub(crate) use fit::{Example, MOST_VOTERS, calibrate, noise_of_the_farthest, noise_of_the_vote};
 pub(crate) use orientation::estimate;
 pub use orientation::{OrientationEstimate, cyclic_euler_mean, mean_rotation};
+pub use reliability::{Reliability, ReliabilityBin};
 pub(crate) use sigma::measure as measure_sigma;
 pub use sigma::{Sigma, mean_distance};
 
-/// How neighbours are weighed. The default is what the index was calibrated with.
+/// How neighbours are weighed. The default is what the index was calibrated with; with another width, the probabilities are the
+/// weights' shares, which the calibration was not fitted to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoteOptions {
     /// The kernel's width, in units of descriptor distance, in place of the index's own.
@@ -23,6 +31,13 @@ pub struct VoteOptions {
     pub literal_sigma: bool,
     /// Take Equation 4 literally, as a cyclic mean of each Euler angle by itself, in place of the mean rotation.
     pub euler_mean: bool,
+}
+
+impl VoteOptions {
+    /// Whether the kernel's width is another than the calibrated one.
+    pub fn has_own_width(&self) -> bool {
+        self.sigma.is_some() || self.sigma_scale.is_some() || self.literal_sigma
+    }
 }
 
 /// The answer of the neighbours.
@@ -45,8 +60,10 @@ pub struct ClassScore {
     pub name: String,
     /// Its number in Cutkosky's taxonomy.
     pub cutkosky: u8,
-    /// Equation 3's sum for the class, divided by that of all classes: 0 to 1.
+    /// How probable it is, 0 to 1: all classes sum to 1. [`Calibration`] makes it of the share.
     pub probability: f64,
+    /// Equation 3's sum for the class, divided by that of all classes: 0 to 1.
+    pub share: f64,
 }
 
 /// A neighbour as the vote sees it.

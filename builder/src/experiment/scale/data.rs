@@ -169,9 +169,10 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
     let seed = settings.seed;
     let tuned_by = Hands::beside(&plan, &[], held_out::HANDS, held_out::VIEWS, seed);
     let asked = Hands::beside(&plan, &tuned_by.names(), ASKED, QUERIES, seed);
-    let (_, tuned_by) = kept("held-out.npy", &|| tuned_by.describe(&params))?;
-    let (_, asked) =
-        kept("queries.npy", &|| Ok(held_out::moved(&asked.describe(&params)?, params.dim(), seed)))?;
+    let (_, tuned_by) = kept("held-out.npy", &|| Ok(tuned_by.describe(&params)?.descriptors))?;
+    let (_, asked) = kept("queries.npy", &|| {
+        Ok(held_out::moved(&asked.describe(&params)?.descriptors, params.dim(), seed))
+    })?;
     Ok(Prepared { base, queries: asked.all()?, held_out: tuned_by.all()? })
 }
 

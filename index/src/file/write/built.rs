@@ -4,14 +4,18 @@ use super::columns::Columns;
 use crate::file::catalogue::Originals;
 use crate::file::input::{BuildError, IndexParams, Phase};
 use crate::file::sections::SectionKind;
-use crate::search::Rows;
 use crate::search::build::{self, HashParams, RandomParams, Step};
-use crate::vote::{Sigma, measure_sigma};
+use crate::search::{Neighbour, Rows};
+use crate::vote::{
+    Calibration, Example, MOST_VOTERS, Sigma, calibrate, measure_sigma, noise_of_the_farthest,
+    noise_of_the_vote,
+};
 use std::ops::ControlFlow;
 
 /// All that follows from the descriptors.
 pub(super) struct Built {
     pub(super) sigma: Sigma,
+    pub(super) calibration: Calibration,
     pub(super) search: build::Built,
 }
 
@@ -49,7 +53,26 @@ impl Built {
         let keeps_descriptors = params.originals != Originals::None;
         let search =
             build::build(rows, keeps_descriptors, held_out, params.hash, spread, params.seed, &search_step)?;
-        Ok(Self { sigma, search })
+        let mut calibration = params.calibration;
+        if !params.held_out_classes.is_empty() {
+            step(Phase::Calibrate, 0.0)?;
+            let asked = |noise, k| search.ask(rows, held_out, k, noise, sigma.mean_distance, params.seed);
+            let hands = params.hand_shapes.len();
+            let class = |row: u32| params.held_out_classes.get(row as usize).copied();
+            let vote =
+                |near: &Neighbour| Some((*columns.labels.get(near.id as usize)?, f64::from(near.distance)));
+            let example = |(row, neighbours): (u32, Vec<Neighbour>)| {
+                let voters = neighbours.iter().filter_map(vote).collect();
+                Some(Example { group: row, class: class(row)?, voters })
+            };
+            let noise = noise_of_the_vote(hands);
+            let examples: Vec<Example> = asked(noise, MOST_VOTERS).into_iter().filter_map(example).collect();
+            let far = asked(noise_of_the_farthest(hands), 1).into_iter();
+            let far = far.filter_map(|(_, neighbours)| Some(f64::from(neighbours.first()?.distance)));
+            calibration =
+                calibrate(&examples, far, params.classes.len(), sigma.mean_distance, noise, calibration);
+        }
+        Ok(Self { sigma, calibration, search })
     }
 
     /// The bytes of one of the hash's sections; none for other sections.

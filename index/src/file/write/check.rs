@@ -26,13 +26,12 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     if params.thumbnail_side > 1024 {
         return Err(BuildError::Params("thumbnails of more than 1024 pixels a side are none"));
     }
-    if !(params.calibration.sigma_scale > 0.0 && params.calibration.sigma_scale.is_finite()) {
-        return Err(BuildError::Params("the factor on sigma must be a positive number"));
+    if !params.calibration.is_possible() {
+        return Err(BuildError::Params(
+            "a calibration needs at least one neighbour, positive factors, and a floor and thresholds of 0 or more",
+        ));
     }
-    if params.calibration.k == 0 {
-        return Err(BuildError::Params("at least one neighbour must vote"));
-    }
-    check_held_out(&params.held_out, params.descriptor.dim())?;
+    check_held_out(&params.held_out, &params.held_out_classes, params)?;
     if params.originals != Originals::F32 && params.hash != HashParams::Learned {
         return Err(BuildError::Params("a random hash needs the original descriptors as they are (f32)"));
     }
@@ -44,9 +43,23 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Checks that held-out descriptors are rows of `dim` finite values.
-pub(super) fn check_held_out(held_out: &[f32], dim: usize) -> Result<(), BuildError> {
-    if !held_out.len().is_multiple_of(dim.max(1)) {
+/// Checks that held-out descriptors are rows of finite values, and that their classes, where they are known, are the index's.
+pub(super) fn check_held_out(
+    held_out: &[f32],
+    classes: &[u16],
+    params: &IndexParams,
+) -> Result<(), BuildError> {
+    let dim = params.descriptor.dim().max(1);
+    let rows = held_out.len() / dim;
+    if !classes.is_empty() && (!params.kept.labels || classes.len() != rows) {
+        return Err(BuildError::Params(
+            "held-out classes need a held-out descriptor each, and an index with labels",
+        ));
+    }
+    if classes.iter().any(|&class| usize::from(class) >= params.classes.len()) {
+        return Err(BuildError::Params("the held-out descriptors must be of the index's classes"));
+    }
+    if !held_out.len().is_multiple_of(dim) {
         return Err(BuildError::Params("the held-out descriptors must be as long as the index's own"));
     }
     if !held_out.iter().all(|value| value.is_finite()) {

@@ -106,13 +106,14 @@ impl IndexWriter {
         self.params.provenance.extend(provenance);
     }
 
-    /// Gives [`IndexParams::held_out`] when all entries are in.
+    /// Gives [`IndexParams::held_out`] and [`IndexParams::held_out_classes`] when all entries are in.
     ///
     /// # Errors
-    /// [`BuildError::Params`], where they are no rows of descriptors.
-    pub fn hold_out(&mut self, held_out: Vec<f32>) -> Result<(), BuildError> {
-        check_held_out(&held_out, self.params.descriptor.dim())?;
+    /// [`BuildError::Params`], where they are no rows of descriptors and their classes.
+    pub fn hold_out(&mut self, held_out: Vec<f32>, classes: Vec<u16>) -> Result<(), BuildError> {
+        check_held_out(&held_out, &classes, &self.params)?;
         self.params.held_out = held_out;
+        self.params.held_out_classes = classes;
         Ok(())
     }
 
@@ -198,6 +199,7 @@ impl IndexWriter {
         let archive = rkyv::to_bytes::<rkyv::rancor::Error>(&catalogue).map_err(io::Error::other)?;
         self.out.open()?;
         let header = Header {
+            version: header::VERSION,
             file_length: self.out.len() + archive.len() as u64,
             catalogue_offset: self.out.len(),
             catalogue_length: archive.len() as u64,
@@ -209,6 +211,7 @@ impl IndexWriter {
             entries: self.len() as u64,
             bytes: self.out.len(),
             sigma: built.sigma,
+            calibration: built.calibration,
             hash: built.search.info(),
             measured: built.search.measured,
         })
@@ -273,7 +276,7 @@ impl IndexWriter {
             kept: params.kept,
             objects: self.columns.objects(),
             sigma: built.sigma,
-            calibration: params.calibration,
+            calibration: built.calibration,
             seed: params.seed,
             hash: built.search.info(),
             measured: built.search.measured.clone(),
