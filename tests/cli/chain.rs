@@ -3,7 +3,10 @@
 use grasp_tests::{pictures, program, run, run_with_input, small_index};
 
 fn recognise(arguments: &[&str]) -> grasp_tests::Outcome {
-    run(program("grasp-query").args(["recognise", "--json", "--index"]).arg(small_index()).args(arguments))
+    run(program("grasp-query")
+        .args(["recognise", "--json", "--accept", "always", "--index"])
+        .arg(small_index())
+        .args(arguments))
 }
 
 fn sample(name: &str) -> String {
@@ -87,7 +90,7 @@ fn pictures_come_by_pipe_as_well() {
     let by_name = &recognise(&["--segmented", &picture]).json_lines()[0];
     let piped = run_with_input(
         program("grasp-query")
-            .args(["recognise", "--json", "--segmented", "-", "--index"])
+            .args(["recognise", "--json", "--accept", "always", "--segmented", "-", "--index"])
             .arg(small_index()),
         &std::fs::read(&picture).unwrap(),
     );
@@ -104,7 +107,7 @@ fn a_stream_of_frames_gets_a_record_each() {
         .unwrap();
     let piped = run_with_input(
         program("grasp-query")
-            .args(["recognise", "--json", "--segmented", "-", "--index"])
+            .args(["recognise", "--json", "--accept", "always", "--segmented", "-", "--index"])
             .arg(small_index()),
         &one.repeat(3),
     );

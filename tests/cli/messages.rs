@@ -20,6 +20,7 @@ fn help_texts() {
     insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
     insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
+    insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));
     insta::assert_snapshot!("query_quiz", help("grasp-query", &["quiz"]));
 }
 
@@ -33,6 +34,7 @@ fn inspect_says_what_is_in_an_index() {
         (r"[0-9a-f]{16}", "[hash]"),
         (r"(  effort .*\n)+", "  effort       [...]\n"),
         (r"\b[01]\.\d{3,4}\b", "[share]"),
+        (r"(  vote .*\n)+", "  vote         [...]\n"),
         (r"printed: \d+\.\d", "printed: [sigma]"),
         (r"T = \d+ tables of K = \d+ hyperplanes, H = \d+", "T = [t] tables of K = [k] hyperplanes, H = [h]"),
         (r"\d+\.\d+ % of the database", "[share] % of the database"),

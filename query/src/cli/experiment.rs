@@ -11,10 +11,11 @@ use serde::Serialize;
 use super::Global;
 use super::index_file::{self, IndexFile};
 use super::options::RecogniseArguments;
-use super::selection::Selection;
+use super::selection::{Selected, Selection};
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::shapes::{Scored, Shapes};
-use crate::recognise::Recogniser;
+use crate::experiment::unknown::Unknown;
+use crate::recognise::{Accept, RecogniseOptions, Recogniser};
 
 /// Repeat an experiment over labelled pictures, as tables and drawings.
 #[derive(Debug, clap::Args)]
@@ -27,6 +28,7 @@ pub(super) struct Experiment {
 enum Name {
     Paper(PaperArguments),
     Shapes(ShapesArguments),
+    Unknown(UnknownArguments),
 }
 
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
@@ -91,11 +93,45 @@ struct ShapesArguments {
     recognise: RecogniseArguments,
 }
 
+/// How well known hands are told from others, by the distance of the nearest entry and by the probability.
+///
+/// Known are the pictures labelled with a class of the index, others those labelled `other` and those of --others. With --out,
+/// DIR gets unknown.csv, unknown.json and unknown.svg: the share of known hands kept over that of others, at every limit.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query experiment unknown labels.csv
+  grasp-query experiment unknown labels.csv --hand right --others open-hands.csv --out results
+
+LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts, and its labels do not.
+Exit status: 0, or 2 where a table or a picture of it could not be used.")]
+struct UnknownArguments {
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    index: IndexFile,
+    /// A table of pictures that show none of the grasps, whatever they are labelled.
+    #[arg(long, value_name = "OTHERS.csv")]
+    others: Option<PathBuf>,
+    /// Write table and drawing into this folder; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    #[arg(long)]
+    labelled_masks: bool,
+    /// Print the figures as one JSON record.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+}
+
 impl Experiment {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         match &self.name {
             Name::Paper(paper) => paper.run(global),
             Name::Shapes(shapes) => shapes.run(global),
+            Name::Unknown(unknown) => unknown.run(global),
         }
     }
 }
@@ -159,6 +195,32 @@ impl ShapesArguments {
         }
         print(self.json, &shapes, || shapes.text())?;
         Ok(if shapes.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+    }
+}
+
+impl UnknownArguments {
+    fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let index = self.index.open_for_pictures()?;
+        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        let selected = self.selection.read(&classes)?;
+        let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
+        // What is told here must not have been told before.
+        let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
+        let recogniser = Recogniser::new(&index, options);
+        let mut outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let mut broken = selected.broken.clone();
+        if let Some(others) = others {
+            outcomes.extend(others.score(&recogniser, self.labelled_masks, global));
+            broken.extend(others.broken);
+        }
+        let calibration = index.catalogue().calibration;
+        let limits = calibration.farthest.map(|farthest| (farthest, calibration.least_probability));
+        let unknown = Unknown::new(self.selection.path().display().to_string(), &outcomes, &broken, limits);
+        if let Some(folder) = &self.out {
+            unknown.write(folder)?;
+        }
+        print(self.json, &unknown, || unknown.text())?;
+        Ok(if unknown.errors.is_empty() { super::SUCCESS } else { super::ERROR })
     }
 }
 

@@ -3,7 +3,7 @@
 use grasp_index::VoteOptions;
 
 use super::effort::EffortArguments;
-use crate::recognise::{DEFAULT_ROLLS, HandChoice, RecogniseOptions};
+use crate::recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
@@ -29,8 +29,23 @@ pub(super) struct RecogniseArguments {
     /// Average Euler angles, as Equation 4 is printed, instead of rotations.
     #[arg(long)]
     euler_mean: bool,
+    /// Whether a hand may be unknown: by the limits that the index was calibrated with, or not at all.
+    #[arg(long, value_enum, default_value_t = AcceptChoice::Calibrated)]
+    accept: AcceptChoice,
+    /// A hand is unknown where its nearest entry lies farther than D, whatever the index was calibrated with.
+    #[arg(long, value_name = "D", conflicts_with = "accept", value_parser = parse_positive)]
+    unknown_at: Option<f64>,
     #[command(flatten)]
     effort: EffortArguments,
+}
+
+/// `--accept`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum AcceptChoice {
+    /// Every hand has a class.
+    Always,
+    /// A hand that the index has nothing like, or of which no class stands out, is unknown.
+    Calibrated,
 }
 
 impl RecogniseArguments {
@@ -45,6 +60,11 @@ impl RecogniseArguments {
                 sigma_scale: self.sigma_scale,
                 literal_sigma: self.literal_sigma,
                 euler_mean: self.euler_mean,
+            },
+            accept: match (self.unknown_at, self.accept) {
+                (Some(farthest), _) => Accept::Within(farthest),
+                (None, AcceptChoice::Always) => Accept::Always,
+                (None, AcceptChoice::Calibrated) => Accept::Calibrated,
             },
             ..RecogniseOptions::default()
         }

@@ -258,7 +258,7 @@ impl<W: Write> Output<W> {
                 serde_json::to_writer(&mut self.out, record).map_err(io::Error::from)?;
                 self.out.write_all(b"\n")?;
             }
-            (Form::Moveit, Record::Answer(answer)) if answer.error.is_none() => {
+            (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
                 self.out.write_all(robot::yaml(answer).unwrap_or_default().as_bytes())?;
             }
             (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,

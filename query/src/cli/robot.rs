@@ -57,8 +57,11 @@ impl RobotArguments {
 }
 
 impl Setting {
-    /// Puts the strategy into an answer, or why there is none.
+    /// Puts the strategy into an answer, or why there is none. What is unknown is not imitated.
     pub(super) fn complete(&self, answer: &mut Answer, found: &Recognition) {
+        if answer.reason.is_some() {
+            return;
+        }
         let seen = Seen {
             grasp: answer.grasp.clone(),
             side: found.best.side,

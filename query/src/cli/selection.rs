@@ -74,6 +74,21 @@ impl Selection {
 }
 
 impl Selected {
+    /// All rows of a table of pictures that show none of the classes.
+    pub(super) fn others(path: &Path) -> anyhow::Result<Self> {
+        let (rows, broken): (Vec<_>, Vec<_>) = labels::read(path)?.into_iter().partition(Result::is_ok);
+        let labels: Vec<Label> = rows
+            .into_iter()
+            .filter_map(Result::ok)
+            .map(|label| Label { grasp: OTHER.to_owned(), ..label })
+            .collect();
+        let Some(first) = labels.first() else {
+            bail!("no row of {} can be used", path.display());
+        };
+        let folder = folder_of(path, &first.file);
+        Ok(Self { labels, broken: broken.into_iter().filter_map(Result::err).collect(), folder })
+    }
+
     /// Recognises every picture, in parallel; the outcomes are in the table's order.
     pub(super) fn score(
         &self,

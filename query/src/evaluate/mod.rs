@@ -1,8 +1,10 @@
 //! Scores labelled pictures: the paper's Section VII with one command.
 
+pub mod calibration;
 pub mod confusion;
 pub mod labels;
 pub mod report;
+pub mod spread;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -40,14 +42,18 @@ pub struct Iou {
 /// An answer, as far as it is scored.
 #[derive(Clone, Debug)]
 pub struct Guess {
-    /// The class.
+    /// The class, or [`confusion::UNKNOWN`].
     pub grasp: String,
-    /// Its probability.
+    /// The probability of the most probable class.
     pub probability: f64,
+    /// The probability of every class, by name, most probable first.
+    pub classes: Vec<(String, f64)>,
     /// The hand.
     pub hand: Side,
     /// `camera_from_hand`.
     pub orientation: UnitQuaternion<f64>,
+    /// How far the neighbours disagree about it, in degrees.
+    pub spread_deg: f64,
     /// The distance of the nearest entry.
     pub nearest: f64,
 }
@@ -150,10 +156,15 @@ fn guess(recogniser: &Recogniser<'_>, found: &Recognition) -> Guess {
     let first = best.vote.classes.first();
     let name = |class: u16| recogniser.index().catalogue().classes.get(usize::from(class));
     Guess {
-        grasp: first.and_then(|c| name(c.class)).map(|c| c.name.clone()).unwrap_or_default(),
+        grasp: match first.and_then(|class| name(class.class)) {
+            Some(class) if found.doubt.is_none() => class.name.clone(),
+            _ => confusion::UNKNOWN.to_owned(),
+        },
         probability: first.map_or(0.0, |class| class.probability),
+        classes: best.vote.classes.iter().map(|class| (class.name.clone(), class.probability)).collect(),
         hand: best.side,
         orientation: best.vote.orientation.rotation,
+        spread_deg: best.vote.orientation.spread_deg,
         nearest: best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance)),
     }
 }

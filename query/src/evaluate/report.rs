@@ -6,8 +6,10 @@ use std::fmt::Write as _;
 use grasp_index::euler_deg;
 use serde::Serialize;
 
-use super::confusion::{Confusion, Share};
+use super::calibration::CalibrationReport;
+use super::confusion::{Confusion, Share, UNKNOWN};
 use super::labels::{Kind, OTHER, RowError};
+use super::spread::SpreadReport;
 use super::{Guess, Outcome};
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
@@ -28,17 +30,21 @@ pub struct Report {
     pub per_group: BTreeMap<String, Share>,
     /// The same by the labelled hand.
     pub per_hand: BTreeMap<String, Share>,
+    /// Whether probabilities come true.
+    pub calibration: CalibrationReport,
     /// Which class was taken for which.
     pub confusion: Confusion,
     /// The angle between labelled and answered rotation, in degrees.
     pub orientation_error_deg: Errors,
     /// The same over rightly classed pictures alone.
     pub orientation_error_deg_right_class: Errors,
+    /// Whether the neighbours' disagreement foretells it.
+    pub spread: SpreadReport,
     /// The paper's Figure 8: the mean absolute difference of each Euler angle (x, y, z), in degrees.
     pub euler_error_deg: Option<[f64; 3]>,
     /// The share of pictures whose labelled hand was recognised, where it was left to the program.
     pub hand_right: Option<f64>,
-    /// Pictures in which no hand was found.
+    /// Pictures in which no hand was found, or whose class is unknown.
     pub unknown: usize,
     /// Pictures labelled `other`: in none of the classes. They count nowhere else.
     pub other: Other,
@@ -66,6 +72,8 @@ pub struct Errors {
 pub struct Other {
     /// How many there are.
     pub n: usize,
+    /// How many of them were not taken for one.
+    pub unknown: usize,
     /// The mean probability of what they were taken for.
     pub mean_probability: Option<f64>,
 }
@@ -141,14 +149,17 @@ impl Report {
             }),
             per_group,
             per_hand: shares(&scored, |o| o.label.hand.map(|hand| hand.to_string()).unwrap_or_default()),
+            calibration: CalibrationReport::new(&scored),
             confusion,
             orientation_error_deg: angles(scored.iter().copied()),
             orientation_error_deg_right_class: angles(scored.iter().copied().filter(|o| o.is_right())),
+            spread: SpreadReport::new(&scored),
             euler_error_deg: euler_errors(&scored),
             hand_right: if hand_is_free { hand_right(&scored) } else { None },
-            unknown: usable.iter().filter(|outcome| outcome.result.is_err()).count(),
+            unknown: usable.iter().filter(|outcome| outcome.is_unknown()).count(),
             other: Other {
                 n: other.len(),
+                unknown: other.iter().filter(|outcome| outcome.is_unknown()).count(),
                 mean_probability: mean(other.iter().filter_map(|o| o.guess()).map(|g| g.probability)),
             },
             segmentation: segmentation(&usable),
@@ -159,8 +170,13 @@ impl Report {
 }
 
 impl Outcome {
-    fn guess(&self) -> Option<&Guess> {
+    pub(super) fn guess(&self) -> Option<&Guess> {
         self.result.as_ref().ok()
+    }
+
+    /// Whether no class was answered.
+    pub fn is_unknown(&self) -> bool {
+        self.guess().is_none_or(|guess| guess.grasp == UNKNOWN)
     }
 
     /// Whether the labelled class was answered.
@@ -189,13 +205,16 @@ fn shares(outcomes: &[&Outcome], key: impl Fn(&Outcome) -> String) -> BTreeMap<S
     shares
 }
 
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, n) = values.fold((0.0, 0usize), |(sum, n), value| (sum + value, n + 1));
     (n > 0).then(|| sum / n as f64)
 }
 
 fn angles<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Errors {
-    let mut angles: Vec<f64> = outcomes.filter_map(Outcome::orientation_error_deg).collect();
+    errors(outcomes.filter_map(Outcome::orientation_error_deg).collect())
+}
+
+pub(super) fn errors(mut angles: Vec<f64>) -> Errors {
     angles.sort_by(f64::total_cmp);
     let middle = angles.len() / 2;
     let median = match angles.len() {
@@ -266,8 +285,10 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
     report.confusion.write_text(text)?;
     writeln!(text)?;
+    report.calibration.write_text(text)?;
     orientation_text(text, "orientation error", &report.orientation_error_deg)?;
     orientation_text(text, "  of the right class", &report.orientation_error_deg_right_class)?;
+    report.spread.write_text(text)?;
     if let Some([x, y, z]) = report.euler_error_deg {
         writeln!(text, "  by Euler angle: mean {x:.1}°, {y:.1}°, {z:.1}° about x, y, z")?;
     }
@@ -285,8 +306,8 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
         let probability = report.other.mean_probability.unwrap_or(0.0);
         writeln!(
             text,
-            "{} pictures show none of the classes: mean probability {probability:.2}",
-            report.other.n
+            "{} pictures show none of the classes: {} unknown, mean probability {probability:.2}",
+            report.other.n, report.other.unknown
         )?;
     }
     writeln!(text, "{:.2} ms a picture", report.ms_per_picture)?;

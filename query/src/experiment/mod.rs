@@ -1,9 +1,10 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper,
-//! [`shapes`] asks what more hand shapes in the index are worth.
+//! [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other hands are told from known ones.
 
 pub mod paper;
 pub mod shapes;
 mod svg;
+pub mod unknown;
 
 use std::fmt;
 use std::io::Write as _;

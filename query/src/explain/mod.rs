@@ -58,7 +58,7 @@ fn headline(canvas: &mut Canvas, answer: &Answer) {
     let first = format!(
         "{} (Cutkosky {}), {:.2}   {} hand, camera sees {}, fingers point {} (+- {:.0} deg)",
         answer.grasp,
-        answer.cutkosky,
+        answer.cutkosky.map_or_else(|| "-".to_owned(), |cutkosky| cutkosky.to_string()),
         answer.probability,
         answer.hand,
         answer.orientation.camera_sees,

@@ -23,21 +23,27 @@ fn name(file: &str, frame: Option<u64>) -> String {
 }
 
 fn answer_text(answer: &Answer) -> String {
+    let class = match (&answer.reason, answer.cutkosky) {
+        (None, Some(cutkosky)) => {
+            format!("{} (Cutkosky {cutkosky}), {:.2}", answer.grasp, answer.probability)
+        }
+        _ => answer.grasp.clone(),
+    };
     let mut text = format!(
-        "{}: {} (Cutkosky {}), {:.2} · {} hand · camera sees {}, fingers point {} (± {:.0}°)\n",
+        "{}: {class} · {} hand · camera sees {}, fingers point {} (± {:.0}°)\n",
         name(&answer.file, answer.frame),
-        answer.grasp,
-        answer.cutkosky,
-        answer.probability,
         answer.hand,
         answer.orientation.camera_sees,
         answer.orientation.fingers_point,
         answer.orientation.spread_deg,
     );
+    if let Some(reason) = &answer.reason {
+        let _ = writeln!(text, "    {reason}");
+    }
     let others: Vec<String> = answer
         .classes
         .iter()
-        .skip(1)
+        .skip(usize::from(answer.reason.is_none()))
         .filter(|class| class.probability >= WORTH_NAMING)
         .map(|class| format!("{} {:.2}", class.grasp, class.probability))
         .collect();

@@ -5,6 +5,7 @@ use nalgebra::UnitQuaternion;
 use serde::Serialize;
 
 use super::view;
+use crate::evaluate::confusion::UNKNOWN;
 use crate::recognise::{RecogniseError, Recognition, Side, Timings};
 use crate::robot::Strategy;
 
@@ -26,11 +27,13 @@ pub struct Answer {
     /// The frame's number in a stream, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u64>,
-    /// The most probable class.
+    /// The most probable class, or `unknown`.
     pub grasp: String,
-    /// Its number in Cutkosky's taxonomy.
-    pub cutkosky: u8,
-    /// Its probability, 0..=1.
+    /// Its number in Cutkosky's taxonomy; null where it is unknown.
+    pub cutkosky: Option<u8>,
+    /// Why it is unknown; null where it is not.
+    pub reason: Option<String>,
+    /// The probability of the most probable class, 0..=1.
     pub probability: f64,
     /// All classes of the index, most probable first.
     pub classes: Vec<ClassRecord>,
@@ -170,8 +173,11 @@ impl Record {
                 probability: class.probability,
             })
             .collect();
-        let (grasp, cutkosky, probability) =
-            classes.first().map_or_else(Default::default, |c| (c.grasp.clone(), c.cutkosky, c.probability));
+        let probability = classes.first().map_or(0.0, |class| class.probability);
+        let (grasp, cutkosky) = match classes.first() {
+            Some(first) if found.doubt.is_none() => (first.grasp.clone(), Some(first.cutkosky)),
+            _ => (UNKNOWN.to_owned(), None),
+        };
         let orientation = &best.vote.orientation;
         let neighbours = best.neighbours.iter().map(|neighbour| {
             let entry = index.entry(neighbour.id)?;
@@ -193,6 +199,7 @@ impl Record {
             frame,
             grasp,
             cutkosky,
+            reason: found.doubt.map(|doubt| doubt.to_string()),
             probability,
             classes,
             hand: best.side,
@@ -239,11 +246,11 @@ impl Record {
         Self::Failure(Failure { file, frame, error: ErrorRecord { kind, message, is_rejection: false } })
     }
 
-    /// The exit status that the input asks for: 0 recognised, 1 rejected, 2 an error.
+    /// The exit status that the input asks for: 0 recognised, 1 rejected or unknown, 2 an error.
     pub fn status(&self) -> u8 {
         match self {
             Self::Answer(answer) if answer.error.is_some() => 2,
-            Self::Answer(_) => 0,
+            Self::Answer(answer) => u8::from(answer.reason.is_some()),
             Self::Failure(failure) if failure.error.is_rejection => 1,
             Self::Failure(_) => 2,
         }

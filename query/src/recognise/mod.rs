@@ -1,5 +1,6 @@
 //! From a picture to an answer: mask, hand image, descriptor, search, vote.
 
+mod accept;
 mod hypothesis;
 mod side;
 mod source;
@@ -8,9 +9,10 @@ mod timings;
 use std::time::Instant;
 
 use grasp_index::{
-    DESCRIBED_SIDE, Effort, HandImage, HandImageError, Index, SearchError, SearchOptions, VoteOptions,
+    DESCRIBED_SIDE, Doubt, Effort, HandImage, HandImageError, Index, SearchError, SearchOptions, VoteOptions,
 };
 
+pub use accept::Accept;
 pub use hypothesis::Hypothesis;
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared, SourceError};
@@ -37,6 +39,8 @@ pub struct RecogniseOptions {
     pub effort: Effort,
     /// How neighbours are weighed.
     pub vote: VoteOptions,
+    /// When an answer is one.
+    pub accept: Accept,
     /// The numbers of the segmentation.
     pub segment: SegmentParams,
 }
@@ -49,6 +53,7 @@ impl Default for RecogniseOptions {
             k: None,
             effort: SearchOptions::default().effort,
             vote: VoteOptions::default(),
+            accept: Accept::default(),
             segment: SegmentParams::default(),
         }
     }
@@ -112,6 +117,8 @@ pub struct Recognition {
     pub hand_image: HandImage,
     /// The best hypothesis about hand and roll, with its neighbours and their vote.
     pub best: Hypothesis,
+    /// Why the class is unknown, where it is.
+    pub doubt: Option<Doubt>,
     /// How long each step took.
     pub timings: Timings,
 }
@@ -162,6 +169,7 @@ impl<'a> Recogniser<'a> {
         let hand_image = prepared.hand_image()?.shrunk_to(DESCRIBED_SIDE);
         timings.descriptor_ms += timings::milliseconds(started);
         let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
-        Ok(Recognition { prepared, hand_image, best, timings })
+        let doubt = self.options.accept.doubt(self.index, &best, &self.options.vote);
+        Ok(Recognition { prepared, hand_image, best, doubt, timings })
     }
 }

@@ -175,7 +175,9 @@ pub(super) mod tests {
             columns: [].into(),
         };
         let guess = |(grasp, degrees): (&str, f64)| Guess {
+            classes: vec![(grasp.to_owned(), 1.0)],
             grasp: grasp.into(),
+            spread_deg: 10.0,
             probability: 0.5,
             hand: Side::Right,
             orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), degrees.to_radians()),
