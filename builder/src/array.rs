@@ -1,7 +1,8 @@
 //! Arrays of descriptors on the disk, read and written a piece at a time.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write as _};
+use std::io::{self, BufReader, BufWriter, Write as _};
+use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
@@ -17,6 +18,7 @@ pub(crate) struct Rows {
     header: NpyHeader,
     reader: BufReader<File>,
     done: u64,
+    end: u64,
 }
 
 impl Rows {
@@ -43,7 +45,7 @@ impl Rows {
                 header.columns
             );
         }
-        Ok(Self { header, reader, done: 0 })
+        Ok(Self { end: header.rows, header, reader, done: 0 })
     }
 
     /// How many rows there are.
@@ -56,9 +58,19 @@ impl Rows {
         self.header.columns
     }
 
+    /// Leaves only some of the rows, before any was read.
+    pub(crate) fn narrow(&mut self, rows: Range<u64>) -> io::Result<()> {
+        let (start, end) = (rows.start.min(self.header.rows), rows.end.min(self.header.rows));
+        // The file is long enough for all of them, and so for these: nothing overflows.
+        self.reader.seek_relative((start * self.header.columns * 4) as i64)?;
+        self.done = start;
+        self.end = end.max(start);
+        Ok(())
+    }
+
     /// The next rows; `None` after the last.
     pub(crate) fn next(&mut self) -> Result<Option<Vec<f32>>, NpyError> {
-        let rows = (PIECE / self.header.columns).max(1).min(self.header.rows - self.done);
+        let rows = (PIECE / self.header.columns).max(1).min(self.end - self.done);
         if rows == 0 {
             return Ok(None);
         }

@@ -4,6 +4,7 @@
 //!
 //! - [`build`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
 //!   from an existing index whatever has not changed;
+//! - [`shard`] makes one part of an index on one of many machines, and [`merge`] the index of all parts;
 //! - [`experiment`] varies something and measures what the search does;
 //! - [`cli`] is the command line, one file a subcommand;
 //! - [`progress`] shows how far long work has come, and [`interrupt`] lets it be stopped.
@@ -17,4 +18,6 @@ pub mod experiment;
 pub mod export;
 pub mod held_out;
 pub mod interrupt;
+pub mod merge;
 pub mod progress;
+pub mod shard;

@@ -12,6 +12,7 @@ fn help(name: &str, arguments: &[&str]) -> String {
 fn help_texts() {
     insta::assert_snapshot!("builder", help("grasp-builder", &[]));
     insta::assert_snapshot!("builder_build", help("grasp-builder", &["build"]));
+    insta::assert_snapshot!("builder_merge", help("grasp-builder", &["merge"]));
     insta::assert_snapshot!("builder_experiment_scale", help("grasp-builder", &["experiment", "scale"]));
     insta::assert_snapshot!("query", help("grasp-query", &[]));
     insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));

@@ -14,37 +14,39 @@ pub(super) struct Inputs {
     provenance: Vec<(String, String)>,
 }
 
-impl Inputs {
-    pub(super) fn new(source: &Source, params: &IndexParams, held_out: Option<String>) -> Self {
-        let mut provenance =
-            vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
-        match source {
-            Source::Plan(plan) => {
-                let hands = plan.hand_shapes.len() + plan.hand_models.len();
-                let (grasps, views) = (plan.grasps.len(), plan.views.count());
-                let scenes = plan.renders() / views.max(1);
-                let text = format!(
-                    "rendered: {scenes} scenes (hand shapes: {hands}, grasps: {grasps}) of {views} views, seed {}",
-                    plan.seed
-                );
-                provenance.push(("source".to_owned(), text));
-            }
-            Source::Sets(sets) => provenance.extend(sets.iter().map(|set| {
-                let text = format!(
-                    "{}, {} pictures, manifest xxh3 {:016x}",
-                    set.name(),
-                    set.len(),
-                    set.manifest_hash()
-                );
-                ("render set".to_owned(), text)
-            })),
-            Source::Vectors(vectors) => provenance.push(("vectors".to_owned(), vectors.provenance())),
+/// Where an index of `source` comes from, measured by what `held_out` tells of.
+pub(super) fn origin(source: &Source, held_out: Option<String>) -> Vec<(String, String)> {
+    let mut provenance =
+        vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
+    match source {
+        Source::Plan(plan) => {
+            let hands = plan.hand_shapes.len() + plan.hand_models.len();
+            let (grasps, views) = (plan.grasps.len(), plan.views.count());
+            let scenes = plan.renders() / views.max(1);
+            let text = format!(
+                "rendered: {scenes} scenes (hand shapes: {hands}, grasps: {grasps}) of {views} views, seed {}",
+                plan.seed
+            );
+            provenance.push(("source".to_owned(), text));
         }
-        provenance.extend(held_out.map(|held_out| ("held out".to_owned(), held_out)));
+        Source::Sets(sets) => provenance.extend(sets.iter().map(|set| {
+            let text =
+                format!("{}, {} pictures, manifest xxh3 {:016x}", set.name(), set.len(), set.manifest_hash());
+            ("render set".to_owned(), text)
+        })),
+        Source::Vectors(vectors) => provenance.push(("vectors".to_owned(), vectors.provenance())),
+    }
+    provenance.extend(held_out.map(|held_out| ("held out".to_owned(), held_out)));
+    provenance
+}
+
+impl Inputs {
+    /// Of no entries yet. `origin` is what is known beforehand of where the index comes from.
+    pub(super) fn new(params: &IndexParams, origin: Vec<(String, String)>) -> Self {
         let mut hash = Xxh3::new();
         // Debug prints every field, and floats so that they read back exactly.
-        hash.update(format!("{} {params:?} {provenance:?}", grasp_index::FORMAT_VERSION).as_bytes());
-        Self { hash, provenance }
+        hash.update(format!("{} {params:?} {origin:?}", grasp_index::FORMAT_VERSION).as_bytes());
+        Self { hash, provenance: origin }
     }
 
     /// Adds an entry. Its descriptor and thumbnail follow from the source hash and the parameters.

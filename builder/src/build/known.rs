@@ -5,19 +5,19 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{Index, OpenError, Originals};
+use grasp_index::{DescriptorParams, Index, OpenError, Originals};
 
-use super::Recipe;
 use super::inputs::Inputs;
 
 /// Descriptors of an existing index, by the hash of what they were made from. Empty where there is none to use.
-pub(super) struct Known {
+pub(crate) struct Known {
     index: Option<Index>,
     ids: HashMap<u64, u32>,
 }
 
 impl Known {
-    fn nothing() -> Self {
+    /// Nothing is known.
+    pub(crate) fn nothing() -> Self {
         Self { index: None, ids: HashMap::new() }
     }
 
@@ -25,7 +25,11 @@ impl Known {
     ///
     /// A damaged index is no source of descriptors, and will be replaced; a file that is no index at all is somebody's
     /// work, and is left alone with an error.
-    pub(super) fn at(path: &Path, recipe: &Recipe) -> anyhow::Result<Self> {
+    pub(crate) fn at(
+        path: &Path,
+        descriptor: &DescriptorParams,
+        thumbnail_side: u32,
+    ) -> anyhow::Result<Self> {
         let index = match Index::open(path) {
             Ok(index) => index,
             Err(OpenError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -47,8 +51,8 @@ impl Known {
                 return Ok(Self::useless(path, &error.to_string()));
             }
         };
-        let fits = index.params_hash() == recipe.descriptor.fingerprint()
-            && index.catalogue().thumbnail_side == recipe.thumbnail_side;
+        let fits = index.params_hash() == descriptor.fingerprint()
+            && index.catalogue().thumbnail_side == thumbnail_side;
         if !fits {
             return Ok(Self::nothing());
         }

@@ -112,6 +112,14 @@ pub(super) struct Entries<'l> {
 }
 
 impl Entries<'_> {
+    /// Passes over the next `lines` lines.
+    pub(super) fn skip(&mut self, lines: usize) -> anyhow::Result<()> {
+        for _ in 0..lines {
+            read(&mut self.reader, &mut self.record, &self.labels.path)?;
+        }
+        Ok(())
+    }
+
     pub(super) fn next(&mut self) -> anyhow::Result<NewEntry> {
         let Labels { path, columns, names, .. } = self.labels;
         if !read(&mut self.reader, &mut self.record, path)? {

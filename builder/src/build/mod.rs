@@ -5,31 +5,33 @@
 //! holds of the very same pictures (`known`) is taken over instead of being rendered and described again; the bytes
 //! are those of a build from nothing.
 
+mod gather;
 mod inputs;
 mod known;
 mod labels;
+mod names;
 mod planned;
 mod sets;
 mod vectors;
 
-use std::collections::HashMap;
-use std::ops::ControlFlow;
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use grasp_index::{
-    AtomicFile, BACKGROUND, BuildError, ClassInfo, DESCRIBED_SIDE, DescriptorParams, HandImage,
-    HandImageError, HashParams, IndexParams, IndexWriter, Kept, NewEntry, Originals, Phase, Summary,
+    AtomicFile, BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, HashParams,
+    IndexParams, NewEntry, Originals, Summary,
 };
 use grasp_renders::RenderPlan;
 
 use crate::held_out::HeldOut;
-use crate::interrupt::{self, Interrupted};
+use crate::interrupt;
 use crate::progress::Progress;
-use inputs::Inputs;
-use known::Known;
 
+pub(crate) use gather::Gathered;
+pub(crate) use known::Known;
+pub(crate) use names::Names;
 pub use sets::{RenderSet, SetError};
 pub use vectors::Vectors;
 
@@ -79,77 +81,36 @@ pub struct Report {
     pub elapsed: Duration,
 }
 
-/// A picture that has become an entry, or shows no hand.
-type Described = Option<(NewEntry, bool)>;
+/// A picture that has become an entry (and whether an existing index knew it), or shows no hand.
+pub(crate) type Described = Option<(NewEntry, bool)>;
+
+/// What takes described pictures, in the order of the source.
+pub(crate) type Take<'t> = &'t mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>;
 
 /// Builds the index of `source` at `out`.
 ///
 /// # Errors
 /// When a picture cannot be read, `out` is a file that is no index, or the index cannot be written. The file at `out`
-/// is then as it was before. [`Interrupted`] when the user asked to stop.
+/// is then as it was before. [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
 pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -> anyhow::Result<Report> {
     let started = Instant::now();
     // Locked before hours of work, not after them.
     let file = AtomicFile::create(out)?;
-    let known = Known::at(out, recipe)?;
-    let names = match source {
-        Source::Plan(plan) => planned::names(plan)?,
-        Source::Sets(sets) => sets::names(sets)?,
-        Source::Vectors(vectors) => vectors::names(vectors),
-    };
-    let mut collected = Collector::new(file, source, &names, recipe)?;
-    let (doing, unit) = match source {
-        Source::Plan(_) | Source::Sets(_) => ("describing", "views"),
-        Source::Vectors(_) => ("reading", "rows"),
-    };
+    let known = Known::at(out, &recipe.descriptor, recipe.thumbnail_side)?;
+    let names = source.names()?;
+    let origin = source.origin(recipe)?;
+    let mut gathered = Gathered::new(file, recipe.params(&names), origin)?;
+    let (doing, unit) = source.work();
     let bar = progress.bar(source.len() as u64, doing, unit);
     let mut take = |batch: Vec<Described>| -> anyhow::Result<()> {
         bar.inc(batch.len() as u64);
         interrupt::check()?;
-        collected.take(batch)
+        gathered.take(batch)
     };
-    match source {
-        Source::Plan(plan) => planned::describe(plan, &names, recipe, &known, &mut take)?,
-        Source::Sets(sets) => sets::describe(sets, &names, recipe, &known, &mut take)?,
-        Source::Vectors(vectors) => vectors::describe(vectors, &mut take)?,
-    }
+    source.describe(&names, recipe, &known, 0..source.pieces(), &mut take)?;
     bar.finish_and_clear();
-
-    let Collector { mut writer, inputs, mut report } = collected;
-    if report.entries == 0 {
-        bail!("none of the {} pictures shows a hand: nothing to index", report.without_hand);
-    }
-    if known.is_made_from(&inputs) {
-        report.elapsed = started.elapsed();
-        return Ok(report);
-    }
-    writer.add_provenance(inputs.provenance());
-    let spinner = progress.spinner("rendering held-out hands");
-    let asked = recipe.held_out.describe(&recipe.descriptor)?;
-    // Where a set shows other grasps than its grasps' own file tells of, what is held out says nothing about its vote.
-    let classes: anyhow::Result<Vec<u16>> = asked.grasps.iter().map(|grasp| names.class(grasp)).collect();
-    writer.hold_out(asked.descriptors, classes.unwrap_or_default())?;
-    spinner.finish_and_clear();
-    let spinner = progress.spinner("hashing");
-    let summary = writer.finish(&|phase, _| {
-        spinner.set_message(match phase {
-            Phase::Sigma => "measuring sigma",
-            Phase::Tune => "choosing the hash",
-            Phase::Tables => "filling the hash tables",
-            Phase::Measure => "measuring the search",
-            Phase::Calibrate => "calibrating the vote",
-            _ => "writing",
-        });
-        if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    });
-    spinner.finish_and_clear();
-    let summary = match summary {
-        Err(BuildError::Stopped) => return Err(Interrupted.into()),
-        other => other.with_context(|| format!("{} was not written", out.display()))?,
-    };
-    report.written = Some(summary);
-    report.elapsed = started.elapsed();
-    Ok(report)
+    let report = gathered.finish(&known, || recipe.asked(&names), progress)?;
+    Ok(Report { elapsed: started.elapsed(), ..report })
 }
 
 impl Source {
@@ -168,105 +129,88 @@ impl Source {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+
+    /// In how many pieces the work can be split: scenes that are to be rendered, pictures or rows. Scenes come hand shape by hand
+    /// shape.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        match self {
+            Self::Plan(plan) => plan.renders() / plan.views.count().max(1),
+            Self::Sets(_) | Self::Vectors(_) => self.len(),
+        }
+    }
+
+    /// What is done with the pictures, and what they are called, for a progress bar.
+    pub(crate) fn work(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::Plan(_) | Self::Sets(_) => ("describing", "views"),
+            Self::Vectors(_) => ("reading", "rows"),
+        }
+    }
+
+    pub(crate) fn names(&self) -> anyhow::Result<Names> {
+        match self {
+            Self::Plan(plan) => planned::names(plan),
+            Self::Sets(sets) => sets::names(sets),
+            Self::Vectors(vectors) => Ok(vectors::names(vectors)),
+        }
+    }
+
+    /// Where an index of this source and recipe comes from, as its provenance says.
+    pub(crate) fn origin(&self, recipe: &Recipe) -> anyhow::Result<Vec<(String, String)>> {
+        Ok(inputs::origin(self, recipe.held_out.provenance()?))
+    }
+
+    /// A number for all that some of the [`Self::pieces`] are made from: as long as it is the same, so are their entries.
+    pub(crate) fn digest(&self, pieces: Range<usize>) -> anyhow::Result<u64> {
+        match self {
+            Self::Plan(plan) => Ok(planned::digest(plan)),
+            Self::Sets(sets) => sets::digest(sets, pieces),
+            Self::Vectors(vectors) => vectors::digest(vectors, pieces),
+        }
+    }
+
+    /// Hands the pictures of some of the [`Self::pieces`] to `take`, described, in order.
+    pub(crate) fn describe(
+        &self,
+        names: &Names,
+        recipe: &Recipe,
+        known: &Known,
+        pieces: Range<usize>,
+        take: Take<'_>,
+    ) -> anyhow::Result<()> {
+        match self {
+            Self::Plan(plan) => planned::describe(plan, names, recipe, known, pieces, take),
+            Self::Sets(sets) => sets::describe(sets, names, recipe, known, pieces, take),
+            Self::Vectors(vectors) => vectors::describe(vectors, pieces, take),
+        }
+    }
 }
 
-/// Gathers described pictures into a writer, in the order of the source.
-struct Collector {
-    writer: IndexWriter,
-    inputs: Inputs,
-    report: Report,
-}
-
-impl Collector {
-    fn new(file: AtomicFile, source: &Source, names: &Names, recipe: &Recipe) -> anyhow::Result<Self> {
-        let params = IndexParams {
-            descriptor: recipe.descriptor,
+impl Recipe {
+    /// The parameters of an index whose entries go by `names`.
+    pub(crate) fn params(&self, names: &Names) -> IndexParams {
+        IndexParams {
+            descriptor: self.descriptor,
             classes: names.classes.clone(),
             hand_shapes: names.hand_shapes.names.clone(),
             stages: names.stages.names.clone(),
-            hash: recipe.hash,
-            originals: recipe.originals,
+            hash: self.hash,
+            originals: self.originals,
             kept: names.kept,
-            seed: recipe.seed,
-            thumbnail_side: recipe.thumbnail_side,
+            seed: self.seed,
+            thumbnail_side: self.thumbnail_side,
             ..IndexParams::default()
-        };
-        let inputs = Inputs::new(source, &params, recipe.held_out.provenance()?);
-        let report =
-            Report { written: None, entries: 0, reused: 0, without_hand: 0, elapsed: Duration::default() };
-        Ok(Self { writer: IndexWriter::create_in(file, params)?, inputs, report })
-    }
-
-    fn take(&mut self, batch: Vec<Described>) -> anyhow::Result<()> {
-        for described in batch {
-            let Some((entry, reused)) = described else {
-                self.report.without_hand += 1;
-                continue;
-            };
-            self.inputs.add(&entry);
-            self.writer.push(entry)?;
-            self.report.entries += 1;
-            self.report.reused += usize::from(reused);
         }
-        Ok(())
-    }
-}
-
-/// The names that entries refer to by number.
-#[derive(Clone, Debug, Default)]
-struct Names {
-    /// What is known of the entries.
-    kept: Kept,
-    classes: Vec<ClassInfo>,
-    hand_shapes: Numbered,
-    stages: Numbered,
-}
-
-/// Names in the order of their first use; a name's number is its position.
-#[derive(Clone, Debug, Default)]
-struct Numbered {
-    names: Vec<String>,
-    numbers: HashMap<String, usize>,
-}
-
-impl Names {
-    fn class(&self, name: &str) -> anyhow::Result<u16> {
-        number(self.classes.iter().position(|class| class.name == name), name)
     }
 
-    fn hand_shape(&self, name: &str) -> anyhow::Result<u16> {
-        number(self.hand_shapes.numbers.get(name).copied(), name)
+    /// The held-out descriptors, in rows, and the number of each one's class, where these are known.
+    pub(crate) fn asked(&self, names: &Names) -> anyhow::Result<(Vec<f32>, Vec<u16>)> {
+        let asked = self.held_out.describe(&self.descriptor)?;
+        // Where a set shows other grasps than its grasps' own file tells of, what is held out says nothing about its vote.
+        let classes: anyhow::Result<Vec<u16>> = asked.grasps.iter().map(|grasp| names.class(grasp)).collect();
+        Ok((asked.descriptors, classes.unwrap_or_default()))
     }
-
-    fn stage(&self, name: &str) -> anyhow::Result<u8> {
-        number(self.stages.numbers.get(name).copied(), name)
-    }
-}
-
-impl Numbered {
-    /// More names than that cannot be numbered in the file.
-    const MOST: usize = 1 << 16;
-
-    fn add(&mut self, name: &str) -> anyhow::Result<()> {
-        if !self.numbers.contains_key(name) {
-            if self.names.len() == Self::MOST {
-                bail!(
-                    "more than {} different hand shapes: split the render sets into several indexes",
-                    Self::MOST
-                );
-            }
-            self.numbers.insert(name.to_owned(), self.names.len());
-            self.names.push(name.to_owned());
-        }
-        Ok(())
-    }
-}
-
-/// A position as the number that stands for it in the file.
-fn number<N: TryFrom<usize>>(position: Option<usize>, name: &str) -> anyhow::Result<N> {
-    position
-        .and_then(|position| N::try_from(position).ok())
-        .with_context(|| format!("more names than an index can number, or an unlisted one: {name}"))
 }
 
 /// Puts descriptor and thumbnail of a grey picture into `entry`: taken over from the existing index where it knows

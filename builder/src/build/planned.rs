@@ -1,13 +1,15 @@
 //! Entries rendered on the fly.
 
+use std::ops::Range;
+
 use anyhow::Context as _;
 use grasp_index::{ClassInfo, NewEntry};
 use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-use super::{Described, Grey, Known, Names, Recipe, complete};
+use super::{Described, Grey, Known, Names, Recipe, Take, complete};
 
 /// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
 const SCENES_AT_ONCE: usize = 16;
@@ -37,15 +39,16 @@ fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
     classes
 }
 
-/// Describes every render of the plan, scene by scene, and hands the results to `take` in order.
+/// Describes the renders of some of the plan's scenes, scene by scene, and hands the results to `take` in order.
 pub(super) fn describe(
     plan: &RenderPlan,
     names: &Names,
     recipe: &Recipe,
     known: &Known,
-    take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
+    pieces: Range<usize>,
+    take: Take<'_>,
 ) -> anyhow::Result<()> {
-    for specs in plan.scenes().chunks(SCENES_AT_ONCE) {
+    for specs in plan.scenes().get(pieces).unwrap_or(&[]).chunks(SCENES_AT_ONCE) {
         // A scene all of whose views are known need not be built.
         let scenes: Vec<Option<Scene>> = specs
             .par_iter()
@@ -83,6 +86,14 @@ pub(super) fn describe(
         }
     }
     Ok(())
+}
+
+/// A number for the plan: all its scenes, and its views of them.
+pub(super) fn digest(plan: &RenderPlan) -> u64 {
+    let mut hash = Xxh3::new();
+    plan.scenes().iter().for_each(|scene| hash.update(&scene.params_hash().to_le_bytes()));
+    hash.update(format!("{:?}", plan.views).as_bytes());
+    hash.digest()
 }
 
 /// What all entries of a scene share.

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::{Cursor, Read as _};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -10,9 +11,9 @@ use grasp_renders::GraspSet;
 use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
 use image::{ImageReader, Limits};
 use rayon::prelude::*;
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-use super::{Described, Grey, Known, Names, Recipe, complete};
+use super::{Described, Grey, Known, Names, Recipe, Take, complete};
 
 /// Pictures that are read and held at a time.
 const PICTURES_AT_ONCE: usize = 1024;
@@ -114,16 +115,17 @@ pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
     Ok(names)
 }
 
-/// Describes every picture of the sets and hands the results to `take` in order.
+/// Describes some of the sets' pictures and hands the results to `take` in order.
 pub(super) fn describe(
     sets: &[RenderSet],
     names: &Names,
     recipe: &Recipe,
     known: &Known,
-    take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
+    pieces: Range<usize>,
+    take: Take<'_>,
 ) -> anyhow::Result<()> {
     let rows: Vec<(&RenderSet, &ManifestRow)> = sets.iter().flat_map(RenderSet::rows).collect();
-    for batch in rows.chunks(PICTURES_AT_ONCE) {
+    for batch in rows.get(pieces).unwrap_or(&[]).chunks(PICTURES_AT_ONCE) {
         take(
             batch
                 .par_iter()
@@ -132,6 +134,19 @@ pub(super) fn describe(
         )?;
     }
     Ok(())
+}
+
+/// A number for some of the sets' pictures and what the manifests say of them.
+pub(super) fn digest(sets: &[RenderSet], pieces: Range<usize>) -> anyhow::Result<u64> {
+    let mut hash = Xxh3::new();
+    sets.iter().for_each(|set| hash.update(&set.manifest_hash.to_le_bytes()));
+    let rows: Vec<(&RenderSet, &ManifestRow)> = sets.iter().flat_map(RenderSet::rows).collect();
+    for (set, row) in rows.get(pieces).unwrap_or(&[]) {
+        let path = set.manifest.folder.join(&row.file);
+        let bytes = read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        hash.update(&xxh3_64(&bytes).to_le_bytes());
+    }
+    Ok(hash.digest())
 }
 
 fn entry(

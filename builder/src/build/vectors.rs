@@ -1,14 +1,16 @@
 //! Entries that came as vectors, described elsewhere.
 
+use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::{Kept, NewEntry};
 use grasp_renders::GraspSet;
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use super::labels::Labels;
-use super::{Described, Names};
+use super::{Names, Take};
 use crate::array::Rows;
 
 /// An array of descriptors, and what is known of each, whose headers and labels have been read and checked.
@@ -75,17 +77,18 @@ pub(super) fn names(vectors: &Vectors) -> Names {
     vectors.labels.as_ref().map_or_else(nothing, |labels| labels.names().clone())
 }
 
-/// Hands every row to `take`, in order.
-pub(super) fn describe(
-    vectors: &Vectors,
-    take: &mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
+/// Hands some of the rows to `take`, in order.
+pub(super) fn describe(vectors: &Vectors, pieces: Range<usize>, take: Take<'_>) -> anyhow::Result<()> {
     let mut rows = Rows::open(&vectors.path)?;
     if (rows.len(), rows.columns()) != (vectors.rows, u64::from(vectors.dim)) {
         bail!("{} was changed while it was read", vectors.path.display());
     }
     let mut labels = vectors.labels.as_ref().map(Labels::entries).transpose()?;
-    let mut at = 0u64;
+    let mut at = pieces.start as u64;
+    rows.narrow(at..pieces.end as u64).with_context(|| format!("cannot read {}", vectors.path.display()))?;
+    if let Some(labels) = &mut labels {
+        labels.skip(pieces.start)?;
+    }
     while let Some(values) = rows.next().with_context(|| format!("cannot use {}", vectors.path.display()))? {
         let mut batch = Vec::new();
         for row in values.chunks_exact(vectors.dim as usize) {
@@ -102,4 +105,20 @@ pub(super) fn describe(
         take(batch)?;
     }
     Ok(())
+}
+
+/// A number for some of the rows, and for the labels.
+pub(super) fn digest(vectors: &Vectors, pieces: Range<usize>) -> anyhow::Result<u64> {
+    let mut hash = Xxh3::new();
+    let cannot = || format!("cannot use {}", vectors.path.display());
+    let mut rows = Rows::open(&vectors.path)?;
+    rows.narrow(pieces.start as u64..pieces.end as u64).with_context(cannot)?;
+    while let Some(values) = rows.next().with_context(cannot)? {
+        hash.update(bytemuck::cast_slice(&values));
+    }
+    if let Some(labels) = &vectors.labels {
+        let path = labels.path();
+        hash.update(&fs::read(path).with_context(|| format!("cannot read {}", path.display()))?);
+    }
+    Ok(hash.digest())
 }

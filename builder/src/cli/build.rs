@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::builder::ArgPredicate;
@@ -11,7 +11,7 @@ use grasp_renders::RenderPlan;
 
 use super::Global;
 use super::plan::PlanOptions;
-use crate::build::{Recipe, RenderSet, Source, THUMBNAIL_SIDE, Vectors, build};
+use crate::build::{Recipe, RenderSet, Report, Source, THUMBNAIL_SIDE, Vectors, build};
 use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
 
@@ -28,12 +28,19 @@ Examples:
   grasp-builder build renders blender-renders --out grasp.idx --descriptor paper
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
-    /// Render sets to index; none renders on the fly.
-    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation"])]
-    renders: Vec<PathBuf>,
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
     out: PathBuf,
+    #[command(flatten)]
+    work: WorkOptions,
+}
+
+/// What to index, and how: what `build` and `shard` have in common.
+#[derive(Debug, clap::Args)]
+pub(super) struct WorkOptions {
+    /// Render sets to index; none renders on the fly.
+    #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation"])]
+    renders: Vec<PathBuf>,
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
@@ -130,7 +137,7 @@ impl IndexOptions {
     }
 }
 
-impl Build {
+impl WorkOptions {
     fn source(&self) -> anyhow::Result<(Source, HeldOut)> {
         let seed = self.seed;
         let held_out = |plan: &RenderPlan, known: &[String]| {
@@ -155,61 +162,72 @@ impl Build {
         Ok((Source::Sets(sets), held_out(&plan, &known)))
     }
 
-    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
-        interrupt::catch()?;
+    /// The source and the recipe that the options describe.
+    pub(super) fn work(&self) -> anyhow::Result<(Source, Recipe)> {
         let (source, held_out) = self.source()?;
         let recipe = self.index.recipe(&source, held_out, self.seed)?;
         if source.is_empty() {
             bail!("the render sets hold no picture");
         }
-        let report = build(&source, &recipe, &self.out, global.progress())?;
+        Ok((source, recipe))
+    }
+}
 
-        let mut stdout = std::io::stdout().lock();
-        let (out, seconds) = (self.out.display(), report.elapsed.as_secs_f64());
-        let Some(summary) = &report.written else {
-            writeln!(stdout, "{out} is up to date: {} entries, checked in {seconds:.2} s", report.entries)?;
-            return Ok(());
-        };
-        write!(
-            stdout,
-            "{out}: {} entries, {:.1} MB, in {seconds:.2} s",
-            summary.entries,
-            summary.bytes as f64 / 1e6
-        )?;
-        match source {
-            Source::Vectors(_) => writeln!(stdout)?,
-            Source::Plan(_) | Source::Sets(_) => {
-                let described = report.entries - report.reused;
-                writeln!(stdout, " ({} reused, {described} described)", report.reused)?;
-            }
+impl Build {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let (source, recipe) = self.work.work()?;
+        let report = build(&source, &recipe, &self.out, global.progress())?;
+        let pictures = !matches!(source, Source::Vectors(_));
+        tell(&self.out, &report, pictures)?;
+        if report.written.is_some() {
+            writeln!(std::io::stdout().lock(), "  seed {}", self.work.seed)?;
         }
-        if report.without_hand > 0 {
-            writeln!(stdout, "  {} views show no hand and were left out", report.without_hand)?;
-        }
-        match summary.hash {
-            HashInfo::Random(hash) => {
-                writeln!(
-                    stdout,
-                    "  hash: T = {} tables of K = {} random hyperplanes",
-                    hash.tables, hash.planes
-                )?;
-            }
-            HashInfo::Learned(hash) => writeln!(stdout, "  hash: K = {} learned hyperplanes", hash.planes)?,
-            _ => {}
-        }
-        if let Some(point) = summary.measured.enough(Effort::Recall(0.95)) {
-            writeln!(
-                stdout,
-                "  on {} held-out, moved queries a search finds {:.1} % of the 10 nearest, and a neighbour within {:.0} % of the \
-                 nearest in {:.1} % of cases, and looks at {:.2} % of the entries",
-                summary.measured.queries,
-                point.recall_at_10 * 100.0,
-                EPS * 100.0,
-                point.success() * 100.0,
-                point.share_of_database * 100.0,
-            )?;
-        }
-        writeln!(stdout, "  seed {}", self.seed)?;
         Ok(())
     }
+}
+
+/// Tells a person what came of a build.
+pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    let (out, seconds) = (out.display(), report.elapsed.as_secs_f64());
+    let Some(summary) = &report.written else {
+        writeln!(stdout, "{out} is up to date: {} entries, checked in {seconds:.2} s", report.entries)?;
+        return Ok(());
+    };
+    write!(
+        stdout,
+        "{out}: {} entries, {:.1} MB, in {seconds:.2} s",
+        summary.entries,
+        summary.bytes as f64 / 1e6
+    )?;
+    if pictures {
+        let described = report.entries - report.reused;
+        writeln!(stdout, " ({} reused, {described} described)", report.reused)?;
+    } else {
+        writeln!(stdout)?;
+    }
+    if report.without_hand > 0 {
+        writeln!(stdout, "  {} views show no hand and were left out", report.without_hand)?;
+    }
+    match summary.hash {
+        HashInfo::Random(hash) => {
+            writeln!(stdout, "  hash: T = {} tables of K = {} random hyperplanes", hash.tables, hash.planes)?;
+        }
+        HashInfo::Learned(hash) => writeln!(stdout, "  hash: K = {} learned hyperplanes", hash.planes)?,
+        _ => {}
+    }
+    if let Some(point) = summary.measured.enough(Effort::Recall(0.95)) {
+        writeln!(
+            stdout,
+            "  on {} held-out, moved queries a search finds {:.1} % of the 10 nearest, and a neighbour within {:.0} % of the \
+                 nearest in {:.1} % of cases, and looks at {:.2} % of the entries",
+            summary.measured.queries,
+            point.recall_at_10 * 100.0,
+            EPS * 100.0,
+            point.success() * 100.0,
+            point.share_of_database * 100.0,
+        )?;
+    }
+    Ok(())
 }

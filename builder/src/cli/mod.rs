@@ -6,9 +6,11 @@ mod experiment;
 mod export;
 mod inspect;
 mod man;
+mod merge;
 mod plan;
 mod queries;
 mod render;
+mod shard;
 mod verify;
 
 use std::io::{self, Write as _};
@@ -39,6 +41,8 @@ Examples:
   grasp-builder build --out grasp.idx                    render the paper's 6 x 900 views and index them
   grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
   grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
+  grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
+  grasp-builder merge parts --out grasp.idx              the index of all parts
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
   grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
@@ -69,6 +73,8 @@ impl Global {
 enum Command {
     Render(render::Render),
     Build(build::Build),
+    Shard(shard::Shard),
+    Merge(merge::Merge),
     Experiment(experiment::Experiment),
     Inspect(inspect::Inspect),
     Verify(verify::Verify),
@@ -106,6 +112,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     match &arguments.command {
         Command::Render(command) => command.run(&arguments.global),
         Command::Build(command) => command.run(&arguments.global),
+        Command::Shard(command) => command.run(&arguments.global),
+        Command::Merge(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),

@@ -1,0 +1,145 @@
+//! One part of an index, made by one of many machines: `build`, up to where the hash is made.
+//!
+//! A [`Source`]'s pieces are split evenly and in order. What a build would hand to its index, a shard writes to a file, a
+//! [part](PartWriter), to the last bit; [`mod@crate::merge`] reads the parts in order and does the rest of the build. So a merged
+//! index is, byte for byte, the one that a single machine builds.
+
+mod header;
+mod part;
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context as _, bail};
+use grasp_index::AtomicFile;
+
+use crate::build::{Described, Known, Recipe, Source};
+use crate::interrupt;
+use crate::progress::Progress;
+
+pub(crate) use header::Header;
+pub(crate) use part::{HeldOutRows, PartReader, PartWriter};
+
+/// How the names of parts end.
+pub(crate) const EXTENSION: &str = "shard";
+/// More parts than that are a slip of the keyboard.
+const MOST: u32 = 1_000_000;
+
+/// Part `shard` (from 1) of `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Which part, from 1.
+    pub shard: u32,
+    /// Of how many.
+    pub of: u32,
+}
+
+impl Share {
+    /// Which of `pieces` are this part's. The parts of all shards are all pieces, in order.
+    #[must_use]
+    pub fn of_pieces(self, pieces: usize) -> Range<usize> {
+        let end = |shard: u32| (u128::from(shard) * pieces as u128 / u128::from(self.of.max(1))) as usize;
+        end(self.shard.saturating_sub(1))..end(self.shard)
+    }
+
+    /// The name of the part's file.
+    #[must_use]
+    pub fn file_name(self) -> String {
+        let width = self.of.to_string().len();
+        format!("{:0width$}-of-{}.{EXTENSION}", self.shard, self.of)
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.shard, self.of)
+    }
+}
+
+/// A text that names no part.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no shard: write I/N, e.g. 3/12, with I from 1 to N and N at most {MOST}")]
+pub struct NotAShare(String);
+
+impl FromStr for Share {
+    type Err = NotAShare;
+
+    fn from_str(text: &str) -> Result<Self, NotAShare> {
+        let parsed = || {
+            let (shard, of) = text.split_once('/')?;
+            let share = Self { shard: shard.parse().ok()?, of: of.parse().ok()? };
+            ((1..=share.of).contains(&share.shard) && share.of <= MOST).then_some(share)
+        };
+        parsed().ok_or_else(|| NotAShare(text.to_owned()))
+    }
+}
+
+/// What making a part did.
+#[derive(Debug)]
+pub struct Report {
+    /// The part.
+    pub path: PathBuf,
+    /// Entries in it.
+    pub entries: u64,
+    /// Pictures that show no hand and make no entry.
+    pub without_hand: u64,
+    /// Whether the part was there already, valid and of the same parameters.
+    pub was_there: bool,
+}
+
+/// Makes a part of the index of `source` in the folder `out`, unless it is there.
+///
+/// # Errors
+/// When a picture cannot be read or the part cannot be written; what was at its place before is then as it was.
+/// [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
+pub fn shard(
+    source: &Source,
+    recipe: &Recipe,
+    share: Share,
+    out: &Path,
+    progress: Progress,
+) -> anyhow::Result<Report> {
+    std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
+    let path = out.join(share.file_name());
+    let pieces = source.pieces();
+    if pieces < share.of as usize {
+        bail!("{pieces} scenes, pictures or rows make {pieces} shards at most, not {}", share.of);
+    }
+    let range = share.of_pieces(pieces);
+    let names = source.names()?;
+    let header = Header {
+        share,
+        made_from: source.digest(range.clone())?,
+        params: recipe.params(&names),
+        origin: source.origin(recipe)?,
+    };
+    // Two workers that were given the same part do not mix: the second waits for its turn to be told that it is there.
+    let file = AtomicFile::create(&path)?;
+    if let Some((entries, without_hand)) = part::holds(&path, &header) {
+        return Ok(Report { path, entries, without_hand, was_there: true });
+    }
+    let held_out = match share.shard {
+        1 => recipe.asked(&names)?.into(),
+        _ => HeldOutRows::default(),
+    };
+    let cannot = || format!("cannot write {}", path.display());
+    let mut writer = PartWriter::new(file, &header, &held_out).with_context(cannot)?;
+    let (doing, unit) = source.work();
+    let bar = progress.bar((source.len() / share.of as usize) as u64, doing, unit);
+    let mut take = |batch: Vec<Described>| -> anyhow::Result<()> {
+        bar.inc(batch.len() as u64);
+        interrupt::check()?;
+        batch
+            .into_iter()
+            .try_for_each(|described| writer.push(described.map(|(entry, _)| entry)).with_context(cannot))
+    };
+    source.describe(&names, recipe, &Known::nothing(), range, &mut take)?;
+    bar.finish_and_clear();
+    let (entries, without_hand) = writer.finish()?;
+    Ok(Report { path, entries, without_hand, was_there: false })
+}
+
+#[cfg(test)]
+mod tests;
