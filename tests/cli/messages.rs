@@ -22,6 +22,10 @@ fn help_texts() {
     insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));
+    for name in ["robustness", "imitation"] {
+        insta::assert_snapshot!(format!("query_experiment_{name}"), help("grasp-query", &["experiment", name]));
+    }
+    insta::assert_snapshot!("query_simulate", help("grasp-query", &["simulate"]));
     insta::assert_snapshot!("query_quiz", help("grasp-query", &["quiz"]));
 }
 

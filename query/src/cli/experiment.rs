@@ -11,13 +11,14 @@ use serde::Serialize;
 use super::Global;
 use super::index_file::{self, IndexFile};
 use super::options::RecogniseArguments;
+use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::unknown::Unknown;
 use crate::recognise::{Accept, RecogniseOptions, Recogniser};
 
-/// Repeat an experiment over labelled pictures, as tables and drawings.
+/// Repeat an experiment, over labelled pictures or in simulation, as tables and drawings.
 #[derive(Debug, clap::Args)]
 pub(super) struct Experiment {
     #[command(subcommand)]
@@ -29,6 +30,8 @@ enum Name {
     Paper(PaperArguments),
     Shapes(ShapesArguments),
     Unknown(UnknownArguments),
+    Robustness(RobustnessArguments),
+    Imitation(ImitationArguments),
 }
 
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
@@ -132,6 +135,8 @@ impl Experiment {
             Name::Paper(paper) => paper.run(global),
             Name::Shapes(shapes) => shapes.run(global),
             Name::Unknown(unknown) => unknown.run(global),
+            Name::Robustness(robustness) => robustness.run(global),
+            Name::Imitation(imitation) => imitation.run(global),
         }
     }
 }
@@ -225,7 +230,11 @@ impl UnknownArguments {
 }
 
 /// The figures on standard output, as a JSON record or as text.
-fn print(json: bool, figures: &impl Serialize, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+pub(super) fn print(
+    json: bool,
+    figures: &impl Serialize,
+    text: impl FnOnce() -> String,
+) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
     if json {
         serde_json::to_writer(&mut out, figures).map_err(io::Error::from)?;

@@ -10,8 +10,10 @@ mod options;
 mod quiz;
 mod recognise;
 mod robot;
+mod robot_experiment;
 mod search;
 mod selection;
+mod simulate;
 
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -44,6 +46,7 @@ Examples:
                                                          what a robot hand does to grasp alike
   ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
                                                          every frame of a video
+  grasp-query simulate --grasp wrap                      does a robot hand hold it? A trial in a physics engine
   grasp-query evaluate labels.csv                        score labelled pictures
   grasp-query experiment paper labels.csv --out results  the paper's experiments over them
   grasp-query quiz labels.csv                            how well does a person do on them?
@@ -69,6 +72,7 @@ enum Command {
     Experiment(experiment::Experiment),
     Quiz(quiz::Quizzing),
     Search(search::Search),
+    Simulate(simulate::Simulate),
     Completions(completions::Completions),
     Man(man::Man),
 }
@@ -109,6 +113,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Experiment(command) => command.run(&arguments.global),
         Command::Quiz(command) => command.run(),
         Command::Search(command) => command.run(&arguments.global),
+        Command::Simulate(command) => command.run(),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }

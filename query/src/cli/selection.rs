@@ -96,7 +96,7 @@ impl Selected {
         labelled_masks: bool,
         global: &Global,
     ) -> Vec<Outcome> {
-        let bar = progress_bar(self.labels.len() as u64, !global.no_progress);
+        let bar = progress_bar(self.labels.len() as u64, !global.no_progress, "pictures");
         let outcomes = self
             .labels
             .par_iter()
@@ -117,10 +117,10 @@ fn parse_condition(text: &str) -> Result<(String, String), String> {
 }
 
 /// A bar on a terminal's standard error, and none elsewhere.
-fn progress_bar(length: u64, wanted: bool) -> ProgressBar {
+pub(super) fn progress_bar(length: u64, wanted: bool, of: &str) -> ProgressBar {
     let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(length), target);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left") {
+    match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} left")) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }

@@ -1,7 +1,11 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper,
 //! [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other hands are told from known ones.
+//! [`robustness`] asks how far a robot's grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that
+//! lifts the object.
 
+pub mod imitation;
 pub mod paper;
+pub mod robustness;
 pub mod shapes;
 mod svg;
 pub mod unknown;

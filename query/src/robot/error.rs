@@ -41,6 +41,12 @@ pub enum RobotError {
         /// The human grasp.
         grasp: String,
     },
+    /// The human grasp is none of the six.
+    #[error("nothing is known of how a hand comes to an object in a `{grasp}` grasp: it is none of the six")]
+    UnknownHuman {
+        /// The human grasp.
+        grasp: String,
+    },
     /// The hand has no such grasp.
     #[error("{hand} has no grasp called `{grasp}`: it has {known}")]
     UnknownGrasp {
@@ -50,6 +56,12 @@ pub enum RobotError {
         grasp: String,
         /// Those that there are.
         known: String,
+    },
+    /// The hand cannot be simulated.
+    #[error("{hand} has no model to simulate: take barrett, or a file with `model = \"barrett\"`")]
+    NoModel {
+        /// The robot hand.
+        hand: String,
     },
     /// The object does not go between the fingers.
     #[error(
@@ -66,6 +78,12 @@ pub enum RobotError {
         /// The most, in metres.
         widest: f64,
     },
+    /// The object to simulate lies nowhere.
+    #[error("{object} has no `table`, or its pose is not in the world: a trial needs both to begin with")]
+    NoTable {
+        /// The object.
+        object: String,
+    },
     /// The orientation of the human hand is unknown.
     #[error(
         "the neighbours tell nothing of the hand's orientation: take an index that was built with orientations"
@@ -80,7 +98,10 @@ impl RobotError {
             Self::Read { .. } | Self::Format { .. } => "file",
             Self::UnknownHand { .. } => "unknown_hand",
             Self::Unmapped { .. } => "unmapped",
+            Self::UnknownHuman { .. } => "unknown_human",
             Self::UnknownGrasp { .. } => "unknown_grasp",
+            Self::NoModel { .. } => "no_model",
+            Self::NoTable { .. } => "no_table",
             Self::TooWide { .. } => "too_wide",
             Self::NoOrientation => "no_orientation",
         }

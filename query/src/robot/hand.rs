@@ -63,10 +63,16 @@ pub struct RobotGrasp {
     pub about: String,
     /// From the palm to the object's near side, in metres.
     pub standoff: Value,
+    /// How far beside the palm's middle the object's should lie, toward the thumb, in metres.
+    #[serde(default)]
+    pub middle: Value,
     /// The least height of the palm above the table, in metres.
     pub table_clearance: f64,
     /// The widest object, in metres; without it any.
     pub widest: Option<f64>,
+    /// Whether a finger's distal link closes on where its inner link is stopped.
+    #[serde(default)]
+    pub breakaway: bool,
     /// The posture on the way to the object.
     pub open: BTreeMap<String, Value>,
     /// The posture that closing aims at.
@@ -98,6 +104,12 @@ pub struct Window {
     pub object: String,
     /// What simulated it.
     pub engine: String,
+}
+
+impl Default for Value {
+    fn default() -> Self {
+        Self::Fixed(0.0)
+    }
 }
 
 impl Value {
@@ -184,9 +196,12 @@ impl RobotHand {
     }
 
     fn check_grasp(&self, source: Source<'_>, name: &str, grasp: &RobotGrasp) -> Result<(), RobotError> {
-        if !grasp.standoff.is_sound() || !(0.0..1.0).contains(&grasp.table_clearance) {
+        let is_sound = grasp.standoff.is_sound()
+            && grasp.middle.is_sound()
+            && (0.0..1.0).contains(&grasp.table_clearance);
+        if !is_sound {
             return Err(source.error(format!(
-                "grasp.{name}: standoff and table_clearance need metres, points with ascending widths"
+                "grasp.{name}: standoff, middle and table_clearance need metres, points with ascending widths"
             )));
         }
         for (posture, joints) in [("open", &grasp.open), ("closed", &grasp.closed)] {
@@ -205,6 +220,13 @@ impl RobotHand {
             }
         }
         Ok(())
+    }
+
+    /// A number that differs where two hands do, but for the windows that were measured with them.
+    pub fn fingerprint(&self) -> u64 {
+        let mut bare = self.clone();
+        bare.grasp.values_mut().for_each(|grasp| grasp.window = None);
+        xxhash_rust::xxh3::xxh3_64(format!("{bare:?}").as_bytes())
     }
 
     fn grasp_names(&self) -> String {

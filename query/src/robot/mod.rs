@@ -18,6 +18,7 @@ mod human;
 pub mod moveit;
 mod object;
 mod read;
+pub mod simulation;
 mod strategy;
 
 pub use camera::Camera;
@@ -25,3 +26,18 @@ pub use error::RobotError;
 pub use hand::{RobotGrasp, RobotHand, Value, Way, Window};
 pub use object::{Frame, Object, Shape};
 pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};
+
+/// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the hand's approach, its y points to
+/// the thumb's side.
+///
+/// # Errors
+/// [`RobotError::UnknownHuman`]: the grasp is none of the six.
+pub fn hand_from_palm(
+    grasp: &str,
+    side: crate::recognise::Side,
+) -> Result<nalgebra::UnitQuaternion<f64>, RobotError> {
+    let human = human::HumanGrasp::named(grasp);
+    human
+        .map(|human| human.hand_from_palm(side))
+        .ok_or_else(|| RobotError::UnknownHuman { grasp: grasp.to_owned() })
+}

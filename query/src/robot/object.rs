@@ -180,6 +180,11 @@ impl Object {
             Frame::World => self.pose,
             Frame::Camera => camera.world_from_camera * self.pose,
         };
+        self.checked(world_from_object)
+    }
+
+    /// `world_from_object`, which does not lie in the table.
+    pub(super) fn checked(&self, world_from_object: Isometry3<f64>) -> Result<Isometry3<f64>, RobotError> {
         let down = world_from_object.inverse_transform_vector(&-Vector3::z());
         let lowest = world_from_object.translation.z - self.shape.reach(&down);
         if let Some(depth) = self.table.map(|table| table - lowest).filter(|depth| *depth > SUNK) {

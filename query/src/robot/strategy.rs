@@ -156,7 +156,7 @@ impl Strategy {
     pub fn new(hand: &RobotHand, seen: &Seen, object: &Object, camera: &Camera) -> Result<Self, RobotError> {
         let (name, grasp) = hand.for_human(&seen.grasp)?;
         let human = HumanGrasp::named(&seen.grasp)
-            .ok_or_else(|| RobotError::Unmapped { hand: hand.name.clone(), grasp: seen.grasp.clone() })?;
+            .ok_or_else(|| RobotError::UnknownHuman { grasp: seen.grasp.clone() })?;
         if seen.spread_deg >= UNKNOWN_SPREAD_DEG {
             return Err(RobotError::NoOrientation);
         }
@@ -285,7 +285,7 @@ impl Placed {
         }
         let middle = world_from_object.translation.vector;
         let along = (middle - grip.coords).dot(&approach) - half(approach) - grasp.standoff.at(width);
-        let mut palm = grip + approach * along;
+        let mut palm = grip + approach * along - turned * Vector3::y() * grasp.middle.at(width);
         let down = -approach.z;
         if let Some(table) = object.table.filter(|_| down > 0.0) {
             let missing = table + grasp.table_clearance * down - palm.z;

@@ -1,0 +1,130 @@
+//! `grasp-query experiment robustness` and `experiment imitation`.
+
+use std::path::PathBuf;
+
+use super::Global;
+use super::experiment::print;
+use super::index_file::IndexFile;
+use super::options::RecogniseArguments;
+use super::selection::{Selection, progress_bar};
+use crate::experiment::imitation::Imitation;
+use crate::experiment::robustness::{Progress, Robustness, Sweep};
+use crate::recognise::Recogniser;
+use crate::robot::RobotHand;
+use crate::robot::simulation::{SCENES, Scene};
+
+/// How far a robot's grasp may be off: trials on a grid of positions and over a range of yaws.
+///
+/// The object lies beside where the hand takes it to be, along the world's x and y (a side approach comes along x), or the hand is
+/// turned about the vertical. With --out, DIR gets robustness.csv, a line a trial, as they end: stopped and started again, the
+/// sweep goes on. windows.csv and robustness.svg follow.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query experiment robustness --out robustness
+  grasp-query experiment robustness --object box --reach 20 --yaw 45 --json
+
+Exit status: 0, or 2 where the sweep could not be run.")]
+pub(super) struct RobustnessArguments {
+    /// An object that comes along (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
+    /// that is for it; several may be named, without it all.
+    #[arg(long = "object", value_name = "NAME", value_parser = parse_scene)]
+    objects: Vec<&'static Scene>,
+    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
+    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    robot: String,
+    /// Positions go as far in either direction, in millimetres.
+    #[arg(long, value_name = "MM", default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=200))]
+    reach: u32,
+    /// In steps of so many millimetres.
+    #[arg(long, value_name = "MM", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100))]
+    step: u32,
+    /// Yaws go as far in either direction, in degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 45, value_parser = clap::value_parser!(u32).range(0..=180))]
+    yaw: u32,
+    /// In steps of so many degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=90))]
+    yaw_step: u32,
+    /// Write table, windows and heat maps into this folder; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the windows as one JSON record.
+    #[arg(long)]
+    json: bool,
+}
+
+impl RobustnessArguments {
+    pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let hand = RobotHand::find(&self.robot)?;
+        let scenes = if self.objects.is_empty() { SCENES.iter().collect() } else { self.objects.clone() };
+        let sweep = Sweep {
+            scenes,
+            reach_mm: self.reach,
+            step_mm: self.step,
+            yaw_deg: self.yaw,
+            yaw_step_deg: self.yaw_step,
+        };
+        let bar = progress_bar(0, !global.no_progress, "trials");
+        let robustness = Robustness::run(&hand, &sweep, self.out.as_deref(), |progress| match progress {
+            Progress::Trials(count) => bar.set_length(count as u64),
+            Progress::Ended => bar.inc(1),
+        })?;
+        bar.finish_and_clear();
+        if let Some(folder) = &self.out {
+            robustness.write(folder)?;
+        }
+        print(self.json, &robustness, || robustness.text())?;
+        Ok(super::SUCCESS)
+    }
+}
+
+fn parse_scene(name: &str) -> Result<&'static Scene, String> {
+    let known = || SCENES.map(|scene| scene.name).join(", ");
+    Scene::named(name).ok_or_else(|| format!("one of {} is needed", known()))
+}
+
+/// From pictures to lifted objects: what was recognised, with its real errors, is imitated in the simulation.
+///
+/// Each labelled hand is put round an object that its grasp is for, turned by the error that its recognition made, and the robot
+/// does what was recognised. The object's position is exact.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query experiment imitation labels.csv --hand right --where kind=segmented --where stage=grasp
+
+LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+pub(super) struct ImitationArguments {
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    index: IndexFile,
+    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
+    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    robot: String,
+    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    #[arg(long)]
+    labelled_masks: bool,
+    /// Print the figures as one JSON record.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+}
+
+impl ImitationArguments {
+    pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let hand = RobotHand::find(&self.robot)?;
+        let index = self.index.open_for_pictures()?;
+        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        let selected = self.selection.read(&classes)?;
+        let recogniser = Recogniser::new(&index, self.recognise.options());
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let bar = progress_bar(outcomes.len() as u64, !global.no_progress, "trials");
+        let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
+        bar.finish_and_clear();
+        print(self.json, &imitation, || imitation.text())?;
+        let failed =
+            outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));
+        Ok(if failed || !selected.broken.is_empty() { super::ERROR } else { super::SUCCESS })
+    }
+}

@@ -1,0 +1,161 @@
+//! `grasp-query simulate`.
+
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use serde::Serialize;
+
+use crate::explain;
+use crate::robot::simulation::{Error, From, Outcome, Plan, Quality, SCENES, Scene};
+use crate::robot::{Object, RobotHand};
+
+/// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
+///
+/// The hand approaches, closes, lifts by 150 mm and holds. The trial is a success where the object came up by more than 100 mm
+/// and moved by less than 10 mm in the hand while it was held.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query simulate --grasp wrap
+  grasp-query simulate --grasp pinch --pictures pinch.png          a human grasp names the robot's
+  grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20 degrees and 15 mm
+  grasp-query simulate --grasp wrap --object own.toml --from side --quality --json
+
+Objects that come along: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
+it does not, 2 an error.")]
+pub(super) struct Simulate {
+    /// The grasp: wrap, two-finger-thumb, precision-disc, or a human grasp that is mapped to one of them.
+    #[arg(long, value_name = "NAME")]
+    grasp: String,
+    /// The object: one that comes along, or an OBJECT.toml; without it, one that the grasp is for.
+    #[arg(long, value_name = "OBJECT")]
+    object: Option<String>,
+    /// From where the hand comes; without it, as the object that comes along is taken, another from above.
+    #[arg(long, value_enum)]
+    from: Option<From>,
+    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
+    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    robot: String,
+    /// The object lies as many millimetres beside where the hand takes it to be, along the world's x.
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
+    x: f64,
+    /// The same along y.
+    #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
+    y: f64,
+    /// The hand is turned about the vertical by as many degrees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_degrees)]
+    yaw: f64,
+    /// Draw the trial as a strip of frames.
+    #[arg(long, value_name = "OUT.png")]
+    pictures: Option<PathBuf>,
+    /// Say how good the grasp is: the acceleration at which the object slips when it is shaken, and Ferrari and Canny's epsilon.
+    #[arg(long)]
+    quality: bool,
+    /// Print one JSON record.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    robot: &'a str,
+    grasp: &'a str,
+    object: &'a str,
+    error: Error,
+    #[serde(flatten)]
+    outcome: &'a Outcome,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<Quality>,
+}
+
+impl Simulate {
+    pub(super) fn run(&self) -> anyhow::Result<u8> {
+        let hand = RobotHand::find(&self.robot)?;
+        let grasp = hand.for_human(&self.grasp).map_or(self.grasp.as_str(), |(name, _)| name);
+        hand.grasp_named(grasp)?;
+        let (object, from) = self.setting(grasp)?;
+        let plan = Plan::new(&hand, grasp, &object, self.from.unwrap_or(from).turned())?;
+        let error = Error { x: 1e-3 * self.x, y: 1e-3 * self.y, yaw: self.yaw.to_radians() };
+        let outcome = match &self.pictures {
+            None => plan.run(error),
+            Some(path) => {
+                let (outcome, strip) = plan.film(error);
+                explain::save(&strip, path).with_context(|| format!("cannot write {}", path.display()))?;
+                outcome
+            }
+        };
+        let quality = self.quality.then(|| plan.quality(error)).flatten();
+        let record =
+            Record { robot: &hand.name, grasp, object: &object.name, error, outcome: &outcome, quality };
+        let mut out = io::stdout().lock();
+        if self.json {
+            serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
+            writeln!(out)?;
+        } else {
+            write!(out, "{}", text(&record))?;
+        }
+        Ok(if outcome.success { super::SUCCESS } else { 1 })
+    }
+
+    fn setting(&self, grasp: &str) -> anyhow::Result<(Object, From)> {
+        let scene = match &self.object {
+            None => {
+                Scene::for_human(&self.grasp).or_else(|| SCENES.iter().find(|scene| scene.grasp == grasp))
+            }
+            Some(name) if name.ends_with(".toml") => {
+                let object = Object::read(Path::new(name))?;
+                return Ok((object, From::Top));
+            }
+            Some(name) => Scene::named(name),
+        };
+        let Some(scene) = scene else {
+            let known: Vec<&str> = SCENES.iter().map(|scene| scene.name).collect();
+            bail!("--object needs one of {}, or a file that describes one, as OBJECT.toml", known.join(", "));
+        };
+        Ok((scene.object()?, scene.from))
+    }
+}
+
+fn text(record: &Record<'_>) -> String {
+    let outcome = record.outcome;
+    let verdict = match (outcome.success, outcome.lifted) {
+        (true, _) => "holds",
+        (false, true) => "slips",
+        (false, false) => "not lifted",
+    };
+    let mut text = format!(
+        "{} of {} on {}: {verdict} · rose {:.0} mm, slipped {:.1} mm, pushed {:.1} mm while closing\n    \
+         pressed with {:.0} N in all, {:.0} N by one link ({}) · {:.2} s simulated\n",
+        record.grasp,
+        record.robot,
+        record.object,
+        outcome.rise_mm,
+        outcome.slip_mm,
+        outcome.pushed_mm,
+        outcome.contact_force_n,
+        outcome.greatest_force_n,
+        if outcome.links.is_empty() { "nothing touches".into() } else { outcome.links.join(", ") },
+        outcome.seconds,
+    );
+    if let Some(quality) = &record.quality {
+        let shake = quality
+            .shake_m_s2
+            .map_or("slips at no acceleration up to 1000 m/s²".into(), |a| format!("slips at {a:.0} m/s²"));
+        text += &format!("    shaken: {shake} · epsilon at most {:.3}\n", quality.epsilon);
+    }
+    text
+}
+
+fn parse_millimetres(text: &str) -> Result<f64, String> {
+    parse_within(text, 500.0)
+}
+
+fn parse_degrees(text: &str) -> Result<f64, String> {
+    parse_within(text, 180.0)
+}
+
+fn parse_within(text: &str, most: f64) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.abs() <= most);
+    number.ok_or_else(|| format!("a number from -{most} to {most} is needed"))
+}

@@ -1,0 +1,13 @@
+//! Trials of a grasp in a physics engine (rapier3d), with a model of the BarrettHand.
+
+mod barrett;
+mod drive;
+mod film;
+mod quality;
+mod scenes;
+mod trial;
+mod world;
+
+pub use quality::Quality;
+pub use scenes::{From, SCENES, Scene};
+pub use trial::{Error, Outcome, Plan};

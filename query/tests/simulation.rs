@@ -1,0 +1,87 @@
+//! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
+
+use grasp_query::robot::simulation::{Error, From, Outcome, Plan, SCENES, Scene};
+use grasp_query::robot::{Object, RobotError, RobotHand};
+
+fn plan(scene: &str) -> Plan {
+    let scene = Scene::named(scene).unwrap();
+    let hand = RobotHand::find("barrett").unwrap();
+    Plan::new(&hand, scene.grasp, &scene.object().unwrap(), scene.from.turned()).unwrap()
+}
+
+fn off(x: f64, y: f64, degrees: f64) -> Error {
+    Error { x, y, yaw: degrees.to_radians() }
+}
+
+#[test]
+fn every_grasp_holds_its_own_object() {
+    for scene in &SCENES {
+        let outcome = plan(scene.name).run(Error::default());
+        assert!(outcome.success, "{}: {outcome:?}", scene.name);
+        assert!(outcome.rise_mm > 140.0 && outcome.slip_mm < 5.0, "{}: {outcome:?}", scene.name);
+    }
+}
+
+#[test]
+fn a_wrap_forgives_two_centimetres_and_fifteen_degrees() {
+    for scene in ["cylinder-upright", "cylinder-lying"] {
+        for (x, y) in [(0.02, 0.02), (0.02, -0.02), (-0.02, 0.02), (-0.02, -0.02)] {
+            let outcome = plan(scene).run(off(x, y, 0.0));
+            assert!(outcome.success, "{scene} at {x} {y}: {outcome:?}");
+        }
+    }
+    for scene in ["cylinder-lying", "box"] {
+        for degrees in [-15.0, 15.0] {
+            let outcome = plan(scene).run(off(0.0, 0.0, degrees));
+            assert!(outcome.success, "{scene} at {degrees}: {outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pinch_is_made_by_finger_tips_alone_and_a_disc_is_held_by_its_rim() {
+    let tips = ["finger 1 distal", "finger 2 distal", "finger 3 distal"];
+    for scene in ["block", "disc"] {
+        assert_eq!(plan(scene).run(Error::default()).links, tips, "{scene}");
+    }
+}
+
+#[test]
+fn a_hand_that_misses_lifts_nothing() {
+    let outcome = plan("block").run(off(0.0, 0.15, 0.0));
+    assert!(!outcome.success && !outcome.lifted && outcome.links.is_empty(), "{outcome:?}");
+    assert!(outcome.rise_mm.abs() < 1.0 && outcome.contact_force_n == 0.0, "{outcome:?}");
+}
+
+#[test]
+fn a_trial_repeats_to_the_bit_on_any_thread() {
+    let plan = plan("sphere");
+    let bits =
+        |outcome: &Outcome| [outcome.rise_mm, outcome.slip_mm, outcome.contact_force_n].map(f64::to_bits);
+    let here = plan.run(off(0.01, -0.005, 0.0));
+    let there = std::thread::scope(|scope| scope.spawn(|| plan.run(off(0.01, -0.005, 0.0))).join().unwrap());
+    assert_eq!(bits(&here), bits(&there));
+    assert_eq!(here, there);
+}
+
+#[test]
+fn a_held_object_resists_a_shake_and_a_wrench() {
+    let quality = plan("cylinder-upright").quality(Error::default()).unwrap();
+    assert!(quality.epsilon > 0.05, "{quality:?}");
+    assert!(quality.shake_m_s2.is_none_or(|acceleration| acceleration > 9.81), "{quality:?}");
+    assert!(plan("block").quality(off(0.0, 0.15, 0.0)).is_none(), "nothing is held");
+}
+
+#[test]
+fn what_cannot_be_simulated_is_said() {
+    let turned = From::Top.turned();
+    let block = Scene::named("block").unwrap().object().unwrap();
+    let gripper = RobotHand::find("parallel-gripper").unwrap();
+    let error = Plan::new(&gripper, "parallel", &block, turned).unwrap_err();
+    insta::assert_snapshot!(error, @r#"parallel-gripper has no model to simulate: take barrett, or a file with `model = "barrett"`"#);
+    let barrett = RobotHand::find("barrett").unwrap();
+    let error = Plan::new(&barrett, "hook", &block, turned).unwrap_err();
+    insta::assert_snapshot!(error, @"barrett has no grasp called `hook`: it has precision-disc, two-finger-thumb, wrap");
+    let floating = Object { table: None, ..block };
+    assert!(matches!(Plan::new(&barrett, "wrap", &floating, turned), Err(RobotError::NoTable { .. })));
+}
