@@ -8,6 +8,7 @@
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
+pub mod client;
 pub mod evaluate;
 pub mod experiment;
 pub mod explain;
@@ -18,3 +19,4 @@ pub mod recognise;
 pub mod robot;
 pub mod search;
 pub mod segment;
+pub mod serve;

@@ -305,6 +305,16 @@ impl Scene {
         (light, distance)
     }
 
+    /// The hand without what it holds: places in metres in the frame of the hand, relative to [`Self::centre`], and the
+    /// triangles between them, outside counter-clockwise.
+    pub fn hand(&self) -> (&[Vector3<f32>], &[[u32; 3]]) {
+        let Drawing { vertices, triangles, hand_vertices, .. } = &self.drawing;
+        // The cut through the wrist is drawn black, but belongs to the hand.
+        let hand = *hand_vertices as u32;
+        let end = triangles.partition_point(|corners| corners.iter().all(|&corner| corner < hand));
+        (&vertices[..*hand_vertices], &triangles[..end])
+    }
+
     /// How many triangles the hand has.
     pub fn triangles(&self) -> usize {
         self.drawing.hand_triangles

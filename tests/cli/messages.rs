@@ -23,10 +23,14 @@ fn help_texts() {
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));
     for name in ["robustness", "imitation"] {
-        insta::assert_snapshot!(format!("query_experiment_{name}"), help("grasp-query", &["experiment", name]));
+        insta::assert_snapshot!(
+            format!("query_experiment_{name}"),
+            help("grasp-query", &["experiment", name])
+        );
     }
     insta::assert_snapshot!("query_simulate", help("grasp-query", &["simulate"]));
     insta::assert_snapshot!("query_quiz", help("grasp-query", &["quiz"]));
+    insta::assert_snapshot!("query_serve", help("grasp-query", &["serve"]));
 }
 
 #[test]

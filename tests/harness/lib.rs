@@ -3,6 +3,9 @@
 //! `cargo test --workspace` builds this package, but not the programs of its neighbours; [`program`] asks cargo for
 //! them, so that a test can never run yesterday's binary.
 
+pub mod browser;
+pub mod service;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

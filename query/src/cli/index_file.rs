@@ -39,6 +39,11 @@ impl IndexFile {
         if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
     }
 
+    /// Whether the index is read into memory instead of being mapped.
+    pub(super) fn is_read(&self) -> bool {
+        self.no_mmap
+    }
+
     pub(super) fn open(&self) -> anyhow::Result<Index> {
         open(&self.path(), self.no_mmap)
     }

@@ -13,7 +13,9 @@ mod robot;
 mod robot_experiment;
 mod search;
 mod selection;
+mod serve;
 mod simulate;
+mod token;
 
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -51,6 +53,7 @@ Examples:
   grasp-query experiment paper labels.csv --out results  the paper's experiments over them
   grasp-query quiz labels.csv                            how well does a person do on them?
   grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
+  grasp-query serve                                      answer over HTTP, with a page at /
 
 Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
 
@@ -73,6 +76,7 @@ enum Command {
     Quiz(quiz::Quizzing),
     Search(search::Search),
     Simulate(simulate::Simulate),
+    Serve(serve::Serve),
     Completions(completions::Completions),
     Man(man::Man),
 }
@@ -114,6 +118,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Quiz(command) => command.run(),
         Command::Search(command) => command.run(&arguments.global),
         Command::Simulate(command) => command.run(),
+        Command::Serve(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use tokio::net::TcpListener;
@@ -68,35 +68,10 @@ impl Quizzing {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
         super::refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_if_there()?;
-        let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
-        let Selected { mut labels, broken, folder } = self.selection.read(&classes)?;
-        labels.retain(|label| label.grasp != OTHER);
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
-        let labels = pictures::shuffled(labels, self.seed, limit);
-        // Before the pictures: a table that cannot be written should not be found out after the work.
-        let (answers, before) = AnswerFile::open(&self.out)?;
-
         let recogniser = index.as_ref().map(|index| Recogniser::new(index, self.recognise.options()));
-        let mut errors = broken.len();
-        let mut stderr = io::stderr();
-        // Nobody may be there to be told; the quiz goes on.
-        for row in &broken {
-            let _ = writeln!(stderr, "line {}: {}", row.line, row.message);
-        }
-        let mut shown: Vec<Shown> = Vec::new();
-        for made in pictures::make(&labels, &folder, self.labelled_masks, recogniser.as_ref()) {
-            match made {
-                Ok(picture) => shown.push(picture),
-                Err((file, miss)) => {
-                    errors += usize::from(!miss.is_rejection);
-                    let _ = writeln!(stderr, "{file} is left out: {}", miss.message);
-                }
-            }
-        }
-        if shown.is_empty() {
-            bail!("no picture of {} can be shown", self.selection.path().display());
-        }
-        let quiz = Quiz::new(shown, answers, &before, self.seed);
+        let means = Means { seed: self.seed, limit, labelled_masks: self.labelled_masks, recogniser };
+        let (quiz, errors) = make(&self.selection, &self.out, &means)?;
         let table = Table::new(quiz);
         self.serve(&table)?;
 
@@ -138,6 +113,48 @@ impl Quizzing {
             Ok(serve(listener, table.clone(), stop).await?)
         })
     }
+}
+
+/// How a quiz is made.
+pub(super) struct Means<'a> {
+    /// What the order comes from.
+    pub(super) seed: u64,
+    /// The most pictures.
+    pub(super) limit: usize,
+    /// Take the labelled masks of camera pictures.
+    pub(super) labelled_masks: bool,
+    /// Who is asked the same.
+    pub(super) recogniser: Option<Recogniser<'a>>,
+}
+
+/// The quiz over the selected pictures, and how many rows and pictures of them could not be used, which is told on standard error.
+pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyhow::Result<(Quiz, usize)> {
+    let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
+    let Selected { mut labels, broken, folder } = selection.read(&classes)?;
+    labels.retain(|label| label.grasp != OTHER);
+    let labels = pictures::shuffled(labels, means.seed, means.limit);
+    // Before the pictures: a table that cannot be written should not be found out after the work.
+    let (answers, before) = AnswerFile::open(out)?;
+    let mut errors = broken.len();
+    let mut stderr = io::stderr();
+    // Nobody may be there to be told; the quiz goes on.
+    for row in &broken {
+        let _ = writeln!(stderr, "line {}: {}", row.line, row.message);
+    }
+    let mut shown: Vec<Shown> = Vec::new();
+    for made in pictures::make(&labels, &folder, means.labelled_masks, means.recogniser.as_ref()) {
+        match made {
+            Ok(picture) => shown.push(picture),
+            Err((file, miss)) => {
+                errors += usize::from(!miss.is_rejection);
+                let _ = writeln!(stderr, "{file} is left out: {}", miss.message);
+            }
+        }
+    }
+    if shown.is_empty() {
+        bail!("no picture of {} can be shown", selection.path().display());
+    }
+    Ok((Quiz::new(shown, answers, &before, means.seed), errors))
 }
 
 /// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the server starts.

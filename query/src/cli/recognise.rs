@@ -1,5 +1,7 @@
 //! `grasp-query recognise`.
 
+mod remote;
+
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,12 +12,14 @@ use rayon::prelude::*;
 
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
-use super::robot::{self, RobotArguments, Setting};
+use super::robot::RobotArguments;
+use crate::client::Address;
 use crate::explain;
 use crate::output::human;
 use crate::output::record::Record;
 use crate::picture::{self, Frames};
 use crate::recognise::{MaskSource, RecogniseError, Recogniser};
+use crate::robot::{Setting, moveit};
 use crate::segment::Mask;
 use crate::segment::depth::DepthRange;
 
@@ -28,6 +32,7 @@ Examples:
   grasp-query recognise cup.jpg --explain why.png
   grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
   grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
+  grasp-query recognise cup.jpg --server http://127.0.0.1:8750
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, PNM).
@@ -60,6 +65,12 @@ pub(super) struct Recognise {
     /// Say how long each step took.
     #[arg(long)]
     timings: bool,
+    /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
+    #[arg(long, value_name = "ADDRESS")]
+    server: Option<Address>,
+    /// Show the service the token in this file.
+    #[arg(long, value_name = "FILE", requires = "server")]
+    token_file: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArguments,
     #[command(flatten)]
@@ -95,22 +106,19 @@ impl Recognise {
             let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
             super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
         }
+        if let Some(address) = &self.server {
+            return self.run_remote(address);
+        }
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
         let means = Means { recogniser, source: self.source()?, robot };
 
-        let form = match (self.json, self.robot.is_moveit()) {
-            (true, _) => Form::Json,
-            (false, true) => Form::Moveit,
-            (false, false) => Form::Text,
-        };
-        let mut output = Output { form, status: super::SUCCESS, out: io::stdout().lock() };
-        let stdin = Path::new("-");
+        let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
-        for group in self.images.chunk_by(|a, b| a != stdin && b != stdin) {
-            if group == [stdin] {
+        for group in self.groups() {
+            if group == [Path::new("-")] {
                 self.run_stream(&means, &mut output)?;
                 continue;
             }
@@ -126,7 +134,25 @@ impl Recognise {
                 }
             }
         }
-        Ok(if self.undrawn.load(Ordering::Relaxed) { super::ERROR } else { output.status })
+        Ok(self.status_of(&output))
+    }
+
+    fn form(&self) -> Form {
+        match (self.json, self.robot.is_moveit()) {
+            (true, _) => Form::Json,
+            (false, true) => Form::Moveit,
+            (false, false) => Form::Text,
+        }
+    }
+
+    /// The pictures in their order, standard input by itself.
+    fn groups(&self) -> impl Iterator<Item = &[PathBuf]> {
+        let stdin = Path::new("-");
+        self.images.chunk_by(move |a, b| a != stdin && b != stdin)
+    }
+
+    fn status_of<W>(&self, output: &Output<W>) -> u8 {
+        if self.undrawn.load(Ordering::Relaxed) { super::ERROR } else { output.status }
     }
 
     /// Standard input, frame by frame: each is answered before the next is awaited.
@@ -175,14 +201,15 @@ impl Recognise {
         if let (Record::Answer(answer), Some(setting)) = (&mut record, &means.robot) {
             setting.complete(answer, &found);
         }
-        match self.draw(&record, &found, index) {
-            Ok(()) => record,
-            // The answer stands, drawn or not.
-            Err(error) => {
-                self.undrawn.store(true, Ordering::Relaxed);
-                let _ = writeln!(io::stderr(), "{name}: {error:#}");
-                record
-            }
+        self.drawn(&name, self.draw(&record, &found, index));
+        record
+    }
+
+    /// Tells of a drawing that could not be written; the answer stands, drawn or not.
+    fn drawn(&self, name: &str, outcome: anyhow::Result<()>) {
+        if let Err(error) = outcome {
+            self.undrawn.store(true, Ordering::Relaxed);
+            let _ = writeln!(io::stderr(), "{name}: {error:#}");
         }
     }
 
@@ -259,7 +286,7 @@ impl<W: Write> Output<W> {
                 self.out.write_all(b"\n")?;
             }
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
-                self.out.write_all(robot::yaml(answer).unwrap_or_default().as_bytes())?;
+                self.out.write_all(moveit::of_answer(answer).unwrap_or_default().as_bytes())?;
             }
             (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
             // Standard output is answers; why there is none belongs beside it.

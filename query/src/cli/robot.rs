@@ -1,10 +1,8 @@
 //! Options that ask for a robot's strategy.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::output::record::{Answer, ErrorRecord};
-use crate::recognise::Recognition;
-use crate::robot::{Camera, Object, RobotError, RobotHand, Seen, Strategy, moveit};
+use crate::robot::{Camera, Object, RobotError, RobotHand, Setting};
 
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
@@ -29,57 +27,26 @@ enum Format {
     Moveit,
 }
 
-/// The robot and all that is given to it, read once.
-#[derive(Debug)]
-pub(super) struct Setting {
-    hand: RobotHand,
-    object: Object,
-    camera: Camera,
-}
-
 impl RobotArguments {
     /// Reads what is named; `None` where no robot is.
     pub(super) fn read(&self) -> Result<Option<Setting>, RobotError> {
         let (Some(robot), Some(object), Some(camera)) = (&self.robot, &self.object, &self.camera) else {
             return Ok(None);
         };
-        let hand = RobotHand::find(robot)?;
-        let setting = Setting { hand, object: Object::read(object)?, camera: Camera::read(camera)? };
-        // Nothing that a picture shows can mend an object in its table.
-        setting.object.in_world(&setting.camera)?;
-        Ok(Some(setting))
+        let (hand, object, camera) = (RobotHand::find(robot)?, Object::read(object)?, Camera::read(camera)?);
+        Setting::new(hand, object, camera).map(Some)
+    }
+
+    /// The robot hand's name, and its description where that is a file; the object's and the camera's files.
+    pub(super) fn files(&self) -> Option<(&str, [Option<&Path>; 3])> {
+        let (robot, object, camera) = (self.robot.as_ref()?, self.object.as_deref(), self.camera.as_deref());
+        let described =
+            Some(Path::new(robot)).filter(|path| path.extension().is_some_and(|ext| ext == "toml"));
+        Some((robot, [described, object, camera]))
     }
 
     /// Whether strategies are written for MoveIt instead of records.
     pub(super) fn is_moveit(&self) -> bool {
         self.format == Some(Format::Moveit)
     }
-}
-
-impl Setting {
-    /// Puts the strategy into an answer, or why there is none. What is unknown is not imitated.
-    pub(super) fn complete(&self, answer: &mut Answer, found: &Recognition) {
-        if answer.reason.is_some() {
-            return;
-        }
-        let seen = Seen {
-            grasp: answer.grasp.clone(),
-            side: found.best.side,
-            camera_from_hand: found.best.vote.orientation.rotation,
-            spread_deg: found.best.vote.orientation.spread_deg,
-        };
-        match Strategy::new(&self.hand, &seen, &self.object, &self.camera) {
-            Ok(strategy) => answer.strategy = Some(strategy),
-            Err(error) => {
-                let message = error.to_string();
-                answer.error = Some(ErrorRecord { kind: error.kind(), message, is_rejection: false });
-            }
-        }
-    }
-}
-
-/// The YAML document of an answer, where it has a strategy.
-pub(super) fn yaml(answer: &Answer) -> Option<String> {
-    let id = answer.frame.map_or_else(|| answer.file.clone(), |frame| format!("{} {frame}", answer.file));
-    answer.strategy.as_ref().map(|strategy| moveit::yaml(strategy, &id, answer.probability))
 }

@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::Global;
 use super::effort::EffortArguments;
 use super::index_file::IndexFile;
+use crate::output::found::{QueryRecord, names, present};
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 
 const EXAMPLES: &str = "\
@@ -80,23 +81,6 @@ struct Summary {
     threads: usize,
     #[serde(flatten)]
     cost: MeanCost,
-}
-
-/// A line of `--neighbours`.
-#[derive(Serialize)]
-struct QueryRecord<'a> {
-    query: usize,
-    neighbours: Vec<NeighbourRecord<'a>>,
-}
-
-#[derive(Serialize)]
-struct NeighbourRecord<'a> {
-    id: u32,
-    distance: f32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grasp: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    file: Option<&'a str>,
 }
 
 impl Search {
@@ -276,11 +260,7 @@ impl Target {
 fn print_neighbours<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>) -> anyhow::Result<u8> {
     let mut out = BufWriter::new(io::stdout().lock());
     for (query, neighbours) in found.enumerate() {
-        let neighbours = present(neighbours).map(|neighbour| {
-            let (grasp, file) = names(index, neighbour.id);
-            NeighbourRecord { id: neighbour.id, distance: neighbour.distance, grasp, file }
-        });
-        let record = QueryRecord { query, neighbours: neighbours.collect() };
+        let record = QueryRecord::new(index, query, neighbours);
         serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
         out.write_all(b"\n")?;
     }
@@ -304,18 +284,4 @@ fn show<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>, count: 
         let _ = writeln!(io::stderr(), "and {more} more: --out IDS.npy writes all, --neighbours prints all");
     }
     Ok(())
-}
-
-/// Without the places that the index had no entry for.
-fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
-    neighbours.iter().filter(|neighbour| neighbour.id != u32::MAX)
-}
-
-/// An entry's class and file, where the index knows them.
-fn names(index: &Index, id: u32) -> (Option<&str>, Option<&str>) {
-    let Ok(entry) = index.entry(id) else {
-        return (None, None);
-    };
-    let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
-    (class.map(|class| class.name.as_str()), Some(entry.file).filter(|file| !file.is_empty()))
 }

@@ -37,6 +37,11 @@ pub(super) struct Selected {
 }
 
 impl Selection {
+    /// All rows of a table.
+    pub(super) fn all(labels: &Path) -> Self {
+        Self { labels: labels.to_owned(), conditions: Vec::new(), part: Part::All }
+    }
+
     /// The table's path.
     pub(super) fn path(&self) -> &Path {
         &self.labels

@@ -7,7 +7,7 @@ use std::io::{Cursor, Write as _};
 use std::path::Path;
 
 use grasp_index::{AtomicFile, Index};
-use image::RgbImage;
+use image::{ImageError, RgbImage};
 
 use crate::output::record::Answer;
 use crate::recognise::Recognition;
@@ -41,13 +41,22 @@ pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
     canvas.into_image()
 }
 
+/// A drawing as the bytes of a PNG.
+///
+/// # Errors
+/// Where it cannot be encoded.
+pub fn png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
+    let mut png = Vec::new();
+    image.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png)?;
+    Ok(png)
+}
+
 /// Writes a drawing as PNG: the whole of it, or nothing.
 ///
 /// # Errors
 /// Where the file cannot be written.
 pub fn save(image: &RgbImage, path: &Path) -> anyhow::Result<()> {
-    let mut png = Vec::new();
-    image.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png)?;
+    let png = png(image)?;
     let mut file = AtomicFile::create(path)?;
     file.write_all(&png)?;
     file.commit()?;

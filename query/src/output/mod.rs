@@ -1,5 +1,6 @@
 //! Answers as a person reads them and as a program does.
 
+pub mod found;
 pub mod human;
 pub mod record;
 pub mod view;

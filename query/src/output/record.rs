@@ -3,6 +3,7 @@
 use grasp_index::{EntryError, Index};
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
+use utoipa::ToSchema;
 
 use super::view;
 use crate::evaluate::confusion::UNKNOWN;
@@ -10,7 +11,7 @@ use crate::recognise::{RecogniseError, Recognition, Side, Timings};
 use crate::robot::Strategy;
 
 /// What is known about one input: an answer or an error.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Record {
     /// The input was recognised.
@@ -20,7 +21,7 @@ pub enum Record {
 }
 
 /// An input that was recognised.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Answer {
     /// The input as it was named; `-` for standard input.
     pub file: String,
@@ -57,7 +58,7 @@ pub struct Answer {
 }
 
 /// An input that has no answer.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Failure {
     /// The input as it was named.
     pub file: String,
@@ -69,7 +70,7 @@ pub struct Failure {
 }
 
 /// Why an input has no answer.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ErrorRecord {
     /// A short, stable name.
     pub kind: &'static str,
@@ -81,7 +82,7 @@ pub struct ErrorRecord {
 }
 
 /// A class and its probability.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ClassRecord {
     /// The class's name.
     pub grasp: String,
@@ -92,7 +93,7 @@ pub struct ClassRecord {
 }
 
 /// The rotation `camera_from_hand`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct OrientationRecord {
     /// As a unit quaternion x, y, z, w.
     pub quaternion_xyzw: [f64; 4],
@@ -107,7 +108,7 @@ pub struct OrientationRecord {
 }
 
 /// An entry of the index that is near to the input.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct NeighbourRecord {
     /// The entry's number in the index.
     pub id: u32,
@@ -130,7 +131,7 @@ pub struct NeighbourRecord {
 }
 
 /// What a search cost.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct SearchRecord {
     /// Tables that were looked into.
     pub tables: u32,

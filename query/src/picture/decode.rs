@@ -114,7 +114,16 @@ pub fn decode_grey16(bytes: &[u8]) -> Result<(usize, usize, Vec<u16>), DecodeErr
     }
 }
 
-fn dynamic(bytes: &[u8]) -> Result<DynamicImage, DecodeError> {
+/// Width and height in pixels as the header says, before an EXIF orientation; nothing is decoded.
+///
+/// # Errors
+/// Where the bytes are no picture.
+pub fn dimensions(bytes: &[u8]) -> Result<(u32, u32), DecodeError> {
+    Ok(open(bytes)?.dimensions())
+}
+
+/// Reads the header.
+fn open(bytes: &[u8]) -> Result<impl ImageDecoder + '_, DecodeError> {
     if bytes.is_empty() {
         return Err(DecodeError::Empty);
     }
@@ -127,7 +136,11 @@ fn dynamic(bytes: &[u8]) -> Result<DynamicImage, DecodeError> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 16);
     reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(explain)?;
+    reader.into_decoder().map_err(explain)
+}
+
+fn dynamic(bytes: &[u8]) -> Result<DynamicImage, DecodeError> {
+    let mut decoder = open(bytes)?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(DecodeError::TooLarge { width, height });

@@ -3,7 +3,7 @@
 mod decode;
 mod stream;
 
-pub use decode::{DecodeError, decode, decode_grey, decode_grey16, is_jpeg, read};
+pub use decode::{DecodeError, decode, decode_grey, decode_grey16, dimensions, is_jpeg, read};
 pub use stream::{Frames, StreamError};
 
 /// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged header does not.

@@ -71,7 +71,8 @@ pub async fn serve(
     }
 }
 
-fn router(table: Table) -> Router {
+/// The paths of the quiz, to be served alone or beside others.
+pub fn router(table: Table) -> Router {
     Router::new()
         .route("/", get(async || page("text/html; charset=utf-8", include_bytes!("page/index.html"))))
         .route("/quiz.css", get(async || page("text/css; charset=utf-8", include_bytes!("page/quiz.css"))))

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 /// Milliseconds of each step, summed over all hands and rolls that were tried.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, utoipa::ToSchema)]
 pub struct Timings {
     /// Bytes to pixels.
     pub decode_ms: f64,

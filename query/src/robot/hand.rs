@@ -92,7 +92,7 @@ pub enum Value {
 }
 
 /// An error that is tolerated.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Window {
     /// The object's place on the table may be wrong by as much as this in either direction, in metres.
@@ -152,11 +152,19 @@ impl RobotHand {
     /// # Errors
     /// [`RobotError::UnknownHand`], [`RobotError::Read`], [`RobotError::Format`].
     pub fn find(name: &str) -> Result<Self, RobotError> {
-        if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(name, text);
-        }
         if Path::new(name).extension().is_some_and(|extension| extension == "toml") {
             return Self::parse(name, &text(Path::new(name))?);
+        }
+        Self::built_in(name)
+    }
+
+    /// A hand that this program knows.
+    ///
+    /// # Errors
+    /// Where it knows none of that name.
+    pub fn built_in(name: &str) -> Result<Self, RobotError> {
+        if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+            return Self::parse(name, text);
         }
         let known = BUILT_IN.map(|(known, _)| known).join(", ");
         Err(RobotError::UnknownHand { name: name.to_owned(), known })

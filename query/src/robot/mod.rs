@@ -18,6 +18,7 @@ mod human;
 pub mod moveit;
 mod object;
 mod read;
+mod setting;
 pub mod simulation;
 mod strategy;
 
@@ -25,6 +26,7 @@ pub use camera::Camera;
 pub use error::RobotError;
 pub use hand::{RobotGrasp, RobotHand, Value, Way, Window};
 pub use object::{Frame, Object, Shape};
+pub use setting::Setting;
 pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};
 
 /// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the hand's approach, its y points to

@@ -6,6 +6,13 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::strategy::{Direction, Pose, Step, Strategy};
+use crate::output::record::Answer;
+
+/// The YAML document of an answer, where it has a strategy.
+pub fn of_answer(answer: &Answer) -> Option<String> {
+    let id = answer.frame.map_or_else(|| answer.file.clone(), |frame| format!("{} {frame}", answer.file));
+    answer.strategy.as_ref().map(|strategy| yaml(strategy, &id, answer.probability))
+}
 
 /// The message of one strategy as a YAML document, with its leading `---`.
 ///

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
+use utoipa::ToSchema;
 
 use super::hand::{RobotGrasp, RobotHand, Window};
 use super::human::HumanGrasp;
@@ -33,7 +34,7 @@ pub struct Seen {
 }
 
 /// What the robot does. JSON keys are an interface: they may be added to, never renamed. Metres, radians, newtons; quaternions x, y, z, w.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Strategy {
     /// The robot hand.
     pub robot: String,
@@ -78,7 +79,7 @@ pub struct Strategy {
 }
 
 /// A position and a rotation in a frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct Pose {
     /// `object` (about its middle) or `world`.
     pub frame: &'static str,
@@ -89,7 +90,7 @@ pub struct Pose {
 }
 
 /// A unit vector in a frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct Direction {
     /// `object`, `world`, or a link of the robot.
     pub frame: String,
@@ -98,7 +99,7 @@ pub struct Direction {
 }
 
 /// A part of the sequence.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 #[serde(tag = "step", rename_all = "lowercase")]
 pub enum Step {
     /// The fingers are brought into the open posture, away from the object.
@@ -138,7 +139,7 @@ pub enum Step {
 }
 
 /// How uncertain the estimate is, as standard deviations.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Estimate {
     /// Of the hand's position in each direction; null where it is unknown.
     pub position_m: Option<f64>,

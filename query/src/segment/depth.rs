@@ -1,5 +1,6 @@
 //! A mask from a depth picture: what lies between two distances.
 
+use std::fmt;
 use std::str::FromStr;
 
 use super::{Mask, component, median};
@@ -17,6 +18,12 @@ pub struct DepthRange {
     "a depth range is NEAR..FAR in the depth picture's unit, 1 <= NEAR <= FAR <= 65535, for example 400..900"
 )]
 pub struct DepthRangeError;
+
+impl fmt::Display for DepthRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.near, self.far)
+    }
+}
 
 impl FromStr for DepthRange {
     type Err = DepthRangeError;

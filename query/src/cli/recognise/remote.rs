@@ -1,0 +1,153 @@
+//! `grasp-query recognise --server`: the same output, by a service that is running.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use anyhow::Context as _;
+use grasp_index::AtomicFile;
+use rayon::prelude::*;
+
+use super::{Form, Output, Recognise, is_png};
+use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
+use crate::output::record::Record;
+use crate::picture::{self, Frames};
+use crate::recognise::RecogniseError;
+use crate::serve::DESCRIBED;
+use crate::serve::parameters::PictureParameters;
+
+/// A picture's answer, or the record of why the service was not asked or did not want it.
+enum Told {
+    Service(Answer),
+    Own(Record),
+}
+
+impl Recognise {
+    /// As a run by an own index, but for who answers.
+    pub(super) fn run_remote(&self, address: &Address) -> anyhow::Result<u8> {
+        // What is wrong with a mask or a robot is told in the same words, and before anything is sent.
+        self.source()?;
+        self.robot.read()?;
+        let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
+        let clients = Clients::new(address.clone(), token);
+        let mut output = Output { form: self.form(), status: crate::cli::SUCCESS, out: io::stdout().lock() };
+        let at_once = 4 * rayon::current_num_threads();
+        for group in self.groups() {
+            if group == [Path::new("-")] {
+                self.stream_remote(&clients, &mut output)?;
+                continue;
+            }
+            for batch in group.chunks(at_once) {
+                let ask = |path: &std::path::PathBuf| {
+                    let name = path.display().to_string();
+                    match picture::read(path) {
+                        Ok(bytes) => self.ask(&clients, name, None, bytes),
+                        Err(error) => Ok(Told::Own(Record::not_recognised(name, None, &error.into()))),
+                    }
+                };
+                let told: Vec<anyhow::Result<Told>> = match batch {
+                    [single] => vec![ask(single)],
+                    several => several.par_iter().map(ask).collect(),
+                };
+                for told in told {
+                    output.write_told(&told?)?;
+                }
+            }
+        }
+        Ok(self.status_of(&output))
+    }
+
+    fn stream_remote(&self, clients: &Clients, output: &mut Output<impl Write>) -> anyhow::Result<()> {
+        let mut frames = Frames::new(io::stdin().lock());
+        let name = || "-".to_owned();
+        let Some(first) = frames.next() else {
+            let empty = RecogniseError::Decode(picture::DecodeError::Empty);
+            return output.write(&Record::not_recognised(name(), None, &empty));
+        };
+        let mut held = Some(first);
+        let mut number = 0;
+        while let Some(frame) = held.take() {
+            let is_stream = number > 0 || frames.has_more();
+            let frame_number = is_stream.then_some(number);
+            let told = match frame {
+                Ok(bytes) => self.ask(clients, name(), frame_number, bytes)?,
+                Err(error) => Told::Own(Record::failed(name(), frame_number, "stream", error.to_string())),
+            };
+            output.write_told(&told)?;
+            held = frames.next();
+            number += 1;
+        }
+        Ok(())
+    }
+
+    fn ask(
+        &self,
+        clients: &Clients,
+        name: String,
+        frame: Option<u64>,
+        bytes: Vec<u8>,
+    ) -> anyhow::Result<Told> {
+        let read = |path: &Path| picture::read(path).map(Into::into);
+        let (robot, [described, object, camera]) =
+            self.robot.files().map_or((None, [None; 3]), |(name, files)| (Some(name), files));
+        let parts = Parts {
+            picture: bytes.into(),
+            mask: self.mask.as_deref().map(read).transpose()?,
+            depth: self.depth.as_deref().map(read).transpose()?,
+            robot: described.map(read).transpose()?,
+            object: object.map(read).transpose()?,
+            camera: camera.map(read).transpose()?,
+        };
+        let parameters = PictureParameters {
+            file: Some(name.clone()),
+            frame,
+            segmented: self.segmented,
+            depth_range: self.depth_range.map(|range| range.to_string()),
+            timings: self.timings,
+            robot: robot.map(|name| if described.is_some() { DESCRIBED } else { name }.to_owned()),
+            ..PictureParameters::of(&self.recognise.options())
+        };
+        let wanted = match self.form() {
+            Form::Json => Wanted::Json,
+            Form::Text => Wanted::Text,
+            Form::Moveit => Wanted::Moveit,
+        };
+        let answer = match clients.recognise(&parameters, &parts, wanted) {
+            Ok(answer) => answer,
+            Err(ClientError::Refused { is_picture: true, message, .. }) => {
+                return Ok(Told::Own(Record::failed(name, frame, "too_large", message)));
+            }
+            Err(error) => return Err(error.into()),
+        };
+        if let (Some(out), true) = (&self.explain, answer.is_answer) {
+            let drawing = clients.recognise(&parameters, &parts, Wanted::Drawing)?;
+            let path = if is_png(out) { out.clone() } else { out.join(super::drawing_name(&name, frame)) };
+            self.drawn(&name, write(&drawing.body, &path));
+        }
+        Ok(Told::Service(answer))
+    }
+}
+
+fn write(png: &[u8], path: &Path) -> anyhow::Result<()> {
+    let write = || -> anyhow::Result<()> {
+        let mut file = AtomicFile::create(path)?;
+        file.write_all(png)?;
+        Ok(file.commit()?)
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
+}
+
+impl<W: Write> Output<W> {
+    fn write_told(&mut self, told: &Told) -> anyhow::Result<()> {
+        let answer = match told {
+            Told::Own(record) => return self.write(record),
+            Told::Service(answer) => answer,
+        };
+        self.status = self.status.max(answer.exit);
+        if self.form == Form::Json || answer.is_answer {
+            self.out.write_all(&answer.body)?;
+        } else {
+            let _ = io::stderr().write_all(&answer.body);
+        }
+        Ok(self.out.flush()?)
+    }
+}

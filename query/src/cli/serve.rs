@@ -1,0 +1,278 @@
+//! `grasp-query serve`.
+
+use std::io::{self, Write as _};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use anyhow::{Context as _, bail};
+use tokio::net::TcpListener;
+
+use super::Global;
+use super::index_file::IndexFile;
+use super::quiz::{Means, make};
+use super::selection::Selection;
+use crate::quiz::server::Table;
+use crate::recognise::{RecogniseOptions, Recogniser};
+use crate::serve::{Ended, Event, Listener, Service, Settings};
+
+/// The exit status where Ctrl-C ended the service, as shells count it (128 + SIGINT).
+const INTERRUPTED: u8 = 130;
+/// What the order of the quiz comes from.
+const DEFAULT_SEED: u64 = 7;
+/// Where the service listens unless told otherwise.
+const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
+
+/// Answer over HTTP for as long as it runs: robots, scripts, and people by the page at /.
+///
+/// The index is mapped once. Where another file is put in its place (by `grasp-builder build --out` or by renaming), that one is
+/// checked and takes over between two requests; one that cannot be used is told, and the old one goes on. SIGHUP opens it anew at
+/// once. SIGTERM and Ctrl-C let the requests under way finish.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query serve --index grasp.idx                    the page: http://127.0.0.1:8750/
+  grasp-query serve --unix /run/grasp/grasp.sock         for programs of this machine
+  grasp-query serve --listen 0.0.0.0:8750 --token-file token.txt
+  curl --data-binary @cup.jpg http://127.0.0.1:8750/v1/recognise
+  grasp-query recognise --server http://127.0.0.1:8750 --json *.jpg
+
+/openapi.json describes every path. Exit status: 0 after SIGTERM, 130 after Ctrl-C, 2 where something failed or requests were
+cut short.")]
+pub(super) struct Serve {
+    #[command(flatten)]
+    index: IndexFile,
+    /// Where to listen; port 0 takes a free one [default: 127.0.0.1:8750, unless --unix is given].
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    listen: Option<SocketAddr>,
+    /// Listen at this path, for programs of the same user.
+    #[cfg(unix)]
+    #[arg(long, value_name = "PATH")]
+    unix: Option<PathBuf>,
+    /// Ask for the token in this file; needed to listen beyond this machine.
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
+    /// Requests that may wait while all threads work; more are told to try again later.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(0..=4096))]
+    queue: u16,
+    /// The largest request, in megabytes.
+    #[arg(long, value_name = "MB", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    max_body: u16,
+    /// The largest picture, in megapixels; its header is read before it is decoded.
+    #[arg(long, value_name = "MP", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=128))]
+    max_pixels: u16,
+    /// Seconds that a request may take to arrive, and as many to be answered.
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds)]
+    timeout: f64,
+    /// Seconds between two looks at whether another index lies at the path.
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = parse_seconds)]
+    poll: f64,
+    /// Let people name the grasps of labelled pictures as well, at /quiz/; see `grasp-query quiz`.
+    #[arg(long, value_name = "LABELS.csv")]
+    quiz: Option<PathBuf>,
+    /// Keep the quiz's answers in this table.
+    #[arg(long, value_name = "ANSWERS.csv", default_value = "answers.csv", requires = "quiz")]
+    quiz_out: PathBuf,
+    /// Seconds that requests under way may take after SIGTERM or Ctrl-C.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_seconds)]
+    drain: f64,
+}
+
+impl Serve {
+    pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let token = self.token_file.as_deref().map(super::token::read).transpose()?;
+        let address = self.address();
+        if let Some(address) = address.filter(|address| !address.ip().is_loopback())
+            && token.is_none()
+        {
+            bail!(
+                "{address} can be reached from other machines: name a file that holds a token with --token-file, or listen at 127.0.0.1"
+            );
+        }
+        let workers = match usize::from(global.threads) {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        };
+        let quiz = self.quiz.as_deref().map(|labels| self.quiz_table(labels)).transpose()?;
+        let service = Service::new(Settings {
+            index: self.index.path(),
+            no_mmap: self.index.is_read(),
+            workers,
+            queue: self.queue.into(),
+            most_bytes: usize::from(self.max_body) * 1_000_000,
+            most_pixels: u64::from(self.max_pixels) * 1_000_000,
+            timeout: Duration::from_secs_f64(self.timeout),
+            poll: Duration::from_secs_f64(self.poll),
+            drain: Duration::from_secs_f64(self.drain),
+            token,
+            local_names_only: true,
+            has_quiz: quiz.is_some(),
+        });
+        // Requests are worked on by threads that may block: as many as workers, and one to look after the index.
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(workers.min(4))
+            .max_blocking_threads(workers + 1)
+            .enable_all()
+            .build()?;
+        let ended = runtime.block_on(self.serve(service, quiz, address));
+        // Work that was cut short is not waited for.
+        runtime.shutdown_background();
+        ended
+    }
+
+    async fn serve(
+        &self,
+        service: Arc<Service>,
+        quiz: Option<Table>,
+        address: Option<SocketAddr>,
+    ) -> anyhow::Result<u8> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let stop = signals(&service, Arc::clone(&interrupted))?;
+        let mut listeners = Vec::new();
+        let mut names = Vec::new();
+        if let Some(address) = address {
+            let listener = TcpListener::bind(address)
+                .await
+                .with_context(|| format!("cannot listen at {address}: name another with --listen"))?;
+            names.push(format!("http://{}/", listener.local_addr()?));
+            listeners.push(Listener::Tcp(listener));
+        }
+        #[cfg(unix)]
+        let _socket = match &self.unix {
+            None => None,
+            Some(path) => {
+                let (listener, socket) = socket::bind(path).with_context(|| {
+                    format!("cannot listen at {}: name another path with --unix", path.display())
+                })?;
+                names.push(format!("unix:{}", path.display()));
+                listeners.push(Listener::Unix(listener));
+                Some(socket)
+            }
+        };
+        let index = self.index.path();
+        let name = index.display().to_string();
+        let tell = move |event: Event| {
+            let line = match event {
+                Event::Serving(1) => format!("{name} at {}; Ctrl-C ends the service", names.join(" and ")),
+                Event::Serving(generation) => format!("{name} was replaced: generation {generation}"),
+                Event::StillTheOld(problem) => format!("{problem}; the one before goes on"),
+            };
+            // Nobody may be there to be told; the service goes on.
+            let _ = writeln!(io::stderr(), "{line}");
+        };
+        if !index.exists() {
+            // With the advice on how to build one.
+            self.index.open()?;
+        }
+        let ended = service.run(listeners, quiz, stop, tell).await.map_err(anyhow::Error::msg)?;
+        Ok(match ended {
+            Ended::CutShort(count) => {
+                let _ =
+                    writeln!(io::stderr(), "{count} requests were cut short after {} seconds", self.drain);
+                super::ERROR
+            }
+            Ended::Drained if interrupted.load(Ordering::SeqCst) => INTERRUPTED,
+            Ended::Drained => super::SUCCESS,
+        })
+    }
+
+    /// The quiz's pictures and the program's own answers to them, by the index that lies at the path now.
+    fn quiz_table(&self, labels: &Path) -> anyhow::Result<Table> {
+        super::refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
+        let index = self.index.open_for_pictures()?;
+        let recogniser = Some(Recogniser::new(&index, RecogniseOptions::default()));
+        let means = Means { seed: DEFAULT_SEED, limit: usize::MAX, labelled_masks: false, recogniser };
+        let (quiz, _) = make(&Selection::all(labels), &self.quiz_out, &means)?;
+        Ok(Table::new(quiz))
+    }
+
+    fn address(&self) -> Option<SocketAddr> {
+        #[cfg(unix)]
+        let is_needed = self.unix.is_none();
+        #[cfg(not(unix))]
+        let is_needed = true;
+        self.listen.or_else(|| DEFAULT_ADDRESS.parse().ok().filter(|_| is_needed))
+    }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.01..=86_400.0).contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds from 0.01 to 86400 is needed".into())
+}
+
+/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the server starts.
+#[cfg(unix)]
+fn signals(
+    service: &Arc<Service>,
+    interrupted: Arc<AtomicBool>,
+) -> anyhow::Result<impl Future<Output = ()> + use<>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for Ctrl-C")?;
+    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for the end")?;
+    let mut hangup = signal(SignalKind::hangup()).context("cannot listen for SIGHUP")?;
+    let service = Arc::clone(service);
+    Ok(async move {
+        loop {
+            tokio::select! {
+                _ = interrupt.recv() => break interrupted.store(true, Ordering::SeqCst),
+                _ = terminate.recv() => break,
+                _ = hangup.recv() => service.reload(),
+            }
+        }
+    })
+}
+
+/// Ready when the program is asked to end.
+#[cfg(not(unix))]
+fn signals(
+    _: &Arc<Service>,
+    interrupted: Arc<AtomicBool>,
+) -> anyhow::Result<impl Future<Output = ()> + use<>> {
+    Ok(async move {
+        // Where Ctrl-C cannot be listened for, the system ends the program itself.
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending().await
+        }
+        interrupted.store(true, Ordering::SeqCst);
+    })
+}
+
+/// A socket in the file system.
+#[cfg(unix)]
+mod socket {
+    use std::fs::Permissions;
+    use std::io;
+    use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _};
+    use std::path::{Path, PathBuf};
+
+    use tokio::net::UnixListener;
+
+    /// Removes the socket when the service ends.
+    #[derive(Debug)]
+    pub(super) struct Socket(PathBuf);
+
+    impl Drop for Socket {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_file(&self.0);
+        }
+    }
+
+    /// Listens at a path, for the same user only. A socket that a killed service left behind is taken over; one that answers,
+    /// and whatever is no socket, is left alone.
+    pub(super) fn bind(path: &Path) -> io::Result<(UnixListener, Socket)> {
+        let is_left = std::fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_socket());
+        if is_left {
+            match std::os::unix::net::UnixStream::connect(path) {
+                Ok(_) => return Err(io::Error::other("another service answers there")),
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => std::fs::remove_file(path)?,
+                Err(error) => return Err(error),
+            }
+        }
+        let listener = UnixListener::bind(path)?;
+        let socket = Socket(path.to_owned());
+        std::fs::set_permissions(path, Permissions::from_mode(0o600))?;
+        Ok((listener, socket))
+    }
+}

@@ -1,0 +1,54 @@
+//! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to, never renamed.
+
+use grasp_index::{Index, Neighbour};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A query and its neighbours, nearest first.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct QueryRecord<'a> {
+    /// The query's place, from 0.
+    pub query: usize,
+    /// The nearest entries; fewer than were asked for where the index has fewer.
+    pub neighbours: Vec<FoundRecord<'a>>,
+}
+
+/// An entry that was found.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct FoundRecord<'a> {
+    /// The entry's number in the index.
+    pub id: u32,
+    /// The distance between the descriptors.
+    pub distance: f32,
+    /// Its class, where the index knows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<&'a str>,
+    /// The file that it was made from, where the index knows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<&'a str>,
+}
+
+impl<'a> QueryRecord<'a> {
+    /// The record of the query at place `query`.
+    pub fn new(index: &'a Index, query: usize, neighbours: &[Neighbour]) -> Self {
+        let neighbours = present(neighbours).map(|neighbour| {
+            let (grasp, file) = names(index, neighbour.id);
+            FoundRecord { id: neighbour.id, distance: neighbour.distance, grasp, file }
+        });
+        Self { query, neighbours: neighbours.collect() }
+    }
+}
+
+/// Without the places that the index had no entry for.
+pub fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
+    neighbours.iter().filter(|neighbour| neighbour.id != u32::MAX)
+}
+
+/// An entry's class and file, where the index knows them.
+pub fn names(index: &Index, id: u32) -> (Option<&str>, Option<&str>) {
+    let Ok(entry) = index.entry(id) else {
+        return (None, None);
+    };
+    let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
+    (class.map(|class| class.name.as_str()), Some(entry.file).filter(|file| !file.is_empty()))
+}

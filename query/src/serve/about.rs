@@ -1,0 +1,189 @@
+//! What the service says about itself and its index.
+
+use axum::Json;
+use axum::extract::{Path, Query, State};
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use image::ExtendedColorType;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::Shared;
+use super::explained::png;
+use super::metrics::Now;
+use super::problem::Problem;
+use grasp_index::{EPS_GRID, HashInfo};
+
+/// The index that is served. Its keys are an interface: they may be added to, never renamed.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct IndexRecord {
+    /// The file.
+    file: String,
+    /// 1 for the first index that was served, one more with each replacement.
+    generation: u64,
+    /// When it was opened, in seconds since 1970.
+    opened_at: u64,
+    /// Its length in bytes.
+    bytes: u64,
+    entries: usize,
+    /// Values of a descriptor.
+    dim: usize,
+    /// Whether it can tell what pictures show.
+    recognises: bool,
+    classes: Vec<ClassName>,
+    hand_shapes: Vec<String>,
+    stages: Vec<String>,
+    /// `learned` or `random`.
+    hash: &'static str,
+    /// How many neighbours vote.
+    k: u32,
+    /// Sides of the thumbnails in pixels; 0 where there are none.
+    thumbnail_side: u32,
+    /// What a search finds, as measured when the index was built.
+    efforts: Vec<EffortRecord>,
+    /// The values of eps that `eps_success` is told for.
+    eps: [f64; EPS_GRID.len()],
+    /// Whether people can name grasps at /quiz/.
+    quiz: bool,
+    /// Where the index comes from, as its builder states it.
+    provenance: Vec<(String, String)>,
+}
+
+/// A class of the index.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct ClassName {
+    grasp: String,
+    cutkosky: u8,
+}
+
+/// What so many probes find.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct EffortRecord {
+    probes: u32,
+    recall_at_10: f64,
+    eps_success: [f64; EPS_GRID.len()],
+    share_of_database: f64,
+}
+
+/// `GET /v1/index`.
+#[utoipa::path(get, path = "/v1/index", responses((status = 200, description = "The index that is served", body = IndexRecord)))]
+pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRecord>, Problem> {
+    let served = service.served()?;
+    let (index, catalogue) = (&served.index, served.index.catalogue());
+    let classes = catalogue.classes.iter();
+    let efforts = catalogue.measured.curve.iter().map(|point| EffortRecord {
+        probes: point.probes,
+        recall_at_10: point.recall_at_10,
+        eps_success: point.eps_success,
+        share_of_database: point.share_of_database,
+    });
+    Ok(Json(IndexRecord {
+        file: service.current.path().display().to_string(),
+        generation: served.generation,
+        opened_at: served.opened_at,
+        bytes: index.byte_len(),
+        entries: index.len(),
+        dim: index.dim(),
+        recognises: index.check_recognises().is_ok(),
+        classes: classes
+            .map(|class| ClassName { grasp: class.name.clone(), cutkosky: class.cutkosky })
+            .collect(),
+        hand_shapes: catalogue.hand_shapes.clone(),
+        stages: catalogue.stages.clone(),
+        hash: match catalogue.hash {
+            HashInfo::Random(_) => "random",
+            _ => "learned",
+        },
+        k: catalogue.calibration.k,
+        thumbnail_side: catalogue.thumbnail_side,
+        efforts: efforts.collect(),
+        eps: EPS_GRID,
+        quiz: service.settings.has_quiz,
+        provenance: catalogue.provenance.clone(),
+    }))
+}
+
+/// Which index a neighbour belongs to.
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(default, deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(super) struct OfIndex {
+    /// The index that named the neighbour, as the header `grasp-index-generation` told it; another one has other entries.
+    generation: Option<u64>,
+}
+
+/// `GET /v1/neighbours/{id}/thumbnail.png`.
+#[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", params(("id" = u32, Path, description = "The entry's number"), OfIndex),
+    responses((status = 200, description = "The entry's picture, grey", content_type = "image/png"),
+        (status = 404, description = "There is no such entry, or it has no picture", body = super::problem::ProblemRecord),
+        (status = 410, description = "The index that named the entry is no longer served", body = super::problem::ProblemRecord)))]
+pub(super) async fn thumbnail(
+    State(service): State<Shared>,
+    Path(id): Path<u32>,
+    Query(of): Query<OfIndex>,
+) -> Result<Response, Problem> {
+    let served = service.served()?;
+    if of.generation.is_some_and(|generation| generation != served.generation) {
+        let message = "the index that named this entry has been replaced: ask again what the picture shows";
+        return Err(Problem::new(StatusCode::GONE, "replaced", message));
+    }
+    let missing =
+        || Problem::new(StatusCode::NOT_FOUND, "no_thumbnail", format!("entry {id} has no picture"));
+    let side = served.index.catalogue().thumbnail_side as usize;
+    let grey = served.index.thumbnail(id).ok_or_else(missing)?;
+    let bytes = png(grey, (side, side), ExtendedColorType::L8).map_err(|_| Problem::lost())?;
+    Ok(([(header::CONTENT_TYPE, "image/png")], bytes).into_response())
+}
+
+/// Whether requests are answered, and what is wrong where they are not, or where a new index could not be used.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct Ready {
+    ready: bool,
+    /// `serving`, `opening` or `draining`.
+    state: &'static str,
+    /// The index that is served; null before the first.
+    generation: Option<u64>,
+    /// How many new index files could not be used.
+    reload_failures: u64,
+    /// What is wrong with the file that lies at the index's path now; null where nothing is.
+    problem: Option<String>,
+}
+
+/// `GET /readyz`.
+#[utoipa::path(get, path = "/readyz", responses((status = 200, description = "Requests are answered", body = Ready),
+    (status = 503, description = "The index is not open yet, or the service is about to end", body = Ready)))]
+pub(super) async fn ready(State(service): State<Shared>) -> Response {
+    let generation = service.current.get().map(|served| served.generation);
+    let trouble = service.current.trouble();
+    let state = match (service.is_draining(), generation) {
+        (true, _) => "draining",
+        (false, None) => "opening",
+        (false, Some(_)) => "serving",
+    };
+    let ready = state == "serving";
+    let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
+    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem: trouble.now };
+    (status, Json(record)).into_response()
+}
+
+/// `GET /healthz`.
+#[utoipa::path(get, path = "/healthz", responses((status = 200, description = "The program runs")))]
+pub(super) async fn health() -> &'static str {
+    "ok\n"
+}
+
+/// `GET /metrics`.
+#[utoipa::path(get, path = "/metrics", responses((status = 200, description = "Counters in the text form of Prometheus", content_type = "text/plain")))]
+pub(super) async fn metrics(State(service): State<Shared>) -> Response {
+    let (served, trouble) = (service.current.get(), service.current.trouble());
+    let now = Now {
+        generation: served.as_ref().map_or(0, |served| served.generation),
+        entries: served.as_ref().map_or(0, |served| served.index.len() as u64),
+        reload_failures: trouble.failures,
+        index_is_stale: trouble.now.is_some(),
+        inside: service.gate.inside(),
+        ready: served.is_some() && !service.is_draining(),
+    };
+    let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
+    ([(header::CONTENT_TYPE, kind)], service.metrics.text(now)).into_response()
+}

@@ -1,0 +1,168 @@
+//! What a request carries: a picture, alone or as a form with a mask or a depth picture beside it.
+
+use axum::body::Bytes;
+use axum::extract::{FromRequest as _, Multipart, Request};
+use axum::http::{StatusCode, header};
+
+use super::problem::Problem;
+use crate::picture;
+use crate::recognise::MaskSource;
+use crate::robot::{Camera, Object, RobotError, RobotHand, Setting};
+use crate::segment::Mask;
+use crate::segment::depth::DepthRange;
+
+/// The parts of a request, still encoded.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Input {
+    pub(super) picture: Bytes,
+    mask: Option<Bytes>,
+    depth: Option<Bytes>,
+    robot: Option<Bytes>,
+    object: Option<Bytes>,
+    camera: Option<Bytes>,
+}
+
+/// The name of a robot hand that the request itself describes.
+pub(crate) const DESCRIBED: &str = "described";
+
+/// The whole body as bytes. The router bounds its length.
+pub(super) async fn bytes(request: Request) -> Result<Bytes, Problem> {
+    Bytes::from_request(request, &())
+        .await
+        .map_err(|rejection| unreadable(rejection.status(), rejection.body_text()))
+}
+
+/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera` and `robot`.
+pub(super) async fn input(request: Request) -> Result<Input, Problem> {
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    let is_form = kind.is_some_and(|kind| kind.trim_start().starts_with("multipart/form-data"));
+    if !is_form {
+        return Ok(Input { picture: bytes(request).await?, ..Input::default() });
+    }
+    let form = Multipart::from_request(request, &()).await;
+    let mut form = form.map_err(|rejection| unreadable(rejection.status(), rejection.body_text()))?;
+    let mut input = Input::default();
+    let mut has_picture = false;
+    while let Some(part) =
+        form.next_field().await.map_err(|error| unreadable(error.status(), error.body_text()))?
+    {
+        let name = part.name().unwrap_or_default().to_owned();
+        let bytes = part.bytes().await.map_err(|error| unreadable(error.status(), error.body_text()))?;
+        let is_first = match name.as_str() {
+            "picture" => {
+                !std::mem::replace(&mut has_picture, true) && {
+                    input.picture = bytes;
+                    true
+                }
+            }
+            "mask" => input.mask.replace(bytes).is_none(),
+            "depth" => input.depth.replace(bytes).is_none(),
+            "robot" => input.robot.replace(bytes).is_none(),
+            "object" => input.object.replace(bytes).is_none(),
+            "camera" => input.camera.replace(bytes).is_none(),
+            other => {
+                return Err(Problem::bad_request(format!(
+                    "the form has a part `{other}`: its parts are picture, mask, depth, object, camera and robot"
+                )));
+            }
+        };
+        if !is_first {
+            return Err(Problem::bad_request(format!("the form has more than one {name}")));
+        }
+    }
+    if !has_picture {
+        return Err(Problem::bad_request("the form has no part `picture`"));
+    }
+    Ok(input)
+}
+
+fn unreadable(status: StatusCode, message: String) -> Problem {
+    if status == StatusCode::PAYLOAD_TOO_LARGE {
+        let message =
+            "the request is larger than the service reads: shrink the picture, or ask for less at once";
+        return Problem::new(status, "too_large", message);
+    }
+    Problem::bad_request(message)
+}
+
+impl Input {
+    /// Refuses pictures whose headers tell more pixels than `most`, before anything is decoded.
+    pub(super) fn check_pixels(&self, most: u64) -> Result<(), Problem> {
+        for encoded in [Some(&self.picture), self.mask.as_ref(), self.depth.as_ref()].into_iter().flatten() {
+            // What is no picture is told in its record.
+            let Ok((width, height)) = picture::dimensions(encoded) else { continue };
+            if u64::from(width) * u64::from(height) > most {
+                return Err(Problem::new(
+                    StatusCode::PAYLOAD_TOO_LARGE,
+                    "too_large",
+                    format!(
+                        "the header says {width} x {height} pixels; the service reads at most {most}: shrink the picture first"
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the hand's mask comes from. Decodes masks and depth pictures.
+    pub(super) fn source(&self, segmented: bool, range: Option<DepthRange>) -> Result<MaskSource, Problem> {
+        let named = [segmented, self.mask.is_some(), self.depth.is_some()];
+        if named.into_iter().filter(|is_named| *is_named).count() > 1 {
+            return Err(Problem::bad_request(
+                "only one of segmented, a mask and a depth picture can be given",
+            ));
+        }
+        let unusable = |what: &str, error: picture::DecodeError| {
+            Problem::bad_request(format!("cannot use the {what}: {error}"))
+        };
+        match (&self.mask, &self.depth, range) {
+            (Some(mask), ..) => {
+                let (width, height, grey) =
+                    picture::decode_grey(mask).map_err(|error| unusable("mask", error))?;
+                Ok(MaskSource::Given(Mask::from_grey(width, height, &grey)))
+            }
+            (_, Some(depth), Some(range)) => {
+                let (width, height, depth) =
+                    picture::decode_grey16(depth).map_err(|error| unusable("depth picture", error))?;
+                Ok(MaskSource::Depth { width, height, depth, range })
+            }
+            (_, Some(_), None) => Err(Problem::bad_request("a depth picture needs depth_range=NEAR..FAR")),
+            (_, None, Some(_)) => {
+                Err(Problem::bad_request("depth_range needs a depth picture, the part `depth`"))
+            }
+            _ if segmented => Ok(MaskSource::Segmented),
+            _ => Ok(MaskSource::Skin),
+        }
+    }
+
+    /// The robot that is asked for by `name`, with the object and the camera of the form.
+    pub(super) fn setting(&self, name: Option<&str>) -> Result<Option<Setting>, Problem> {
+        let parts = [&self.robot, &self.object, &self.camera];
+        let Some(name) = name else {
+            return match parts.into_iter().any(Option::is_some) {
+                true => {
+                    Err(Problem::bad_request("the form describes a robot's work: say robot=NAME as well"))
+                }
+                false => Ok(None),
+            };
+        };
+        let text = |part: &'static str, bytes: &Option<Bytes>| {
+            let bytes = bytes
+                .as_ref()
+                .ok_or_else(|| Problem::bad_request(format!("the form has no part `{part}`")))?;
+            String::from_utf8(bytes.to_vec())
+                .map_err(|_| Problem::bad_request(format!("the part `{part}` is no text")))
+        };
+        let wrong =
+            |error: RobotError| Problem::new(StatusCode::BAD_REQUEST, error.kind(), error.to_string());
+        let [robot, object, camera] = parts;
+        let hand = match name {
+            DESCRIBED => RobotHand::parse("robot", &text("robot", robot)?),
+            // No path: a request names no file of this machine.
+            _ => RobotHand::built_in(name),
+        };
+        let object = Object::parse("object", &text("object", object)?).map_err(wrong)?;
+        let camera = Camera::parse("camera", &text("camera", camera)?).map_err(wrong)?;
+        Setting::new(hand.map_err(wrong)?, object, camera).map(Some).map_err(wrong)
+    }
+}

@@ -1,0 +1,320 @@
+//! The options of a request: query parameters, named as the options of the command line are.
+
+use grasp_index::{Effort, SearchOptions, VoteOptions};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::recognise::{Accept, HandChoice, RecogniseOptions};
+use crate::segment::depth::DepthRange;
+
+/// The most turns that one request may ask for.
+const MOST_ROLLS: usize = 36;
+/// The most neighbours that one request may ask for.
+const MOST_K: usize = 1000;
+/// The success that `eps` alone asks for, as in the paper.
+const DEFAULT_SUCCESS: f64 = 0.95;
+
+/// Options of a picture's request.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
+#[serde(default, deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct PictureParameters {
+    /// What the record's `file` shall say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// What the record's `frame` shall say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u64>,
+    /// Which hand the picture shows; without it, both are tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hand: Option<HandChoice>,
+    /// Turn the picture so many times, evenly over the circle, 1 to 36.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolls: Option<usize>,
+    /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k: Option<usize>,
+    /// Width of the vote's kernel as a distance between descriptors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma: Option<f64>,
+    /// Width of the vote's kernel as a multiple of the index's measured sigma.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_scale: Option<f64>,
+    /// Take sigma from Equation 5 as it is printed.
+    #[serde(skip_serializing_if = "is_false")]
+    pub literal_sigma: bool,
+    /// Average Euler angles, as Equation 4 is printed.
+    #[serde(skip_serializing_if = "is_false")]
+    pub euler_mean: bool,
+    /// Whether a hand may be unknown: `calibrated`, by the limits of the index, or `always` a class; without it, calibrated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accept: Option<AcceptChoice>,
+    /// A hand is unknown where its nearest entry lies farther than this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unknown_at: Option<f64>,
+    /// Find this share of the true 10 nearest, above 0, at most 1; without it, 0.95.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recall: Option<f64>,
+    /// Find a neighbour at most 1 + eps times as far as the true nearest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eps: Option<f64>,
+    /// For this share of all queries.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub success: Option<f64>,
+    /// Look into so many buckets of each table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probes: Option<u32>,
+    /// Compare with every entry.
+    #[serde(skip_serializing_if = "is_false")]
+    pub exact: bool,
+    /// The picture is segmented already: a hand on black.
+    #[serde(skip_serializing_if = "is_false")]
+    pub segmented: bool,
+    /// NEAR..FAR: what of the depth picture is hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_range: Option<String>,
+    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or `described` by the form's part `robot`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// Add how long each step took.
+    #[serde(skip_serializing_if = "is_false")]
+    pub timings: bool,
+    /// Add mask, hand image and descriptor, to draw how the answer came about.
+    #[serde(skip_serializing_if = "is_false")]
+    pub explained: bool,
+}
+
+/// Whether a hand may be unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum AcceptChoice {
+    /// Every hand has a class.
+    Always,
+    /// By the limits that the index was calibrated with.
+    Calibrated,
+}
+
+/// Options of a request for neighbours.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[serde(default, deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct SearchParameters {
+    /// How many neighbours to find for each query, 1 to 1000; without it, 10.
+    pub k: Option<usize>,
+    /// Find this share of the true 10 nearest, above 0, at most 1; without it, 0.95.
+    pub recall: Option<f64>,
+    /// Find a neighbour at most 1 + eps times as far as the true nearest.
+    pub eps: Option<f64>,
+    /// For this share of all queries.
+    pub success: Option<f64>,
+    /// Look into so many buckets of each table.
+    pub probes: Option<u32>,
+    /// Compare with every entry.
+    #[serde(default)]
+    pub exact: bool,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+fn is_false(value: &bool) -> bool {
+    !value
+}
+
+impl PictureParameters {
+    /// The parameters that mean these options; a service that is sent them recognises as this program would.
+    pub fn of(options: &RecogniseOptions) -> Self {
+        let vote = options.vote;
+        let mut parameters = Self {
+            hand: Some(options.hand),
+            rolls: Some(options.rolls),
+            k: options.k,
+            sigma: vote.sigma,
+            sigma_scale: vote.sigma_scale,
+            literal_sigma: vote.literal_sigma,
+            euler_mean: vote.euler_mean,
+            ..Self::default()
+        };
+        match options.accept {
+            Accept::Always => parameters.accept = Some(AcceptChoice::Always),
+            Accept::Calibrated => parameters.accept = Some(AcceptChoice::Calibrated),
+            Accept::Within(farthest) => parameters.unknown_at = Some(farthest),
+        }
+        match options.effort {
+            Effort::Recall(recall) => parameters.recall = Some(recall),
+            Effort::Success { eps, success } => {
+                (parameters.eps, parameters.success) = (Some(eps), Some(success));
+            }
+            Effort::Probes(probes) => parameters.probes = Some(probes),
+            Effort::Exact => parameters.exact = true,
+        }
+        parameters
+    }
+
+    /// The options that these parameters mean, or what is wrong with them.
+    ///
+    /// # Errors
+    /// A message for the one who asked.
+    pub fn options(&self) -> Result<RecogniseOptions, String> {
+        let defaults = RecogniseOptions::default();
+        if self.sigma.is_some() && (self.sigma_scale.is_some() || self.literal_sigma)
+            || self.sigma_scale.is_some() && self.literal_sigma
+        {
+            return Err("only one of sigma, sigma_scale and literal_sigma can be given".into());
+        }
+        if self.accept.is_some() && self.unknown_at.is_some() {
+            return Err("only one of accept and unknown_at can be given".into());
+        }
+        let accept = match (positive("unknown_at", self.unknown_at)?, self.accept) {
+            (Some(farthest), _) => Accept::Within(farthest),
+            (None, Some(AcceptChoice::Always)) => Accept::Always,
+            (None, Some(AcceptChoice::Calibrated)) => Accept::Calibrated,
+            (None, None) => defaults.accept,
+        };
+        Ok(RecogniseOptions {
+            accept,
+            hand: self.hand.unwrap_or(defaults.hand),
+            rolls: count("rolls", self.rolls, MOST_ROLLS)?.unwrap_or(defaults.rolls),
+            k: count("k", self.k, MOST_K)?,
+            effort: effort(self.recall, self.eps, self.success, self.probes, self.exact)?,
+            vote: VoteOptions {
+                sigma: positive("sigma", self.sigma)?,
+                sigma_scale: positive("sigma_scale", self.sigma_scale)?,
+                literal_sigma: self.literal_sigma,
+                euler_mean: self.euler_mean,
+            },
+            ..defaults
+        })
+    }
+
+    /// The depths that are hand, where any are named.
+    pub(super) fn depth_range(&self) -> Result<Option<DepthRange>, String> {
+        let parse = |text: &String| text.parse().map_err(|error| format!("depth_range: {error}"));
+        self.depth_range.as_ref().map(parse).transpose()
+    }
+}
+
+impl SearchParameters {
+    /// The options that these parameters mean, or what is wrong with them.
+    pub(super) fn options(&self) -> Result<SearchOptions, String> {
+        Ok(SearchOptions {
+            k: count("k", self.k, MOST_K)?.unwrap_or(SearchOptions::default().k),
+            effort: effort(self.recall, self.eps, self.success, self.probes, self.exact)?,
+        })
+    }
+}
+
+fn count(name: &str, value: Option<usize>, most: usize) -> Result<Option<usize>, String> {
+    match value {
+        Some(count) if !(1..=most).contains(&count) => {
+            Err(format!("{name} is {count}: a whole number from 1 to {most} is needed"))
+        }
+        count => Ok(count),
+    }
+}
+
+fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, String> {
+    match value {
+        Some(number) if !(number.is_finite() && number > 0.0) => {
+            Err(format!("{name} is {number}: a number above 0 is needed"))
+        }
+        number => Ok(number),
+    }
+}
+
+/// What is wanted of the search. Whether the numbers can be is checked when it is searched.
+fn effort(
+    recall: Option<f64>,
+    eps: Option<f64>,
+    success: Option<f64>,
+    probes: Option<u32>,
+    exact: bool,
+) -> Result<Effort, String> {
+    let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];
+    if named.into_iter().filter(|is_named| *is_named).count() > 1 {
+        return Err("only one of recall, eps, probes and exact can be given".into());
+    }
+    let share = |name: &str, value: f64| {
+        let is_share = value > 0.0 && value <= 1.0;
+        is_share.then_some(value).ok_or(format!("{name} is {value}: a share above 0 and at most 1 is needed"))
+    };
+    match (recall, eps, success, probes) {
+        (_, None, Some(_), _) => Err("success needs eps".into()),
+        (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
+        (_, Some(eps), success, _) => {
+            if !(eps.is_finite() && eps >= 0.0) {
+                return Err(format!("eps is {eps}: a number of 0 or more is needed"));
+            }
+            let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
+            Ok(Effort::Success { eps, success })
+        }
+        (.., Some(0)) => Err("probes is 0: a whole number of 1 or more is needed".into()),
+        (.., Some(probes)) => Ok(Effort::Probes(probes)),
+        _ if exact => Ok(Effort::Exact),
+        _ => Ok(SearchOptions::default().effort),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn efforts() -> impl Strategy<Value = Effort> {
+        prop_oneof![
+            (1e-6f64..=1.0).prop_map(Effort::Recall),
+            (0.0f64..10.0, 1e-6f64..=1.0).prop_map(|(eps, success)| Effort::Success { eps, success }),
+            (1u32..).prop_map(Effort::Probes),
+            Just(Effort::Exact),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn options_survive_the_way_over_the_wire(
+            effort in efforts(),
+            hand in prop_oneof![Just(HandChoice::Auto), Just(HandChoice::Left), Just(HandChoice::Right)],
+            rolls in 1usize..=MOST_ROLLS,
+            k in proptest::option::of(1usize..=MOST_K),
+            sigma in proptest::option::of(1e-9f64..1e9),
+            euler_mean: bool,
+            accept in prop_oneof![Just(Accept::Always), Just(Accept::Calibrated), (1e-9f64..1e9).prop_map(Accept::Within)],
+        ) {
+            let vote = VoteOptions { sigma, euler_mean, ..VoteOptions::default() };
+            let options = RecogniseOptions { hand, rolls, k, effort, vote, accept, ..RecogniseOptions::default() };
+            let sent = serde_urlencoded::to_string(PictureParameters::of(&options)).unwrap();
+            let found = serde_urlencoded::from_str::<PictureParameters>(&sent).unwrap().options().unwrap();
+            prop_assert_eq!(format!("{found:?}"), format!("{options:?}"));
+        }
+
+        #[test]
+        fn no_query_panics_or_asks_for_too_much(query in ".*") {
+            if let Ok(options) =
+                serde_urlencoded::from_str::<PictureParameters>(&query).map_err(drop).and_then(|p| p.options().map_err(drop))
+            {
+                prop_assert!((1..=MOST_ROLLS).contains(&options.rolls) && options.k.is_none_or(|k| k <= MOST_K));
+            }
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused_by_name() {
+        for (query, says) in [
+            ("rolls=0", "rolls is 0"),
+            ("rolls=37", "1 to 36"),
+            ("k=1001", "1 to 1000"),
+            ("recall=0", "recall is 0"),
+            ("recall=0.9&exact=true", "only one of"),
+            ("success=0.9", "success needs eps"),
+            ("eps=NaN", "eps is NaN"),
+            ("sigma=-1", "sigma is -1"),
+            ("sigma=1&sigma_scale=1", "only one of"),
+            ("probes=0", "probes is 0"),
+        ] {
+            let parameters: PictureParameters = serde_urlencoded::from_str(query).unwrap();
+            let message = parameters.options().unwrap_err();
+            assert!(message.contains(says), "{query}: {message}");
+        }
+        for query in ["recal=0.9", "k=-1", "hand=both", "exact=yes", "k=1&k=2"] {
+            assert!(serde_urlencoded::from_str::<PictureParameters>(query).is_err(), "{query}");
+        }
+    }
+}

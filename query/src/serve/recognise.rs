@@ -1,0 +1,155 @@
+//! `POST /v1/recognise`: the work, between a body that was read and an answer that is sent.
+
+use axum::body::Bytes;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::body::Input;
+use super::current::Served;
+use super::explained::Explained;
+use super::metrics::Metrics;
+use super::parameters::PictureParameters;
+use super::problem::Problem;
+use crate::explain;
+use crate::output::human;
+use crate::output::record::Record;
+use crate::recognise::{RecogniseError, Recogniser};
+use crate::robot::moveit;
+
+/// The exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
+pub(super) const STATUS: HeaderName = HeaderName::from_static("grasp-status");
+/// Which index answered, counted from 1.
+pub(super) const GENERATION: HeaderName = HeaderName::from_static("grasp-index-generation");
+
+/// In which form an answer is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// The record that `--json` prints.
+    Json,
+    /// The text that a person reads.
+    Text,
+    /// The drawing that `--explain` makes.
+    Drawing,
+    /// The robot's strategy as the YAML that `--format moveit` prints.
+    Moveit,
+}
+
+impl Form {
+    pub(super) fn of(headers: &HeaderMap) -> Self {
+        let accept = headers.get(header::ACCEPT).and_then(|accept| accept.to_str().ok()).unwrap_or_default();
+        match accept.split([',', ';']).next().unwrap_or_default().trim() {
+            "text/plain" => Self::Text,
+            "image/png" => Self::Drawing,
+            "application/yaml" => Self::Moveit,
+            _ => Self::Json,
+        }
+    }
+}
+
+/// A record and, where that was asked for, what a drawing of it needs.
+#[derive(Debug, Serialize, ToSchema)]
+pub(super) struct ExplainedRecord {
+    #[serde(flatten)]
+    record: Record,
+    explained: Explained,
+}
+
+/// Recognises a picture; runs on a thread that may block.
+pub(super) fn answer(
+    served: &Served,
+    metrics: &Metrics,
+    input: &Input,
+    parameters: &PictureParameters,
+    form: Form,
+    most_pixels: u64,
+) -> Result<Response, Problem> {
+    let index = &served.index;
+    index
+        .check_recognises()
+        .map_err(|error| Problem::new(StatusCode::CONFLICT, "index", error.to_string()))?;
+    let options = parameters.options().map_err(Problem::bad_request)?;
+    input.check_pixels(most_pixels)?;
+    let range = parameters.depth_range().map_err(Problem::bad_request)?;
+    let source = input.source(parameters.segmented, range)?;
+    let setting = input.setting(parameters.robot.as_deref())?;
+    let name = parameters.file.clone().unwrap_or_else(|| "-".into());
+    let found = match Recogniser::new(index, options).recognise(&input.picture, &source) {
+        Ok(found) => found,
+        Err(error) => {
+            let record = Record::not_recognised(name, parameters.frame, &error);
+            return render(&record, form, status_of(&error), served.generation);
+        }
+    };
+    metrics.recognised(&found.timings, found.best.cost.candidates);
+    let mut record = match Record::answer(name.clone(), parameters.frame, &found, index, parameters.timings) {
+        Ok(record) => record,
+        Err(error) => {
+            let record = Record::failed(name, parameters.frame, "index", error.to_string());
+            return render(&record, form, StatusCode::INTERNAL_SERVER_ERROR, served.generation);
+        }
+    };
+    if let (Record::Answer(answer), Some(setting)) = (&mut record, &setting) {
+        setting.complete(answer, &found);
+    }
+    if let (Form::Moveit, Record::Answer(answer)) = (form, &record) {
+        return match moveit::of_answer(answer) {
+            Some(yaml) => {
+                Ok(send(&record, StatusCode::OK, served.generation, "application/yaml", yaml.into()))
+            }
+            None => render(&record, form, StatusCode::UNPROCESSABLE_ENTITY, served.generation),
+        };
+    }
+    if let (Form::Drawing, Record::Answer(answer)) = (form, &record) {
+        let drawing = explain::png(&explain::draw(&found, answer, index)).map_err(|_| Problem::lost())?;
+        return Ok(send(&record, StatusCode::OK, served.generation, "image/png", drawing.into()));
+    }
+    if parameters.explained && form == Form::Json {
+        let explained = Explained::new(&found, index, served.generation).map_err(|_| Problem::lost())?;
+        let status = record.status();
+        let body = json_line(&ExplainedRecord { record, explained })?;
+        return Ok(send_with(status, StatusCode::OK, served.generation, "application/json", body));
+    }
+    render(&record, form, StatusCode::OK, served.generation)
+}
+
+/// The status of a picture that has no answer.
+fn status_of(error: &RecogniseError) -> StatusCode {
+    match error {
+        RecogniseError::NoHand | RecogniseError::Hand(_) => StatusCode::UNPROCESSABLE_ENTITY,
+        RecogniseError::Decode(_) | RecogniseError::Source(_) => StatusCode::BAD_REQUEST,
+        RecogniseError::Search(_) => StatusCode::BAD_REQUEST,
+    }
+}
+
+/// A record as a line of JSON or as text; in place of a drawing that cannot be made, as JSON.
+fn render(record: &Record, form: Form, status: StatusCode, generation: u64) -> Result<Response, Problem> {
+    Ok(match form {
+        Form::Text | Form::Moveit => {
+            send(record, status, generation, "text/plain; charset=utf-8", human::text(record).into())
+        }
+        Form::Json | Form::Drawing => {
+            send(record, status, generation, "application/json", json_line(record)?)
+        }
+    })
+}
+
+fn json_line(value: &impl Serialize) -> Result<Bytes, Problem> {
+    let mut line = serde_json::to_vec(value).map_err(|_| Problem::lost())?;
+    line.push(b'\n');
+    Ok(line.into())
+}
+
+fn send(record: &Record, status: StatusCode, generation: u64, kind: &'static str, body: Bytes) -> Response {
+    send_with(record.status(), status, generation, kind, body)
+}
+
+fn send_with(exit: u8, status: StatusCode, generation: u64, kind: &'static str, body: Bytes) -> Response {
+    let headers = [
+        (header::CONTENT_TYPE, HeaderValue::from_static(kind)),
+        (STATUS, HeaderValue::from(u16::from(exit))),
+        (GENERATION, HeaderValue::from(generation)),
+    ];
+    (status, headers, body).into_response()
+}

@@ -1,0 +1,95 @@
+//! `POST /v1/search`: raw descriptors in, neighbours out.
+
+use axum::body::Bytes;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use grasp_index::npy::{NpyError, NpyHeader, NpyType};
+use grasp_index::{Index, SearchError};
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::current::Served;
+use super::parameters::SearchParameters;
+use super::problem::Problem;
+use super::recognise::GENERATION;
+use crate::output::found::QueryRecord;
+
+/// The most neighbours that one request may be answered with: some 10 MB of JSON.
+const MOST_NEIGHBOURS: usize = 100_000;
+/// How a file in NumPy's format begins.
+const NPY: &[u8] = b"\x93NUMPY";
+
+/// Descriptors as JSON.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Queries {
+    /// Rows of the index's dimension.
+    descriptors: Vec<Vec<f32>>,
+}
+
+/// Searches for all descriptors of a body; runs on a thread that may block.
+pub(super) fn answer(
+    served: &Served,
+    body: &Bytes,
+    parameters: &SearchParameters,
+) -> Result<Response, Problem> {
+    let index = &served.index;
+    let options = parameters.options().map_err(Problem::bad_request)?;
+    let queries = read(body, index)?;
+    let rows = queries.len() / index.dim().max(1);
+    if rows.saturating_mul(options.k) > MOST_NEIGHBOURS {
+        return Err(Problem::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            "too_large",
+            format!(
+                "{rows} queries for {} neighbours each: a request is answered with at most {MOST_NEIGHBOURS}",
+                options.k
+            ),
+        ));
+    }
+    let mut found = Vec::with_capacity(rows * options.k);
+    index.searcher().batch(&queries, &options, &mut found).map_err(refused)?;
+    let mut lines = Vec::with_capacity(found.len() * 64);
+    for (query, neighbours) in found.chunks_exact(options.k.max(1)).enumerate() {
+        serde_json::to_writer(&mut lines, &QueryRecord::new(index, query, neighbours))
+            .map_err(|_| Problem::lost())?;
+        lines.push(b'\n');
+    }
+    let headers = [
+        (header::CONTENT_TYPE, HeaderValue::from_static("application/x-ndjson")),
+        (GENERATION, HeaderValue::from(served.generation)),
+    ];
+    Ok((headers, lines).into_response())
+}
+
+/// The values of all queries, row by row: told by the first bytes, NumPy's format or JSON.
+fn read(body: &Bytes, index: &Index) -> Result<Vec<f32>, Problem> {
+    let dim = index.dim();
+    let values = if body.starts_with(NPY) {
+        let wrong = |error: NpyError| Problem::bad_request(error.to_string());
+        let mut rest: &[u8] = body;
+        let header = NpyHeader::read(&mut rest, NpyType::F32).map_err(wrong)?;
+        if header.columns != dim as u64 {
+            return Err(wrong(NpyError::Columns { found: header.columns, expected: dim }));
+        }
+        header.read_values(&mut rest).map_err(wrong)?
+    } else {
+        let queries: Queries = serde_json::from_slice(body).map_err(|error| {
+            Problem::bad_request(format!(
+                "neither an array in NumPy's format nor JSON of the form {{\"descriptors\": [[...]]}}: {error}"
+            ))
+        })?;
+        if let Some(row) = queries.descriptors.iter().find(|row| row.len() != dim) {
+            return Err(refused(SearchError::WrongLength { expected: dim, found: row.len() }));
+        }
+        queries.descriptors.concat()
+    };
+    if values.is_empty() {
+        return Err(Problem::bad_request("there is no descriptor to search for"));
+    }
+    Ok(values)
+}
+
+fn refused(error: SearchError) -> Problem {
+    Problem::new(StatusCode::BAD_REQUEST, "search", error.to_string())
+}

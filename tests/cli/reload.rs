@@ -1,0 +1,198 @@
+//! `grasp-query serve` while its index is replaced: every request is answered, and rightly.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use grasp_tests::service::{Response, Service};
+use grasp_tests::{pictures, program, run, small_index};
+
+/// Another index than the small one: other views, other answers.
+fn other_index(folder: &Path) -> PathBuf {
+    let path = folder.join("other.idx");
+    let built = run(program("grasp-builder").args(["build", "--step", "45", "--out"]).arg(&path));
+    assert_eq!(built.status, 0, "{}", built.stderr);
+    path
+}
+
+fn start(index: &Path, poll: &str) -> Service {
+    Service::start(|command| {
+        command.arg("--index").arg(index).args(["--poll", poll]);
+    })
+}
+
+fn picture() -> Vec<u8> {
+    fs::read(pictures().join("segmented/09-pinch.png")).unwrap()
+}
+
+fn ask(service: &Service) -> Response {
+    service.post("/v1/recognise?segmented=true&hand=right", &picture())
+}
+
+/// What the command line says by an index.
+fn answer_of(index: &Path) -> String {
+    let mut command = program("grasp-query");
+    command.args(["recognise", "--segmented", "--hand", "right", "--json", "-", "--index"]).arg(index);
+    let outcome = grasp_tests::run_with_input(&mut command, &picture());
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    outcome.stdout
+}
+
+/// Puts a copy of `from` in the place of `to`, as a builder does.
+fn replace(from: &Path, to: &Path) {
+    let beside = to.with_extension("new");
+    fs::copy(from, &beside).unwrap();
+    fs::rename(&beside, to).unwrap();
+}
+
+/// Asks from several threads while `meanwhile` runs, and checks every answer; how many there were of each index.
+fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -> Vec<u64> {
+    let counts: Vec<AtomicU64> = answers.iter().map(|_| AtomicU64::new(0)).collect();
+    let over = AtomicBool::new(false);
+    let by_generation = std::sync::Mutex::new(HashMap::<String, usize>::new());
+    std::thread::scope(|scope| {
+        for _ in 0..3 {
+            scope.spawn(|| {
+                while !over.load(Ordering::SeqCst) {
+                    let answer = ask(service);
+                    assert_eq!(answer.status, 200, "{}", answer.text());
+                    let at = answers.iter().position(|expected| *expected == answer.text());
+                    let at = at.unwrap_or_else(|| panic!("an answer of no index: {}", answer.text()));
+                    counts[at].fetch_add(1, Ordering::SeqCst);
+                    // A generation is one index and never another.
+                    let generation = answer.header("grasp-index-generation").unwrap().to_owned();
+                    let known = *by_generation.lock().unwrap().entry(generation).or_insert(at);
+                    assert_eq!(known, at);
+                }
+            });
+        }
+        // The others must end also where this fails.
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(meanwhile));
+        over.store(true, Ordering::SeqCst);
+        if let Err(panic) = outcome {
+            std::panic::resume_unwind(panic);
+        }
+    });
+    counts.into_iter().map(AtomicU64::into_inner).collect()
+}
+
+#[test]
+fn a_hundred_replacements_under_load_lose_no_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    let indexes = [small_index().to_owned(), other_index(folder.path())];
+    let answers = indexes.each_ref().map(|index| answer_of(index));
+    assert_ne!(answers[0], answers[1]);
+    replace(&indexes[0], &served);
+    let service = start(&served, "0.01");
+    let counts = under_load(&service, &answers, || {
+        for round in 1..=100 {
+            replace(&indexes[round % 2], &served);
+            service.wait_until("the replacement", |service| {
+                service.metric("grasp_index_generation") > round as f64
+            });
+            assert_eq!(ask(&service).text(), answers[round % 2], "after replacement {round}");
+        }
+    });
+    assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
+    assert_eq!(service.metric("grasp_index_generation"), 101.0);
+    assert_eq!(service.metric("grasp_index_reload_failures_total"), 0.0);
+    assert_eq!(service.metric("grasp_panics_total"), 0.0);
+}
+
+#[test]
+fn a_file_that_cannot_be_used_changes_nothing_and_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    replace(small_index(), &served);
+    let mut service = start(&served, "0.01");
+    let answer = answer_of(small_index());
+    let whole = fs::read(small_index()).unwrap();
+    let mut flipped = whole.clone();
+    // In the middle of an array: opening does not see it, reading it through does.
+    flipped[whole.len() / 2] ^= 0x10;
+    let wrong: [(&[u8], &str); 4] = [
+        (b"", "empty"),
+        (b"no index at all", "not"),
+        (&whole[..whole.len() / 2], "truncated"),
+        (&flipped, "corrupt"),
+    ];
+    for (failures, (bytes, says)) in (1u32..).zip(wrong) {
+        let broken = folder.path().join("broken");
+        fs::write(&broken, bytes).unwrap();
+        replace(&broken, &served);
+        service.wait_until("the failure", |service| {
+            service.metric("grasp_index_reload_failures_total") == f64::from(failures)
+        });
+        let ready = service.get("/readyz");
+        let problem = ready.json()["problem"].as_str().unwrap().to_owned();
+        assert!(ready.status == 200 && problem.contains(says), "{problem}");
+        assert!(service.line().contains("the one before goes on"));
+        assert_eq!(ask(&service).text(), answer);
+    }
+    fs::remove_file(&served).unwrap();
+    service.wait_until("the loss", |service| service.metric("grasp_index_reload_failures_total") == 5.0);
+    assert_eq!((ask(&service).text(), service.metric("grasp_index_stale")), (answer.clone(), 1.0));
+    // Each is told once, however often it is looked at.
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(service.metric("grasp_index_reload_failures_total"), 5.0);
+
+    replace(small_index(), &served);
+    service.wait_until("the sound one", |service| service.metric("grasp_index_generation") == 2.0);
+    assert!(service.get("/readyz").json()["problem"].is_null());
+    assert_eq!((ask(&service).text(), service.metric("grasp_index_stale")), (answer, 0.0));
+}
+
+#[test]
+fn a_hangup_opens_the_index_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    replace(small_index(), &served);
+    let mut service = start(&served, "86400");
+    service.signal("HUP");
+    assert!(service.line().ends_with("generation 2"));
+    assert_eq!(ask(&service).header("grasp-index-generation"), Some("2"));
+}
+
+#[test]
+fn a_builder_at_work_or_killed_disturbs_nobody() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    replace(small_index(), &served);
+    let service = start(&served, "0.01");
+    let (mut before, other) = (vec![answer_of(small_index())], other_index(folder.path()));
+    let build = || {
+        let mut command = program("grasp-builder");
+        command.args(["build", "--step", "45", "--no-progress", "--out"]).arg(&served);
+        command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+        command
+    };
+    under_load(&service, &before, || {
+        for wait in [0, 30, 60, 100, 150, 200, 250, 300] {
+            let mut builder = build().spawn().unwrap();
+            std::thread::sleep(Duration::from_millis(wait));
+            if builder.try_wait().unwrap().is_some() {
+                // This machine is too fast to be killed so late.
+                replace(small_index(), &served);
+                break;
+            }
+            let killed = Command::new("kill").args(["-9", &builder.id().to_string()]).status().unwrap();
+            assert!(killed.success());
+            builder.wait().unwrap();
+        }
+    });
+    assert_eq!(service.metric("grasp_index_reload_failures_total"), 0.0);
+    let sound = run(program("grasp-builder").arg("verify").arg(&served));
+    assert_eq!(sound.status, 0, "{}", sound.stderr);
+
+    before.push(answer_of(&other));
+    let generation = service.metric("grasp_index_generation");
+    under_load(&service, &before, || {
+        assert!(build().status().unwrap().success());
+        service.wait_until("the new index", |service| service.metric("grasp_index_generation") > generation);
+        assert_eq!(ask(&service).text(), before[1]);
+    });
+}

@@ -1,0 +1,219 @@
+//! `grasp-query recognise --server`: what a running service says is what the program would have said.
+
+use std::path::Path;
+
+use grasp_tests::service::Service;
+use grasp_tests::{Outcome, pictures, program, run, run_with_input, small_index, workspace};
+
+fn service(more: &[&str]) -> Service {
+    Service::start(|command| {
+        command.arg("--index").arg(small_index()).args(more);
+    })
+}
+
+/// The program in the folder of the sample pictures.
+fn recognise(by: &[&str], arguments: &[&str], input: &[u8]) -> Outcome {
+    let mut command = program("grasp-query");
+    command.current_dir(pictures()).arg("recognise").args(by).args(arguments);
+    run_with_input(&mut command, input)
+}
+
+/// Runs both ways and compares all that is printed.
+fn compare(server: &str, arguments: &[&str], input: &[u8]) -> Outcome {
+    let own = recognise(&["--index", small_index().to_str().unwrap()], arguments, input);
+    let other = recognise(&["--server", server], arguments, input);
+    assert_eq!(other.stdout, own.stdout, "{arguments:?}");
+    assert_eq!(other.stderr, own.stderr, "{arguments:?}");
+    assert_eq!(other.status, own.status, "{arguments:?}");
+    other
+}
+
+#[test]
+fn output_and_exit_status_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("s");
+    let service = service(&["--unix", socket.to_str().unwrap()]);
+    let (http, unix) = (format!("http://{}", service.address()), format!("unix:{}", socket.display()));
+    let cameras = [
+        "camera/01-large-diameter.jpg",
+        "camera/no-hand.jpg",
+        "camera/09-pinch.jpg",
+        "labels.csv",
+        "missing.jpg",
+    ];
+    for server in [&http, &unix] {
+        for form in [["--json"].as_slice(), &[]] {
+            let all = compare(server, &[form, &cameras].concat(), b"");
+            assert_eq!(all.status, 2);
+            compare(server, &[form, &["camera/no-hand.jpg"]].concat(), b"");
+        }
+    }
+    for arguments in [
+        ["segmented/09-pinch.png", "--mask", "mask/09-pinch.png"].as_slice(),
+        &["segmented/09-pinch.png", "--mask", "labels.csv"],
+        &["segmented/09-pinch.png", "--mask", "missing.png"],
+        &["camera/09-pinch.jpg", "--mask", "mask/09-pinch.png"],
+        &[
+            "segmented/12-precision-disc.png",
+            "--segmented",
+            "--hand",
+            "right",
+            "--k",
+            "4",
+            "--json",
+            "--recall",
+            "0.9",
+        ],
+        &[
+            "segmented/12-precision-disc.png",
+            "--segmented",
+            "--eps",
+            "0.1",
+            "--sigma-scale",
+            "0.5",
+            "--rolls",
+            "3",
+        ],
+        &[
+            "segmented/12-precision-disc.png",
+            "--segmented",
+            "--exact",
+            "--literal-sigma",
+            "--euler-mean",
+            "--json",
+        ],
+    ] {
+        compare(&http, arguments, b"");
+    }
+}
+
+#[test]
+fn frames_of_a_pipe_are_answered_one_by_one() {
+    let service = service(&[]);
+    let server = format!("http://{}/", service.address());
+    let picture = std::fs::read(pictures().join("camera/09-pinch.jpg")).unwrap();
+    let other = std::fs::read(pictures().join("camera/no-hand.jpg")).unwrap();
+    let frames = [picture.as_slice(), &other, &picture].concat();
+    let told = compare(&server, &["--json", "-"], &frames);
+    assert_eq!(told.json_lines().len(), 3);
+    compare(&server, &["--json", "-"], &picture);
+    compare(&server, &["-"], b"");
+}
+
+#[test]
+fn a_drawing_is_the_same() {
+    let service = service(&[]);
+    let server = format!("http://{}", service.address());
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = |by: &[&str], name: &str| {
+        let out = folder.path().join(name);
+        let outcome = recognise(by, &["camera/09-pinch.jpg", "--explain", out.to_str().unwrap()], b"");
+        assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+        std::fs::read(out).unwrap()
+    };
+    let own = drawn(&["--index", small_index().to_str().unwrap()], "own.png");
+    assert_eq!(drawn(&["--server", &server], "other.png"), own);
+}
+
+#[test]
+fn depth_pictures_are_sent_along() {
+    let service = service(&[]);
+    let server = format!("http://{}", service.address());
+    let folder = tempfile::tempdir().unwrap();
+    let mask = image::open(pictures().join("mask/09-pinch.png")).unwrap().into_luma8();
+    let depth = image::ImageBuffer::from_fn(mask.width(), mask.height(), |x, y| {
+        image::Luma([if mask.get_pixel(x, y).0[0] > 127 { 600u16 } else { 2000 }])
+    });
+    let path = folder.path().join("depth.png");
+    depth.save(&path).unwrap();
+    let depth = path.to_str().unwrap();
+    let told = compare(
+        &server,
+        &["segmented/09-pinch.png", "--depth", depth, "--depth-range", "400..900", "--json"],
+        b"",
+    );
+    assert_eq!(told.status, 0, "{}", told.stderr);
+}
+
+#[test]
+fn a_robot_is_told_the_same() {
+    let service = service(&[]);
+    let server = format!("http://{}", service.address());
+    let data = workspace().join("query/data");
+    let path = |name: &str| data.join(name).to_str().unwrap().to_owned();
+    let (object, camera, hand) =
+        (path("objects/bottle.toml"), path("objects/camera.toml"), path("robots/barrett.toml"));
+    let picture = ["camera/01-large-diameter.jpg", "--hand", "right"];
+    for robot in ["barrett", "parallel-gripper", &hand] {
+        let robot = ["--robot", robot, "--object", &object, "--camera", &camera];
+        for form in [["--json"].as_slice(), &[], &["--format", "moveit"]] {
+            compare(&server, &[form, &picture, &robot].concat(), b"");
+        }
+    }
+    compare(
+        &server,
+        &[picture.as_slice(), &["--robot", "elephant", "--object", &object, "--camera", &camera]].concat(),
+        b"",
+    );
+    // A request names no file of the service's machine.
+    let path = format!("/v1/strategy?robot={hand}");
+    let answer = service.post(&path, b"");
+    assert_eq!(answer.status, 400, "{}", answer.text());
+}
+
+#[test]
+fn a_service_that_does_not_answer_is_an_error_that_says_so() {
+    let picture = pictures().join("camera/09-pinch.jpg");
+    let ask = |server: &str, more: &[&str]| {
+        run(program("grasp-query").args(["recognise", "--server", server]).args(more).arg(&picture))
+    };
+    let nobody = ask("http://127.0.0.1:1", &[]);
+    assert!(nobody.status == 2 && nobody.stderr.contains("grasp-query serve"), "{}", nobody.stderr);
+    let nobody = ask("unix:/nowhere/at/all", &[]);
+    assert!(nobody.status == 2 && nobody.stderr.contains("no service answers"), "{}", nobody.stderr);
+    let form = ask("ftp://robot", &[]);
+    assert!(form.status == 2 && form.stderr.contains("http://HOST:PORT"), "{}", form.stderr);
+
+    let folder = tempfile::tempdir().unwrap();
+    let token = folder.path().join("token");
+    std::fs::write(&token, "0123456789abcdef").unwrap();
+    let token: &Path = &token;
+    let guarded = service(&["--token-file", token.to_str().unwrap(), "--max-body", "1"]);
+    let server = format!("http://{}", guarded.address());
+    let refused = ask(&server, &[]);
+    assert!(refused.status == 2 && refused.stderr.contains("token is needed"), "{}", refused.stderr);
+    let shown = ask(&server, &["--token-file", token.to_str().unwrap()]);
+    assert_eq!(shown.status, 0, "{}", shown.stderr);
+    // A picture that the service does not want is no reason not to ask for the others.
+    let large = folder.path().join("large.ppm");
+    std::fs::write(&large, [b"P6 700 700 255\n".as_slice(), &vec![0; 700 * 700 * 3]].concat()).unwrap();
+    let both = ask(&server, &["--json", "--token-file", token.to_str().unwrap(), large.to_str().unwrap()]);
+    let lines = both.json_lines();
+    assert_eq!((both.status, &lines[0]["error"]["kind"]), (2, &"too_large".into()));
+    assert!(lines[1]["grasp"].is_string());
+}
+
+#[test]
+fn who_is_told_to_wait_waits() {
+    let service = service(&["--threads", "1", "--queue", "0"]);
+    let server = format!("http://{}", service.address());
+    let told = std::thread::scope(|scope| {
+        let ask = || {
+            recognise(
+                &["--server", &server, "--threads", "4"],
+                &[
+                    "--json",
+                    "camera/09-pinch.jpg",
+                    "camera/no-hand.jpg",
+                    "camera/09-pinch.jpg",
+                    "camera/02-small-diameter.jpg",
+                ],
+                b"",
+            )
+        };
+        [scope.spawn(ask), scope.spawn(ask)].map(|asker| asker.join().unwrap())
+    });
+    for outcome in told {
+        assert_eq!((outcome.status, outcome.json_lines().len()), (1, 4), "{}", outcome.stderr);
+    }
+}

@@ -1,0 +1,414 @@
+//! `grasp-query serve`: the answers of the command line over HTTP, and what it does with askers who want too much.
+
+use std::io::Write as _;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+
+use grasp_tests::service::{Response, Service, request};
+use grasp_tests::{pictures, program, run, small_index, workspace};
+use serde_json::Value;
+
+fn serve(more: &[&str]) -> Service {
+    Service::start(|command| {
+        command.arg("--index").arg(small_index()).args(more);
+    })
+}
+
+fn sample(name: &str) -> Vec<u8> {
+    std::fs::read(pictures().join(name)).unwrap()
+}
+
+/// A form of files, as `curl -F` sends it.
+fn form(parts: &[(&str, &[u8])]) -> (String, Vec<u8>) {
+    let mut body = Vec::new();
+    for (name, bytes) in parts {
+        body.extend_from_slice(
+            format!("--x1x\r\nContent-Disposition: form-data; name=\"{name}\"; filename=\"f\"\r\n\r\n")
+                .as_bytes(),
+        );
+        body.extend_from_slice(bytes);
+        body.extend_from_slice(b"\r\n");
+    }
+    body.extend_from_slice(b"--x1x--\r\n");
+    ("Content-Type: multipart/form-data; boundary=x1x\r\n".into(), body)
+}
+
+/// The command line's answer to the same.
+fn recognise(arguments: &[&str]) -> grasp_tests::Outcome {
+    run(program("grasp-query")
+        .current_dir(pictures())
+        .args(["recognise", "--index"])
+        .arg(small_index())
+        .args(arguments))
+}
+
+#[test]
+fn answers_are_those_of_the_command_line() {
+    let service = serve(&[]);
+    for (name, query, options) in [
+        ("camera/09-pinch.jpg", "", [].as_slice()),
+        ("camera/10-power-sphere-left.jpg", "&rolls=4&k=5", &["--rolls", "4", "--k", "5"]),
+        ("camera/no-hand.jpg", "", &[]),
+        ("labels.csv", "", &[]),
+        (
+            "segmented/12-precision-disc.png",
+            "&segmented=true&hand=right",
+            &["--segmented", "--hand", "right"],
+        ),
+        (
+            "segmented/09-pinch.png",
+            "&segmented=true&exact=true&sigma=0.3",
+            &["--segmented", "--exact", "--sigma", "0.3"],
+        ),
+    ] {
+        let path = format!("/v1/recognise?file={name}{query}");
+        let printed = recognise(&[["--json", name].as_slice(), options].concat());
+        let answer = service.post(&path, &sample(name));
+        assert_eq!(answer.text(), printed.stdout, "{name}");
+        assert_eq!(answer.header("grasp-status"), Some(printed.status.to_string().as_str()), "{name}");
+        assert_eq!(answer.status == 200, printed.status == 0, "{name}");
+
+        let printed = recognise(&[[name].as_slice(), options].concat());
+        let text = service.send(&request("POST", &path, "Accept: text/plain\r\n", &sample(name)));
+        assert_eq!(text.text(), if printed.status == 0 { printed.stdout } else { printed.stderr }, "{name}");
+    }
+    let (picture, mask) = (sample("segmented/09-pinch.png"), sample("mask/09-pinch.png"));
+    let (kind, body) = form(&[("mask", &mask), ("picture", &picture)]);
+    let answer = service.send(&request("POST", "/v1/recognise?file=segmented/09-pinch.png", &kind, &body));
+    let printed = recognise(&["--json", "segmented/09-pinch.png", "--mask", "mask/09-pinch.png"]);
+    assert_eq!(answer.text(), printed.stdout);
+
+    let out = tempfile::tempdir().unwrap();
+    let drawn = out.path().join("why.png");
+    recognise(&["camera/09-pinch.jpg", "--explain", drawn.to_str().unwrap()]);
+    let path = "/v1/recognise?file=camera/09-pinch.jpg";
+    let drawing =
+        service.send(&request("POST", path, "Accept: image/png\r\n", &sample("camera/09-pinch.jpg")));
+    assert_eq!(drawing.body, std::fs::read(drawn).unwrap());
+}
+
+#[test]
+fn descriptors_are_searched_for_as_by_the_command_line() {
+    let service = serve(&[]);
+    let folder = tempfile::tempdir().unwrap();
+    let queries = folder.path().join("q.npy");
+    let made = run(program("grasp-builder").args(["queries", "--count", "20", "--out"]).arg(&queries));
+    assert_eq!(made.status, 0, "{}", made.stderr);
+    let printed = run(program("grasp-query")
+        .args(["search", "--neighbours", "--k", "3", "--exact", "--index"])
+        .arg(small_index())
+        .arg(&queries));
+    let bytes = std::fs::read(&queries).unwrap();
+    let answer = service.post("/v1/search?k=3&exact=true", &bytes);
+    assert_eq!((answer.status, answer.text()), (200, printed.stdout.clone()));
+
+    let dim = service.get("/v1/index").json()["dim"].as_u64().unwrap() as usize;
+    let values = bytes[bytes.len() - dim * 4..].chunks_exact(4);
+    let last: Vec<f32> = values.map(|value| f32::from_le_bytes(value.try_into().unwrap())).collect();
+    let body = serde_json::json!({ "descriptors": [last] }).to_string();
+    let answer = service.post("/v1/search?k=3&exact=true", body.as_bytes()).json();
+    let expected: Value = serde_json::from_str(printed.stdout.lines().last().unwrap()).unwrap();
+    assert_eq!(answer["neighbours"], expected["neighbours"]);
+
+    for (query, body, status, says) in [
+        ("", "{\"descriptors\":[[1.0]]}", 400, "the query has 1 values"),
+        ("", "{\"descriptors\":[]}", 400, "no descriptor"),
+        ("", "[1]", 400, "NumPy"),
+        ("", "", 400, "NumPy"),
+        ("", "\u{93}NUMPY", 400, ""),
+        ("?k=0", "{}", 400, "k is 0"),
+        ("?kk=1", "{}", 400, "kk"),
+    ] {
+        let answer = service.post(&format!("/v1/search{query}"), body.as_bytes());
+        assert_eq!(answer.status, status, "{body}: {}", answer.text());
+        let message = answer.json()["error"]["message"].as_str().unwrap().to_owned();
+        assert!(message.contains(says), "{body}: {message}");
+    }
+    let many =
+        format!("{{\"descriptors\":[{}]}}", vec![format!("[{}]", vec!["0.5"; dim].join(",")); 101].join(","));
+    assert_eq!(service.post("/v1/search?k=1000", many.as_bytes()).status, 413);
+}
+
+#[test]
+fn an_answer_can_be_explained_and_its_neighbours_looked_at() {
+    let service = serve(&[]);
+    let answer = service.post("/v1/recognise?explained=true", &sample("camera/09-pinch.jpg"));
+    let record = answer.json();
+    let explained = &record["explained"];
+    assert!(record["grasp"].is_string(), "the record is there as well");
+    assert_eq!((explained["width"].as_u64(), explained["height"].as_u64()), (Some(320), Some(240)));
+    for picture in ["mask", "hand_image"] {
+        assert!(explained[picture].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"), "{picture}");
+    }
+    let cells = explained["cells"].as_array().unwrap();
+    let values: usize = cells.iter().map(|cell| cell["histogram"].as_array().unwrap().len()).sum();
+    assert_eq!(values as u64, explained["dim"].as_u64().unwrap());
+
+    let nearest = record["neighbours"][0]["id"].as_u64().unwrap();
+    let of = |generation: &str| service.get(&format!("/v1/neighbours/{nearest}/thumbnail.png{generation}"));
+    assert!(of("?generation=1").body.starts_with(b"\x89PNG"));
+    assert!(of("").body.starts_with(b"\x89PNG"));
+    assert_eq!(of("?generation=2").status, 410);
+    assert_eq!(service.get("/v1/neighbours/4294967295/thumbnail.png").status, 404);
+    assert_eq!(service.get("/v1/neighbours/-1/thumbnail.png").status, 400);
+}
+
+#[test]
+fn it_says_what_it_serves_and_how_it_does() {
+    let service = serve(&[]);
+    let index = service.get("/v1/index").json();
+    assert_eq!(index["classes"].as_array().unwrap().len(), 6);
+    assert_eq!((&index["generation"], &index["recognises"]), (&1.into(), &true.into()));
+    assert_eq!(service.get("/readyz").json()["state"], "serving");
+    assert_eq!(service.get("/healthz").text(), "ok\n");
+    assert_eq!(service.post("/v1/recognise", &sample("camera/09-pinch.jpg")).status, 200);
+    assert_eq!(service.metric("grasp_step_seconds_count{step=\"segmentation\"}"), 1.0);
+    assert_eq!(service.metric("grasp_requests_total{path=\"/v1/recognise\",status=\"200\"}"), 1.0);
+    assert_eq!(service.metric("grasp_candidates_count"), 1.0);
+
+    let described = service.get("/openapi.json").json();
+    assert!(described["openapi"].as_str().unwrap().starts_with("3."));
+    let paths: Vec<&String> = described["paths"].as_object().unwrap().keys().collect();
+    assert!(paths.contains(&&"/v1/recognise".to_owned()) && paths.contains(&&"/v1/search".to_owned()));
+    // Every key of a real record is described, and every schema that is named is there.
+    let record = service.post("/v1/recognise?timings=true", &sample("camera/09-pinch.jpg")).json();
+    let schemas = &described["components"]["schemas"];
+    for key in record.as_object().unwrap().keys() {
+        assert!(!schemas["Answer"]["properties"][key].is_null(), "{key} is not described");
+    }
+    let text = described.to_string();
+    for named in text.split("#/components/schemas/").skip(1) {
+        let name = named.split('"').next().unwrap();
+        assert!(!schemas[name].is_null(), "{name} is not described");
+    }
+}
+
+#[test]
+fn nonsense_is_refused_and_nothing_falls() {
+    let service = serve(&["--max-body", "1", "--max-pixels", "1"]);
+    let too_long = vec![0u8; 1_000_001];
+    assert_eq!(service.post("/v1/recognise", &too_long).status, 413);
+    // A header that asks for a gigapixel; nothing of that size is ever made.
+    let mut forged = sample("segmented/09-pinch.png");
+    forged[16..24].copy_from_slice(&[0, 0, 0x80, 0, 0, 0, 0x80, 0]);
+    let (kind, huge_mask) =
+        form(&[("picture", &sample("segmented/09-pinch.png")), ("mask", b"P5 30000 30000 255\n")]);
+    let answer = service.send(&request("POST", "/v1/recognise", &kind, &huge_mask));
+    assert_eq!(answer.status, 413, "{}", answer.text());
+    let crc = service.post("/v1/recognise", &forged);
+    assert!((400..500).contains(&crc.status), "{}", crc.text());
+    let ppm = service.post("/v1/recognise", b"P6 30000 30000 255\n");
+    assert_eq!((ppm.status, &ppm.json()["error"]["kind"]), (413, &"too_large".into()));
+
+    for (query, says) in [
+        ("rolls=0", "rolls"),
+        ("rolls=1000000", "1 to 36"),
+        ("nothing=1", "nothing"),
+        ("hand=both", "hand"),
+        ("recall=2", "recall"),
+        ("depth_range=1..2", "depth picture"),
+        ("k=99999999999999999999999", "k"),
+        ("%ff=%ff", ""),
+    ] {
+        let answer = service.post(&format!("/v1/recognise?{query}"), &sample("camera/09-pinch.jpg"));
+        assert_eq!(answer.status, 400, "{query}: {}", answer.text());
+        let message = answer.json()["error"]["message"].as_str().unwrap().to_owned();
+        assert!(message.contains(says), "{query}: {message}");
+    }
+    let picture = sample("segmented/09-pinch.png");
+    for parts in [
+        [("mask", picture.as_slice()), ("mask", &picture)].as_slice(),
+        &[("picture", &picture), ("picture", &picture)],
+        &[("elephant", &picture)],
+        &[("picture", &picture), ("depth", &picture)],
+        &[("picture", &picture), ("mask", b"no picture")],
+        &[],
+    ] {
+        let (kind, body) = form(parts);
+        let answer = service.send(&request("POST", "/v1/recognise", &kind, &body));
+        assert_eq!(answer.status, 400, "{}", answer.text());
+        let cut = service.send(&request("POST", "/v1/recognise", &kind, &body[..body.len() / 2]));
+        assert_eq!(cut.status, 400, "{}", cut.text());
+    }
+    for (method, path, status) in [
+        ("GET", "/v1/recognise", 405),
+        ("POST", "/v1/index", 405),
+        ("GET", "/nowhere", 404),
+        ("GET", "/../Cargo.toml", 404),
+        ("POST", "/v1/recognise", 400),
+    ] {
+        assert_eq!(service.send(&request(method, path, "", b"")).status, status, "{method} {path}");
+    }
+    assert_eq!(service.send(b"nonsense\r\n\r\n").status, 400);
+    let elsewhere = service.send(b"GET /v1/index HTTP/1.1\r\nHost: example.com\r\nConnection: close\r\n\r\n");
+    assert_eq!(elsewhere.status, 403, "another site's page cannot ask under its own name");
+    assert_eq!(service.post("/v1/recognise", &sample("camera/09-pinch.jpg")).status, 200);
+    assert_eq!(service.metric("grasp_panics_total"), 0.0);
+    assert_eq!(service.metric("grasp_requests_inside"), 0.0);
+}
+
+/// Sends the head of a request and half of its body.
+fn half(service: &Service, body: &[u8]) -> std::net::TcpStream {
+    let mut stream = service.connect();
+    let whole = request("POST", "/v1/recognise", "", body);
+    let half = whole.len() - body.len() / 2;
+    stream.write_all(&whole[..half]).unwrap();
+    service.wait_until("the request to be let in", |service| service.metric("grasp_requests_inside") >= 1.0);
+    stream
+}
+
+#[test]
+fn who_cannot_wait_is_told_when_to_come_back() {
+    let service = serve(&["--threads", "1", "--queue", "0"]);
+    let picture = sample("camera/09-pinch.jpg");
+    let mut first = half(&service, &picture);
+    let second = service.post("/v1/recognise", &picture);
+    assert_eq!((second.status, second.header("retry-after")), (429, Some("1")));
+    assert_eq!(second.json()["error"]["kind"], "busy");
+    first.write_all(&picture[picture.len() - picture.len() / 2..]).unwrap();
+    assert_eq!(Response::read(&mut first).unwrap().status, 200);
+    assert_eq!(service.post("/v1/recognise", &picture).status, 200);
+}
+
+#[test]
+fn who_sends_too_slowly_is_sent_away() {
+    let service = serve(&["--timeout", "0.2"]);
+    let picture = sample("camera/09-pinch.jpg");
+    let mut slow = half(&service, &picture);
+    let answer = Response::read(&mut slow).unwrap();
+    assert_eq!((answer.status, &answer.json()["error"]["kind"]), (408, &"timeout".into()));
+    service.wait_until("its place", |service| service.metric("grasp_requests_inside") == 0.0);
+    // One who went away gives the place back as well.
+    drop(half(&service, &picture));
+    service.wait_until("its place", |service| service.metric("grasp_requests_inside") == 0.0);
+}
+
+#[test]
+fn requests_under_way_are_finished_before_the_end() {
+    let mut service = serve(&[]);
+    let picture = sample("camera/09-pinch.jpg");
+    let mut first = half(&service, &picture);
+    service.signal("TERM");
+    service.wait_until("readiness to end", |service| service.get("/readyz").status == 503);
+    assert_eq!(service.get("/readyz").json()["state"], "draining");
+    assert_eq!(service.post("/v1/recognise", &picture).status, 503, "no more is begun");
+    first.write_all(&picture[picture.len() - picture.len() / 2..]).unwrap();
+    assert_eq!(Response::read(&mut first).unwrap().status, 200);
+    assert_eq!(service.wait(), 0);
+
+    let mut interrupted = serve(&[]);
+    interrupted.signal("INT");
+    assert_eq!(interrupted.wait(), 130);
+
+    let mut impatient = serve(&["--drain", "0.2"]);
+    let _never_sent = half(&impatient, &picture);
+    impatient.signal("TERM");
+    assert_eq!(impatient.wait(), 2);
+    assert!(impatient.line().contains("1 requests were cut short"));
+}
+
+#[test]
+fn beyond_this_machine_a_token_is_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused =
+        run(program("grasp-query").args(["serve", "--listen", "0.0.0.0:0", "--index"]).arg(small_index()));
+    assert!(refused.status == 2 && refused.stderr.contains("--token-file"), "{}", refused.stderr);
+    let token = folder.path().join("token");
+    for bad in ["", "short", "a token of several words, which is none", "with-a-semicolon;-----------"] {
+        std::fs::write(&token, bad).unwrap();
+        let refused = run(program("grasp-query")
+            .args(["serve", "--token-file"])
+            .arg(&token)
+            .arg("--index")
+            .arg(small_index()));
+        assert!(refused.status == 2 && refused.stderr.contains("holds no token"), "{}", refused.stderr);
+    }
+    std::fs::write(&token, "0123456789abcdef\n").unwrap();
+    let mut command = program("grasp-query");
+    command.args(["serve", "--listen", "0.0.0.0:0", "--token-file"]).arg(&token);
+    let service = Service::of(command.arg("--index").arg(small_index()));
+    let ask = |path: &str, headers: &str| service.send(&request("GET", path, headers, b""));
+    for path in ["/v1/index", "/metrics", "/v1/neighbours/0/thumbnail.png"] {
+        let answer = ask(path, "");
+        assert_eq!((answer.status, answer.header("www-authenticate")), (401, Some("Bearer")), "{path}");
+        assert_eq!(ask(path, "Authorization: Bearer 0123456789abcdeX\r\n").status, 401, "{path}");
+        assert_eq!(ask(path, "Authorization: Bearer 0123456789abcdef\r\n").status, 200, "{path}");
+    }
+    for path in ["/", "/page.js", "/healthz", "/readyz"] {
+        assert_eq!(ask(path, "").status, 200, "{path}");
+    }
+    let wrong = request("POST", "/session", "Authorization: Bearer wrong\r\n", b"");
+    assert_eq!(service.send(&wrong).status, 401);
+    let session =
+        service.send(&request("POST", "/session", "Authorization: Bearer 0123456789abcdef\r\n", b""));
+    let cookie = session.header("set-cookie").unwrap();
+    assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"), "{cookie}");
+    let shown = format!("Cookie: {}\r\n", cookie.split(';').next().unwrap());
+    assert_eq!(ask("/v1/index", &shown).status, 200);
+}
+
+#[test]
+fn a_socket_serves_its_own_user_and_is_taken_over_from_the_dead() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("grasp.sock");
+    let start = || serve(&["--unix", path.to_str().unwrap()]);
+    let ask = || {
+        let mut stream = UnixStream::connect(&path).unwrap();
+        stream.write_all(&request("GET", "/healthz", "", b"")).unwrap();
+        Response::read(&mut stream).unwrap().status
+    };
+    let mut first = start();
+    assert_eq!(ask(), 200);
+    assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    let second =
+        run(program("grasp-query").args(["serve", "--unix"]).arg(&path).arg("--index").arg(small_index()));
+    assert!(second.status == 2 && second.stderr.contains("another service answers"), "{}", second.stderr);
+    first.signal("KILL");
+    first.wait();
+    assert!(path.exists());
+    let mut third = start();
+    assert_eq!(ask(), 200);
+    third.signal("TERM");
+    assert_eq!(third.wait(), 0);
+    assert!(!path.exists());
+    let occupied: &Path = &workspace().join("Cargo.toml");
+    let refused =
+        run(program("grasp-query").args(["serve", "--unix"]).arg(occupied).arg("--index").arg(small_index()));
+    assert_eq!(refused.status, 2);
+    assert!(occupied.is_file());
+}
+
+#[test]
+fn the_quiz_lives_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let labels = pictures().join("labels.csv");
+    let answers = folder.path().join("answers.csv");
+    let service = serve(&["--quiz", labels.to_str().unwrap(), "--quiz-out", answers.to_str().unwrap()]);
+    assert_eq!(service.get("/v1/index").json()["quiz"], true);
+    assert_eq!(service.get("/quiz").header("location"), Some("/quiz/"));
+    assert!(service.get("/quiz/").text().contains("quiz.js"));
+    assert_eq!(service.get("/quiz/state").json()["answered"], 0);
+    let answer = request(
+        "POST",
+        "/quiz/answer",
+        "Content-Type: application/json\r\n",
+        b"{\"picture\":0,\"answer\":1}",
+    );
+    assert_eq!(service.send(&answer).json()["answered"], 1);
+    assert_eq!(std::fs::read_to_string(&answers).unwrap().lines().count(), 2);
+    assert_eq!(serve(&[]).get("/quiz/").status, 404);
+}
+
+#[test]
+fn without_a_sound_index_it_does_not_start() {
+    let missing =
+        run(program("grasp-query").args(["serve", "--listen", "127.0.0.1:0", "--index", "missing.idx"]));
+    assert!(missing.status == 2 && missing.stderr.contains("grasp-builder build"), "{}", missing.stderr);
+    let folder = tempfile::tempdir().unwrap();
+    let broken = folder.path().join("broken.idx");
+    std::fs::write(&broken, &std::fs::read(small_index()).unwrap()[..1000]).unwrap();
+    let refused =
+        run(program("grasp-query").args(["serve", "--listen", "127.0.0.1:0", "--index"]).arg(&broken));
+    assert!(refused.status == 2 && refused.stderr.contains("truncated"), "{}", refused.stderr);
+}
