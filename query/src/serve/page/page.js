@@ -105,7 +105,7 @@ function show(blob, record) {
   $("answer").hidden = false;
   $("verdict").textContent = record.reason ? "unknown" : `${inWords(record.grasp)}, ${percent(record.probability)}`;
   $("words").textContent = `A ${record.hand} hand. The camera sees ${orientation.camera_sees}, the fingers point ${orientation.fingers_point}, give or take ${Math.round(orientation.spread_deg)}°.`
-    + (record.reason ? ` Unknown, for ${record.reason}.` : "");
+    + (record.reason ? ` Unknown: ${record.reason}.` : "");
   URL.revokeObjectURL($("picture").src);
   $("picture").src = URL.createObjectURL(blob);
   // A format that no browser knows shows as its mask alone.
