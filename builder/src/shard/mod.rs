@@ -1,7 +1,7 @@
 //! One part of an index, made by one of many machines: `build`, up to where the hash is made.
 //!
 //! A [`Source`]'s pieces are split evenly and in order. What a build would hand to its index, a shard writes to a file, a
-//! [part](PartWriter), to the last bit; [`mod@crate::merge`] reads the parts in order and does the rest of the build. So a merged
+//! part, to the last bit; [`mod@crate::merge`] reads the parts in order and does the rest of the build. So a merged
 //! index is, byte for byte, the one that a single machine builds.
 
 mod header;
