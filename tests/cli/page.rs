@@ -63,7 +63,7 @@ fn a_dropped_picture_is_answered_with_its_neighbours() {
         "[...document.querySelectorAll('#neighbours li')].map((li) => [li.querySelector('strong').textContent, li.querySelector('img').alt, li.querySelector('svg').getAttribute('aria-label')])",
     );
     let expected = answer["neighbours"].as_array().unwrap();
-    assert_eq!(neighbours.as_array().unwrap().len(), expected.len());
+    assert_eq!(neighbours.as_array().unwrap().len(), expected.len().min(14));
     for (seen, entry) in neighbours.as_array().unwrap().iter().zip(expected) {
         let name = entry["grasp"].as_str().unwrap().replace('-', " ");
         assert_eq!(seen[0], name.as_str());

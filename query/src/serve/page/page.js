@@ -168,9 +168,12 @@ function drawClasses({ classes }) {
   $("classes").querySelector("tbody").replaceChildren(...rows);
 }
 
+// Neighbours that are shown, however many vote.
+const MOST_NEIGHBOURS = 14;
+
 // The paper's Figure 5.
 function drawNeighbours({ neighbours, classes, explained, search }) {
-  $("neighbours").replaceChildren(...neighbours.map((neighbour) => {
+  $("neighbours").replaceChildren(...neighbours.slice(0, MOST_NEIGHBOURS).map((neighbour) => {
     const name = inWords(neighbour.grasp);
     const picture = element("img", { alt: `${name}, ${neighbour.stage}`, width: 96, height: 96 });
     picture.src = `v1/neighbours/${neighbour.id}/thumbnail.png?generation=${explained.generation}`;
@@ -183,9 +186,10 @@ function drawNeighbours({ neighbours, classes, explained, search }) {
       element("span", { className: "faint" }, [neighbour.hand_shape, neighbour.stage].filter(Boolean).join(", ")));
     return item;
   }));
-  $("cost").textContent = search.exact
+  const voted = neighbours.length > MOST_NEIGHBOURS ? `These are the first ${MOST_NEIGHBOURS} of ${neighbours.length} that voted. ` : "";
+  $("cost").textContent = voted + (search.exact
     ? "Every entry was compared."
-    : `${search.candidates} entries were compared, ${(100 * search.share_of_database).toFixed(search.share_of_database < 0.1 ? 1 : 0)} % of the index.`;
+    : `${search.candidates} entries were compared, ${(100 * search.share_of_database).toFixed(search.share_of_database < 0.1 ? 1 : 0)} % of the index.`);
 }
 
 // Where the hand's x (fingers) and z (back) point in the picture.
