@@ -2,7 +2,7 @@
 //!
 //! In order of the data: [`picture`] decodes what a camera gives, [`segment`] finds the hand in it (the paper's
 //! Section III), [`recognise`] describes the hand, searches the index and lets the neighbours vote (Sections IV and
-//! V), [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
+//! V), [`sequence`] and [`prior`] add what earlier frames and the object say, [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
 //! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII, and
 //! [`quiz`] asks a person the same. [`robot`] makes a strategy for a robot hand of the answer (Section VI). [`search`] takes raw
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
@@ -14,9 +14,11 @@ pub mod experiment;
 pub mod explain;
 pub mod output;
 pub mod picture;
+pub mod prior;
 pub mod quiz;
 pub mod recognise;
 pub mod robot;
 pub mod search;
 pub mod segment;
+pub mod sequence;
 pub mod serve;

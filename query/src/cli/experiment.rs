@@ -10,10 +10,11 @@ use serde::Serialize;
 
 use super::Global;
 use super::index_file::{self, IndexFile};
-use super::options::RecogniseArguments;
+use super::options::{FrameArguments, RecogniseArguments};
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
 use crate::experiment::paper::{Class, Paper};
+use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::unknown::Unknown;
 use crate::recognise::{Accept, RecogniseOptions, Recogniser};
@@ -32,6 +33,7 @@ enum Name {
     Unknown(UnknownArguments),
     Robustness(RobustnessArguments),
     Imitation(ImitationArguments),
+    Sequence(SequenceArguments),
 }
 
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
@@ -129,6 +131,37 @@ struct UnknownArguments {
     recognise: RecogniseArguments,
 }
 
+/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, told one by one and in this order.
+///
+/// A sequence is a view (azimuth, elevation, roll) of a grasp of which all three stages are labelled. With --out, DIR gets
+/// sequence.csv and sequence.json.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query experiment sequence labels.csv --hand right
+  grasp-query experiment sequence labels.csv --hand right --switch 0.2 --json
+
+LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+struct SequenceArguments {
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    index: IndexFile,
+    #[command(flatten)]
+    frames: FrameArguments,
+    /// Write the table into this folder; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    #[arg(long)]
+    labelled_masks: bool,
+    /// Print the figures as one JSON record.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+}
+
 impl Experiment {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         match &self.name {
@@ -137,6 +170,7 @@ impl Experiment {
             Name::Unknown(unknown) => unknown.run(global),
             Name::Robustness(robustness) => robustness.run(global),
             Name::Imitation(imitation) => imitation.run(global),
+            Name::Sequence(sequence) => sequence.run(global),
         }
     }
 }
@@ -226,6 +260,25 @@ impl UnknownArguments {
         }
         print(self.json, &unknown, || unknown.text())?;
         Ok(if unknown.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+    }
+}
+
+impl SequenceArguments {
+    fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        let index = self.index.open_for_pictures()?;
+        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        let selected = self.selection.read(&classes)?;
+        // A frame that is unknown by itself may count for something with the others.
+        let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
+        let recogniser = Recogniser::new(&index, options);
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let labels = self.selection.path().display().to_string();
+        let sequences = Sequences::new(labels, &outcomes, &selected.broken, self.frames.params());
+        if let Some(folder) = &self.out {
+            sequences.write(folder)?;
+        }
+        print(self.json, &sequences, || sequences.text())?;
+        Ok(if sequences.errors.is_empty() { super::SUCCESS } else { super::ERROR })
     }
 }
 

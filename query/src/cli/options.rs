@@ -4,6 +4,7 @@ use grasp_index::VoteOptions;
 
 use super::effort::EffortArguments;
 use crate::recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
+use crate::sequence::SequenceParams;
 
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
@@ -74,6 +75,33 @@ impl RecogniseArguments {
     pub(super) fn hand_is_free(&self) -> bool {
         self.hand == HandChoice::Auto
     }
+}
+
+/// How a hand may change between the frames of a sequence.
+#[derive(Debug, clap::Args)]
+pub(super) struct FrameArguments {
+    /// The probability that the grasp changes from one frame of a sequence to the next.
+    #[arg(long, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share)]
+    switch: f64,
+    /// How far the hand turns from one frame of a sequence to the next, in degrees.
+    #[arg(long, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees)]
+    motion: f64,
+}
+
+impl FrameArguments {
+    pub(super) fn params(&self) -> SequenceParams {
+        SequenceParams { switch: self.switch, motion_deg: self.motion }
+    }
+}
+
+fn parse_share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "a share from 0 to 1 is needed".into())
+}
+
+fn parse_degrees(text: &str) -> Result<f64, String> {
+    let degrees = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
+    degrees.ok_or_else(|| "an angle from 0 to 180 degrees is needed".into())
 }
 
 fn parse_rolls(text: &str) -> Result<usize, String> {

@@ -11,17 +11,19 @@ use grasp_index::Index;
 use rayon::prelude::*;
 
 use super::index_file::IndexFile;
-use super::options::RecogniseArguments;
+use super::options::{FrameArguments, RecogniseArguments};
 use super::robot::RobotArguments;
 use crate::client::Address;
 use crate::explain;
 use crate::output::human;
-use crate::output::record::Record;
+use crate::output::record::{Record, SingleRecord};
 use crate::picture::{self, Frames};
-use crate::recognise::{MaskSource, RecogniseError, Recogniser};
+use crate::prior::Priors;
+use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use crate::robot::{Setting, moveit};
 use crate::segment::Mask;
 use crate::segment::depth::DepthRange;
+use crate::sequence::Filter;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -30,6 +32,8 @@ Examples:
   grasp-query recognise --segmented hand-on-black.png --hand right
   grasp-query recognise cup.png --depth depth.png --depth-range 400..900
   grasp-query recognise cup.jpg --explain why.png
+  grasp-query recognise frames/*.jpg --sequence --json   each frame answered by all frames so far
+  grasp-query recognise cup.jpg --prior prior.toml --holding bottle
   grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
   grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
   grasp-query recognise cup.jpg --server http://127.0.0.1:8750
@@ -59,6 +63,17 @@ pub(super) struct Recognise {
     /// Draw how each answer came about: into this PNG file, or, where the name has no `.png`, into files in this folder.
     #[arg(long, value_name = "OUT")]
     explain: Option<PathBuf>,
+    /// The pictures are frames of one hand in their order: each is answered by all frames so far.
+    #[arg(long)]
+    sequence: bool,
+    #[command(flatten)]
+    frames: FrameArguments,
+    /// How objects are usually grasped: a table of [objects.NAME] with grasp = probability. Grasps that it does not name share the rest.
+    #[arg(long, value_name = "PRIOR.toml", requires = "holding")]
+    prior: Option<PathBuf>,
+    /// The object that the hand holds, as the --prior names it.
+    #[arg(long, value_name = "NAME", requires = "prior")]
+    holding: Option<String>,
     /// Print JSON Lines, one record a picture.
     #[arg(long)]
     json: bool,
@@ -66,7 +81,7 @@ pub(super) struct Recognise {
     #[arg(long)]
     timings: bool,
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
     server: Option<Address>,
     /// Show the service the token in this file.
     #[arg(long, value_name = "FILE", requires = "server")]
@@ -85,7 +100,12 @@ struct Means<'a> {
     recogniser: Recogniser<'a>,
     source: MaskSource,
     robot: Option<Setting>,
+    /// The probability of each class without the picture.
+    prior: Option<Vec<f64>>,
 }
+
+/// A picture and what was found in it.
+type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
@@ -112,18 +132,36 @@ impl Recognise {
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let means = Means { recogniser, source: self.source()?, robot };
+        let means = Means { recogniser, source: self.source()?, robot, prior: self.prior(&index)? };
+        let mut filter = self.sequence.then(|| self.filter(means.prior.clone()));
 
         let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
         for group in self.groups() {
             if group == [Path::new("-")] {
-                self.run_stream(&means, &mut output)?;
+                self.run_stream(&means, &mut filter, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
-                let answer = |path: &PathBuf| self.answer_file(&means, path);
+                if let Some(filter) = &mut filter {
+                    let found: Vec<Found> =
+                        batch.par_iter().map(|path| self.find_in_file(&means, path)).collect();
+                    for (path, found) in batch.iter().zip(found) {
+                        let name = path.display().to_string();
+                        output.write(&self.finish(&means, name, None, found, Some(filter)))?;
+                    }
+                    continue;
+                }
+                let answer = |path: &PathBuf| {
+                    self.finish(
+                        &means,
+                        path.display().to_string(),
+                        None,
+                        self.find_in_file(&means, path),
+                        None,
+                    )
+                };
                 // A single picture is answered before a pool of threads would have started.
                 let records: Vec<Record> = match batch {
                     [single] => vec![answer(single)],
@@ -156,7 +194,12 @@ impl Recognise {
     }
 
     /// Standard input, frame by frame: each is answered before the next is awaited.
-    fn run_stream(&self, means: &Means<'_>, output: &mut Output<impl Write>) -> anyhow::Result<()> {
+    fn run_stream(
+        &self,
+        means: &Means<'_>,
+        filter: &mut Option<Filter>,
+        output: &mut Output<impl Write>,
+    ) -> anyhow::Result<()> {
         let mut frames = Frames::new(io::stdin().lock());
         let name = || "-".to_owned();
         let Some(first) = frames.next() else {
@@ -169,37 +212,67 @@ impl Recognise {
         while let Some(frame) = held.take() {
             let is_stream = number > 0 || frames.has_more();
             let frame_number = is_stream.then_some(number);
-            let record = match frame {
-                Ok(bytes) => self.answer(means, name(), frame_number, &bytes),
-                Err(error) => Record::failed(name(), frame_number, "stream", error.to_string()),
+            let found = match frame {
+                Ok(bytes) => self.find(means, name(), frame_number, &bytes),
+                Err(error) => Err(Record::failed(name(), frame_number, "stream", error.to_string())),
             };
-            output.write(&record)?;
+            output.write(&self.finish(means, name(), frame_number, found, filter.as_mut()))?;
             held = frames.next();
             number += 1;
         }
         Ok(())
     }
 
-    fn answer_file(&self, means: &Means<'_>, path: &Path) -> Record {
+    fn find_in_file(&self, means: &Means<'_>, path: &Path) -> Found {
         let name = path.display().to_string();
         match picture::read(path) {
-            Ok(bytes) => self.answer(means, name, None, &bytes),
-            Err(error) => Record::not_recognised(name, None, &error.into()),
+            Ok(bytes) => self.find(means, name, None, &bytes),
+            Err(error) => Err(Record::not_recognised(name, None, &error.into())),
         }
     }
 
-    fn answer(&self, means: &Means<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Record {
+    fn find(&self, means: &Means<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Found {
+        let found = means.recogniser.recognise(bytes, &means.source);
+        found.map_err(|error| Record::not_recognised(name, frame, &error))
+    }
+
+    /// The record of what was found, after the frames before it where there is a filter.
+    fn finish(
+        &self,
+        means: &Means<'_>,
+        name: String,
+        frame: Option<u64>,
+        found: Found,
+        filter: Option<&mut Filter>,
+    ) -> Record {
         let index = means.recogniser.index();
-        let found = match means.recogniser.recognise(bytes, &means.source) {
-            Ok(found) => found,
-            Err(error) => return Record::not_recognised(name, frame, &error),
+        let mut found = match (found, &filter) {
+            (Ok(found), _) => found,
+            (Err(record), None) => return record,
+            (Err(record), Some(_)) => {
+                // Time goes by all the same.
+                filter.map(Filter::skip);
+                return record;
+            }
         };
+        let mut single = None;
+        match (filter, &means.prior) {
+            (Some(filter), _) => {
+                single = Some(SingleRecord::new(&found));
+                means.recogniser.follow(&mut found, filter);
+            }
+            (None, Some(prior)) => means.recogniser.weigh(&mut found, prior),
+            (None, None) => {}
+        }
         let mut record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
             Ok(record) => record,
             Err(error) => return Record::failed(name, frame, "index", error.to_string()),
         };
-        if let (Record::Answer(answer), Some(setting)) = (&mut record, &means.robot) {
-            setting.complete(answer, &found);
+        if let Record::Answer(answer) = &mut record {
+            answer.single = single;
+            if let Some(setting) = &means.robot {
+                setting.complete(answer, &found);
+            }
         }
         self.drawn(&name, self.draw(&record, &found, index));
         record
@@ -225,6 +298,16 @@ impl Recognise {
         let path = if is_png(out) { out.clone() } else { out.join(drawing_name(&answer.file, answer.frame)) };
         explain::save(&explain::draw(found, answer, index), &path)
             .with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    fn filter(&self, prior: Option<Vec<f64>>) -> Filter {
+        Filter::new(self.frames.params(), prior)
+    }
+
+    fn prior(&self, index: &Index) -> anyhow::Result<Option<Vec<f64>>> {
+        let (Some(path), Some(object)) = (&self.prior, &self.holding) else { return Ok(None) };
+        let grasps: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        Ok(Some(Priors::read(path)?.of(object, &grasps)?))
     }
 
     fn source(&self) -> anyhow::Result<MaskSource> {

@@ -1,11 +1,12 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the paper,
-//! [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other hands are told from known ones.
+//! [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other hands are told from known ones, [`sequence`] what the frames before are worth.
 //! [`robustness`] asks how far a robot's grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that
 //! lifts the object.
 
 pub mod imitation;
 pub mod paper;
 pub mod robustness;
+pub mod sequence;
 pub mod shapes;
 mod svg;
 pub mod unknown;

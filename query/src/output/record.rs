@@ -52,9 +52,39 @@ pub struct Answer {
     pub strategy: Option<Strategy>,
     /// Why there is no strategy, where one was asked for; otherwise null.
     pub error: Option<ErrorRecord>,
+    /// What this frame alone says, where the answer is that of a sequence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub single: Option<SingleRecord>,
     /// Milliseconds of each step, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timings: Option<Timings>,
+}
+
+/// What one frame of a sequence says by itself.
+#[derive(Clone, Debug, Serialize)]
+pub struct SingleRecord {
+    /// The most probable class, or `unknown`.
+    pub grasp: String,
+    /// The probability of the most probable class, 0..=1.
+    pub probability: f64,
+    /// The rotation `camera_from_hand` as a unit quaternion x, y, z, w.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+impl SingleRecord {
+    /// Of a recognition before any other frame has been heard.
+    pub fn new(found: &Recognition) -> Self {
+        let vote = &found.best.vote;
+        let first = vote.classes.first();
+        Self {
+            grasp: match first {
+                Some(first) if found.doubt.is_none() => first.name.clone(),
+                _ => UNKNOWN.to_owned(),
+            },
+            probability: first.map_or(0.0, |first| first.probability),
+            quaternion_xyzw: xyzw(&vote.orientation.rotation),
+        }
+    }
 }
 
 /// An input that has no answer.
@@ -225,6 +255,7 @@ impl Record {
             },
             strategy: None,
             error: None,
+            single: None,
             timings: timings.then_some(found.timings),
         })))
     }

@@ -1,6 +1,7 @@
 //! From a picture to an answer: mask, hand image, descriptor, search, vote.
 
 mod accept;
+mod belief;
 mod hypothesis;
 mod side;
 mod source;

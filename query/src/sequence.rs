@@ -1,0 +1,201 @@
+//! Frames of one hand in a row, fused: what was seen before counts for what is seen now (the paper's Section VIII, further work).
+//!
+//! **The class** is a hidden state of a Markov chain that stays as it is with probability `1 - switch` from one frame to the next,
+//! and is otherwise any class, as probable as it is without a picture (1 / C unless a prior is given). Its forward filter is
+//!
+//! ```text
+//! b'(c) = (1 - switch) b(c) + switch prior(c)                predict; b' = prior before the first frame
+//! b(c)  = b'(c) p(c | frame) / sum over all classes          update
+//! ```
+//!
+//! where a frame's calibrated probability stands for its likelihood, all classes being alike before.
+//!
+//! **The orientation** follows by a Kalman filter on rotations: its variance P grows by the square of `motion_deg` a frame, and the
+//! frame's orientation, whose variance R is the square of its own spread, is taken over by the share P / (P + R) of the way along
+//! the shortest turn. A frame farther off than three standard deviations is not followed at once: it makes the filter less sure of itself.
+
+use nalgebra::UnitQuaternion;
+
+use crate::prior::weigh;
+
+/// How far, in standard deviations, a frame's orientation may be from the one foreseen.
+const GATE: f64 = 3.0;
+/// The share of the way to a frame beyond the gate that is added to the standard deviation.
+const SURPRISE: f64 = 0.5;
+/// Neighbours that agree to less than this do so by chance, in degrees.
+const LEAST_SPREAD: f64 = 5.0;
+
+/// How a hand may change between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SequenceParams {
+    /// The probability that the grasp changes, 0 to 1.
+    pub switch: f64,
+    /// How far the hand turns, in degrees (standard deviation).
+    pub motion_deg: f64,
+}
+
+impl Default for SequenceParams {
+    fn default() -> Self {
+        Self { switch: 0.05, motion_deg: 5.0 }
+    }
+}
+
+/// What one frame says by itself, or what a filter makes of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belief {
+    /// The probability of each class, by its number in the index; they sum to 1.
+    pub classes: Vec<f64>,
+    /// `camera_from_hand`.
+    pub rotation: UnitQuaternion<f64>,
+    /// How far the rotation may be off, in degrees.
+    pub spread_deg: f64,
+}
+
+/// The filter over the frames so far.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    params: SequenceParams,
+    prior: Option<Vec<f64>>,
+    belief: Option<Belief>,
+}
+
+impl Filter {
+    /// A filter that has seen nothing. `prior` is how probable each class is without a picture; all alike where there is none.
+    pub fn new(params: SequenceParams, prior: Option<Vec<f64>>) -> Self {
+        Self { params, prior, belief: None }
+    }
+
+    /// Takes the next frame in and says what is believed now.
+    pub fn update(&mut self, frame: &Belief) -> Belief {
+        self.predict();
+        let belief = match &self.belief {
+            Some(foreseen) if foreseen.classes.len() == frame.classes.len() => fuse(foreseen, frame),
+            _ => {
+                let prior = self.prior.as_ref();
+                let classes =
+                    prior.map_or_else(|| frame.classes.clone(), |prior| weigh(&frame.classes, prior));
+                Belief { classes, ..frame.clone() }
+            }
+        };
+        self.belief.insert(belief).clone()
+    }
+
+    /// A frame that shows nothing: time goes by. Says what is still believed, where anything was ever seen.
+    pub fn skip(&mut self) -> Option<Belief> {
+        self.predict();
+        self.belief.clone()
+    }
+
+    fn predict(&mut self) {
+        let Some(belief) = &mut self.belief else { return };
+        let switch = self.params.switch.clamp(0.0, 1.0);
+        let alike = 1.0 / belief.classes.len().max(1) as f64;
+        let prior = self.prior.as_deref().unwrap_or_default().iter().copied();
+        for (probability, prior) in belief.classes.iter_mut().zip(prior.chain(std::iter::repeat(alike))) {
+            *probability = (1.0 - switch) * *probability + switch * prior;
+        }
+        belief.spread_deg = belief.spread_deg.hypot(self.params.motion_deg).min(180.0);
+    }
+}
+
+fn fuse(foreseen: &Belief, frame: &Belief) -> Belief {
+    let products: Vec<f64> = foreseen.classes.iter().zip(&frame.classes).map(|(a, b)| a * b).collect();
+    let sum: f64 = products.iter().sum();
+    // Frames that contradict each other to the last digit: the newer one is right.
+    let classes = match sum > 0.0 {
+        true => products.iter().map(|product| product / sum).collect(),
+        false => frame.classes.clone(),
+    };
+    let apart = foreseen.rotation.angle_to(&frame.rotation).to_degrees();
+    let noise = frame.spread_deg.max(LEAST_SPREAD);
+    if apart > GATE * foreseen.spread_deg.hypot(noise) {
+        let spread_deg = foreseen.spread_deg.hypot(SURPRISE * apart).min(180.0);
+        return Belief { classes, rotation: foreseen.rotation, spread_deg };
+    }
+    let (own, seen) = (foreseen.spread_deg.powi(2), noise.powi(2));
+    let gain = own / (own + seen);
+    let turn = foreseen.rotation.rotation_to(&frame.rotation).powf(gain);
+    Belief { classes, rotation: turn * foreseen.rotation, spread_deg: (own * seen / (own + seen)).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn frame(classes: [f64; 3], degrees: f64, spread_deg: f64) -> Belief {
+        let rotation = UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians());
+        Belief { classes: classes.to_vec(), rotation, spread_deg }
+    }
+
+    fn yaw(belief: &Belief) -> f64 {
+        belief.rotation.euler_angles().2.to_degrees()
+    }
+
+    #[test]
+    fn the_forward_filter_by_hand() {
+        let mut filter = Filter::new(SequenceParams { switch: 0.3, motion_deg: 0.0 }, None);
+        let first = frame([0.6, 0.3, 0.1], 0.0, 10.0);
+        assert_eq!(filter.update(&first), first);
+        // Predicted 0.7 b + 0.1: 0.52, 0.31, 0.17; times the frame: 0.104, 0.155, 0.051, in all 0.31.
+        let second = filter.update(&frame([0.2, 0.5, 0.3], 0.0, 10.0));
+        for (found, expected) in second.classes.iter().zip([0.104 / 0.31, 0.5, 0.051 / 0.31]) {
+            assert!((found - expected).abs() < 1e-12, "{second:?}");
+        }
+        // Two frames alike, the hand at rest: the mean, and the standard deviation of a mean of two.
+        let mut third = Filter::new(SequenceParams { motion_deg: 0.0, ..SequenceParams::default() }, None);
+        third.update(&frame([1.0, 0.0, 0.0], 0.0, 10.0));
+        let mean = third.update(&frame([1.0, 0.0, 0.0], 20.0, 10.0));
+        assert!((yaw(&mean) - 10.0).abs() < 1e-9 && (mean.spread_deg - 50f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_prior_counts_once() {
+        let prior = vec![0.8, 0.1, 0.1];
+        let mut filter = Filter::new(SequenceParams { switch: 0.0, motion_deg: 0.0 }, Some(prior.clone()));
+        // Frames that say nothing leave it as it is, however many they are.
+        for _ in 0..5 {
+            let belief = filter.update(&frame([1.0 / 3.0; 3], 0.0, 10.0));
+            assert!(belief.classes.iter().zip(&prior).all(|(a, b)| (a - b).abs() < 1e-12), "{belief:?}");
+        }
+    }
+
+    #[test]
+    fn one_frame_that_is_far_off_is_not_followed_and_two_are() {
+        let mut filter = Filter::new(SequenceParams::default(), None);
+        for _ in 0..5 {
+            filter.update(&frame([0.8, 0.1, 0.1], 10.0, 10.0));
+        }
+        let flip = frame([0.8, 0.1, 0.1], 170.0, 10.0);
+        assert!((yaw(&filter.update(&flip)) - 10.0).abs() < 1e-9);
+        assert!((yaw(&filter.update(&flip)) - 170.0).abs() < 10.0);
+    }
+
+    #[test]
+    fn frames_that_show_nothing_make_unsure() {
+        let mut filter = Filter::new(SequenceParams { switch: 0.2, motion_deg: 8.0 }, None);
+        assert_eq!(filter.skip(), None);
+        filter.update(&frame([1.0, 0.0, 0.0], 0.0, 10.0));
+        let after = (0..60).filter_map(|_| filter.skip()).last().unwrap();
+        assert!(after.classes.iter().all(|p| (p - 1.0 / 3.0).abs() < 1e-3), "{after:?}");
+        assert!(after.spread_deg > 60.0);
+    }
+
+    proptest! {
+        #[test]
+        fn beliefs_are_probabilities_and_rotations(
+            frames in prop::collection::vec(((0.0..1.0, 0.0..1.0, 0.0..1.0), -180.0..180.0, 0.0..180.0), 1..20),
+            switch in 0.0..=1.0, motion_deg in 0.0..90.0,
+        ) {
+            let mut filter = Filter::new(SequenceParams { switch, motion_deg }, None);
+            for ((a, b, c), degrees, spread) in frames {
+                let sum: f64 = a + b + c + 1e-9;
+                let belief = filter.update(&frame([a / sum, b / sum, (c + 1e-9) / sum], degrees, spread));
+                prop_assert!((belief.classes.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+                prop_assert!(belief.classes.iter().all(|p| (0.0..=1.0 + 1e-12).contains(p)));
+                prop_assert!((belief.rotation.norm() - 1.0).abs() < 1e-9);
+                prop_assert!((0.0..=180.0).contains(&belief.spread_deg));
+            }
+        }
+    }
+}
