@@ -61,7 +61,7 @@ pub struct Answer {
 }
 
 /// What one frame of a sequence says by itself.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct SingleRecord {
     /// The most probable class, or `unknown`.
     pub grasp: String,
