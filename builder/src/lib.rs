@@ -5,6 +5,7 @@
 //! - [`build`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
 //!   from an existing index whatever has not changed;
 //! - [`shard`] makes one part of an index on one of many machines, and [`merge`] the index of all parts;
+//! - [`grow`] adds to an index, removes from it, and joins several;
 //! - [`experiment`] varies something and measures what the search does;
 //! - [`cli`] is the command line, one file a subcommand;
 //! - [`progress`] shows how far long work has come, and [`interrupt`] lets it be stopped.
@@ -16,6 +17,7 @@ pub mod build;
 pub mod cli;
 pub mod experiment;
 pub mod export;
+pub mod grow;
 pub mod held_out;
 pub mod interrupt;
 pub mod merge;

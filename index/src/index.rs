@@ -3,6 +3,7 @@
 use crate::file::OpenError;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::{Catalogue, HashInfo, Originals};
+use crate::file::input::NewEntry;
 use crate::file::open::Opened;
 use crate::file::pack;
 use crate::file::sections::SectionKind;
@@ -311,6 +312,37 @@ impl Index {
             object,
             view_deg: kept.views.then(view).transpose()?,
             orientation: kept.orientations.then(orientation).transpose()?,
+        })
+    }
+
+    /// An entry as it went into the index, so that it can go into another: written with the same names and parameters, what is kept of
+    /// it has the same bytes again. The descriptor is as exact as [`Catalogue::originals`] says; the class, the hand shape and the
+    /// stage are this index's numbers.
+    ///
+    /// # Errors
+    /// [`EntryError`], when there is no such entry, the index keeps no descriptors, or the file says something about the entry that
+    /// makes no sense.
+    pub fn new_entry(&self, id: u32) -> Result<NewEntry, EntryError> {
+        let entry = self.entry(id)?;
+        let corrupt = |what| EntryError::Corrupt { id, what };
+        let descriptor = self.descriptor(id).ok_or(corrupt("descriptor"))?.into_owned();
+        let [azimuth_deg, elevation_deg, roll_deg] = entry.view_deg.unwrap_or_default();
+        let orientations: &[[i16; 4]] = self.file.array(SectionKind::Orientations);
+        let orientation = orientations.get(id as usize).copied().and_then(pack::unpack_as_packed);
+        let number = |kind| self.file.array::<u16>(kind).get(id as usize).copied().unwrap_or_default();
+        Ok(NewEntry {
+            class: entry.class.unwrap_or_default(),
+            stage: self.file.array::<u8>(SectionKind::Stages).get(id as usize).copied().unwrap_or_default(),
+            hand_shape: number(SectionKind::HandShapes),
+            object: entry.object.to_owned(),
+            file: entry.file.to_owned(),
+            azimuth_deg,
+            elevation_deg,
+            roll_deg,
+            orientation: orientation.unwrap_or_default(),
+            source_hash: self.source_hashes().get(id as usize).copied().unwrap_or_default(),
+            descriptor,
+            thumbnail: self.thumbnail(id).map(<[u8]>::to_vec),
         })
     }
 

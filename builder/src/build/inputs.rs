@@ -6,7 +6,7 @@ use xxhash_rust::xxh3::Xxh3;
 use super::Source;
 
 /// Where the number stands in the provenance.
-const KEY: &str = "inputs";
+pub(crate) const KEY: &str = "inputs";
 
 /// The running hash of the parameters and entries of an index.
 pub(super) struct Inputs {
@@ -14,10 +14,14 @@ pub(super) struct Inputs {
     provenance: Vec<(String, String)>,
 }
 
+/// Which program makes the index.
+pub(crate) fn tool() -> (String, String) {
+    ("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())
+}
+
 /// Where an index of `source` comes from, measured by what `held_out` tells of.
 pub(super) fn origin(source: &Source, held_out: Option<String>) -> Vec<(String, String)> {
-    let mut provenance =
-        vec![("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())];
+    let mut provenance = vec![tool()];
     match source {
         Source::Plan(plan) => {
             let hands = plan.hand_shapes.len() + plan.hand_models.len();

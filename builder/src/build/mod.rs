@@ -30,6 +30,7 @@ use crate::interrupt;
 use crate::progress::Progress;
 
 pub(crate) use gather::Gathered;
+pub(crate) use inputs::{KEY as INPUTS, tool};
 pub(crate) use known::Known;
 pub(crate) use names::Names;
 pub use sets::{RenderSet, SetError};

@@ -9,29 +9,29 @@ use grasp_index::{ClassInfo, Kept};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Names {
     /// What is known of the entries.
-    pub(super) kept: Kept,
-    pub(super) classes: Vec<ClassInfo>,
-    pub(super) hand_shapes: Numbered,
-    pub(super) stages: Numbered,
+    pub(crate) kept: Kept,
+    pub(crate) classes: Vec<ClassInfo>,
+    pub(crate) hand_shapes: Numbered,
+    pub(crate) stages: Numbered,
 }
 
 /// Names in the order of their first use; a name's number is its position.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Numbered {
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
     numbers: HashMap<String, usize>,
 }
 
 impl Names {
-    pub(super) fn class(&self, name: &str) -> anyhow::Result<u16> {
+    pub(crate) fn class(&self, name: &str) -> anyhow::Result<u16> {
         number(self.classes.iter().position(|class| class.name == name), name)
     }
 
-    pub(super) fn hand_shape(&self, name: &str) -> anyhow::Result<u16> {
+    pub(crate) fn hand_shape(&self, name: &str) -> anyhow::Result<u16> {
         number(self.hand_shapes.numbers.get(name).copied(), name)
     }
 
-    pub(super) fn stage(&self, name: &str) -> anyhow::Result<u8> {
+    pub(crate) fn stage(&self, name: &str) -> anyhow::Result<u8> {
         number(self.stages.numbers.get(name).copied(), name)
     }
 }
@@ -40,7 +40,7 @@ impl Numbered {
     /// More names than that cannot be numbered in the file.
     const MOST: usize = 1 << 16;
 
-    pub(super) fn add(&mut self, name: &str) -> anyhow::Result<()> {
+    pub(crate) fn add(&mut self, name: &str) -> anyhow::Result<()> {
         if !self.numbers.contains_key(name) {
             if self.names.len() == Self::MOST {
                 bail!(

@@ -4,6 +4,7 @@ mod build;
 mod completions;
 mod experiment;
 mod export;
+mod grow;
 mod inspect;
 mod man;
 mod merge;
@@ -43,6 +44,7 @@ Examples:
   grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
   grasp-builder merge parts --out grasp.idx              the index of all parts
+  grasp-builder add grasp.idx more-renders               more entries in the same index
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
   grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
@@ -75,6 +77,9 @@ enum Command {
     Build(build::Build),
     Shard(shard::Shard),
     Merge(merge::Merge),
+    Add(grow::Add),
+    Remove(grow::Remove),
+    Compact(grow::Compact),
     Experiment(experiment::Experiment),
     Inspect(inspect::Inspect),
     Verify(verify::Verify),
@@ -114,6 +119,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Build(command) => command.run(&arguments.global),
         Command::Shard(command) => command.run(&arguments.global),
         Command::Merge(command) => command.run(&arguments.global),
+        Command::Add(command) => command.run(&arguments.global),
+        Command::Remove(command) => command.run(&arguments.global),
+        Command::Compact(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),

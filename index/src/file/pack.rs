@@ -23,6 +23,13 @@ pub(crate) fn unpack_rotation(packed: [i16; 4]) -> Option<UnitQuaternion<f64>> {
     is_unit.then(|| UnitQuaternion::new_normalize(rotation))
 }
 
+/// The rotation that [`pack_rotation`] makes the same numbers of again; its length is only nearly 1. `None` as above.
+pub(crate) fn unpack_as_packed(packed: [i16; 4]) -> Option<UnitQuaternion<f64>> {
+    unpack_rotation(packed)?;
+    let [x, y, z, w] = packed.map(|value| f64::from(value) / ONE);
+    Some(UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
+}
+
 /// An angle in hundredths of a degree, modulo a full turn.
 pub(crate) fn pack_degrees(degrees: f32) -> u16 {
     let steps = (f64::from(degrees).rem_euclid(360.0) * STEPS).round() as u16;
@@ -49,6 +56,11 @@ mod tests {
             let rotation = UnitQuaternion::new_normalize(Quaternion::from(Vector4::from(coordinates)));
             let unpacked = unpack_rotation(pack_rotation(&rotation)).expect("a rotation");
             prop_assert!(unpacked.angle_to(&rotation) < 6.2e-5, "{}", unpacked.angle_to(&rotation));
+            let packed = pack_rotation(&rotation);
+            let again = unpack_as_packed(packed).expect("a rotation");
+            prop_assert_eq!(pack_rotation(&again), packed);
+            // What a writer asks of an orientation.
+            prop_assert!((again.norm() - 1.0).abs() < 1e-4);
         }
 
         #[test]
@@ -56,6 +68,7 @@ mod tests {
             let signed = degrees < 0.0;
             let packed = pack_degrees(degrees);
             prop_assert!(packed < TURN);
+            prop_assert_eq!(pack_degrees(unpack_degrees(packed, signed)), packed);
             let off = (unpack_degrees(packed, signed) - degrees).rem_euclid(360.0);
             prop_assert!(off.min(360.0 - off) < 0.00502, "{off}");
         }

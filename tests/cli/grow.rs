@@ -1,0 +1,123 @@
+//! Indexes that change: `add`, `remove` and `compact` make what a build of the same entries from nothing makes.
+
+use std::fs;
+use std::path::Path;
+
+use grasp_index::{Index, Section};
+use grasp_tests::{Outcome, program, run};
+
+fn builder(folder: &Path, arguments: &[&str]) -> Outcome {
+    run(program("grasp-builder").args(arguments).current_dir(folder))
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let outcome = builder(folder, arguments);
+    assert_eq!(outcome.status, 0, "{arguments:?}: {}", outcome.stderr);
+    outcome.stdout
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let outcome = builder(folder, arguments);
+    assert_eq!(outcome.status, 2, "{arguments:?}: {}{}", outcome.stdout, outcome.stderr);
+    outcome.stderr
+}
+
+/// That two indexes are the same in everything but where they say they come from: every section, to the last bit, and all that
+/// was measured.
+fn assert_same(folder: &Path, one: &str, other: &str) {
+    let [one, other] = [one, other].map(|name| Index::open(folder.join(name)).unwrap());
+    assert!(one.verify().is_sound());
+    let (a, b) = (one.catalogue(), other.catalogue());
+    let bytes =
+        |sections: &[Section]| sections.iter().map(|s| (s.kind, s.length, s.xxh3)).collect::<Vec<_>>();
+    assert_eq!(a.hand_shapes, b.hand_shapes);
+    assert_eq!(bytes(&a.sections), bytes(&b.sections));
+    assert_eq!((&a.measured, &a.calibration, &a.sigma), (&b.measured, &b.calibration, &b.sigma));
+    assert_eq!((&a.classes, &a.stages, a.entries), (&b.classes, &b.stages, b.entries));
+}
+
+#[test]
+fn a_grown_index_answers_as_one_built_from_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (set, shape) in [("one", "mean"), ("two", "slender")] {
+        done(folder, &["render", "--step", "45", "--hand-shape", shape, "--out", set]);
+    }
+    done(folder, &["build", "one", "two", "--out", "both.idx"]);
+    done(folder, &["build", "one", "--out", "one.idx"]);
+    fs::copy(folder.join("one.idx"), folder.join("grown.idx")).unwrap();
+
+    let said = done(folder, &["add", "grown.idx", "two", "--threads", "1"]);
+    assert!(said.contains("reused"), "{said}");
+    assert_same(folder, "grown.idx", "both.idx");
+    // What is there already is not added twice.
+    done(folder, &["add", "grown.idx", "two", "one"]);
+    assert_same(folder, "grown.idx", "both.idx");
+
+    // A segment of its own, which leaves the index alone until both become one.
+    let before = fs::read(folder.join("one.idx")).unwrap();
+    done(folder, &["add", "one.idx", "two", "--segment", "two.idx"]);
+    assert!(fs::read(folder.join("one.idx")).unwrap() == before);
+    done(folder, &["compact", "one.idx", "two.idx", "--out", "one.idx"]);
+    assert_same(folder, "one.idx", "both.idx");
+
+    done(folder, &["remove", "grown.idx", "--hand-shape", "mean"]);
+    done(folder, &["build", "two", "--out", "two.idx"]);
+    assert_same(folder, "grown.idx", "two.idx");
+    let said = refused(folder, &["remove", "grown.idx", "--hand-shape", "mean"]);
+    assert!(said.contains("there is no hand shape mean in the index"), "{said}");
+    let said = refused(folder, &["remove", "grown.idx", "--hand-shape", "slender"]);
+    assert!(said.contains("nothing to index"), "{said}");
+    assert_same(folder, "grown.idx", "two.idx");
+}
+
+#[test]
+fn hand_shapes_are_added_as_they_are_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let views = ["--step", "60"];
+    done(
+        folder,
+        &[&["build", "--hand-shape", "mean", "--hand-shape", "broad", "--out", "both.idx"], &views[..]]
+            .concat(),
+    );
+    done(folder, &[&["build", "--hand-shape", "mean", "--out", "grown.idx"], &views[..]].concat());
+    done(folder, &[&["add", "grown.idx", "--hand-shape", "broad"], &views[..]].concat());
+    assert_same(folder, "grown.idx", "both.idx");
+}
+
+#[test]
+fn indexes_that_do_not_go_together_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let build =
+        |out: &str, more: &[&str]| done(folder, &[&["build", "--step", "60", "--out", out], more].concat());
+    build("a.idx", &[]);
+    build("paper.idx", &["--descriptor", "paper"]);
+    build("small.idx", &["--thumbnails", "16"]);
+    build("none.idx", &["--originals", "none"]);
+    let before = fs::read(folder.join("a.idx")).unwrap();
+    for (other, says) in [
+        ("paper.idx", "differs from the first index in how pictures are described"),
+        ("small.idx", "the size of its thumbnails"),
+        ("none.idx", "keeps no descriptors to take over"),
+        ("missing.idx", "cannot use the index missing.idx"),
+    ] {
+        let said = refused(folder, &["compact", "a.idx", other, "--out", "a.idx"]);
+        assert!(said.contains(says), "{other}: {said}");
+    }
+    let mut spoiled = before.clone();
+    spoiled[before.len() / 2] ^= 1;
+    fs::write(folder.join("b.idx"), spoiled).unwrap();
+    assert!(refused(folder, &["compact", "a.idx", "b.idx"]).contains("b.idx is unsound"));
+    assert!(fs::read(folder.join("a.idx")).unwrap() == before);
+
+    done(folder, &["export", "a.idx", "--descriptors", "x.npy"]);
+    done(folder, &["build", "--descriptors", "x.npy", "--out", "raw.idx"]);
+    assert!(refused(folder, &["add", "raw.idx", "--hand-shape", "broad"]).contains("cannot be added"));
+    done(folder, &["compact", "raw.idx", "raw.idx", "--out", "twice.idx"]);
+    assert_eq!(
+        Index::open(folder.join("twice.idx")).unwrap().len(),
+        2 * Index::open(folder.join("raw.idx")).unwrap().len()
+    );
+}
