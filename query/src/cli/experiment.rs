@@ -139,7 +139,7 @@ struct UnknownArguments {
 #[command(after_help = "\
 Examples:
   grasp-query experiment sequence labels.csv --hand right
-  grasp-query experiment sequence labels.csv --hand right --switch 0.2 --json
+  grasp-query experiment sequence labels.csv --hand right --switch 0.4 --json
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {
