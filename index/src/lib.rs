@@ -62,6 +62,7 @@ pub mod npy;
 mod resample;
 mod rotation;
 mod search;
+mod segments;
 mod vote;
 
 pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
@@ -86,6 +87,7 @@ pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 
 pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
+pub use segments::{Segments, SegmentsError};
 pub use vote::{
     Calibrated, Calibration, ClassScore, Doubt, OrientationEstimate, Reliability, ReliabilityBin, Sigma,
     Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use grasp_index::{Index, Neighbour, SearchCost, SearchError, SearchOptions, Searcher};
+use grasp_index::{Index, Neighbour, SearchCost, SearchError, SearchOptions, Searcher, Segments};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -110,13 +110,19 @@ pub struct EffortRecord {
 ///
 /// # Errors
 /// [`SearchError`], where a query does not fit the index.
-pub fn mean_cost(index: &Index, queries: &[f32], options: &SearchOptions) -> Result<MeanCost, SearchError> {
-    let dim = index.dim().max(1);
+pub fn mean_cost(
+    segments: &Segments,
+    queries: &[f32],
+    options: &SearchOptions,
+) -> Result<MeanCost, SearchError> {
+    let dim = segments.indexes().first().map_or(1, Index::dim).max(1);
     let step = (queries.len() / dim).div_ceil(SAMPLE).max(1);
-    let mut searcher = index.searcher();
+    let mut searchers: Vec<Searcher<'_>> = segments.indexes().iter().map(Index::searcher).collect();
     let mut costs: Vec<SearchCost> = Vec::new();
     for query in queries.chunks_exact(dim).step_by(step) {
-        let cost = searcher.search(query, options)?.cost;
+        let each = searchers.iter_mut().map(|searcher| Ok(searcher.search(query, options)?.cost));
+        let each: Vec<SearchCost> = each.collect::<Result<_, SearchError>>()?;
+        let cost = segments.cost(&each);
         costs.push(cost);
         // Comparing with every entry takes long, and costs the same for every query.
         if cost.exact && !cost.fell_back {

@@ -1,10 +1,11 @@
 //! Which index to use, and opening it.
 
 use std::ffi::OsString;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use grasp_index::Index;
+use grasp_index::{Index, Segments};
 
 /// Where an index is looked for when neither an option nor the environment names one.
 const DEFAULT: &str = "grasp.idx";
@@ -46,6 +47,54 @@ impl IndexFile {
 
     pub(super) fn open(&self) -> anyhow::Result<Index> {
         open(&self.path(), self.no_mmap)
+    }
+}
+
+/// The indexes to search as one.
+#[derive(Debug, clap::Args)]
+pub(super) struct IndexFiles {
+    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx. May be repeated: the indexes are searched as one, their
+    /// entries being numbered on in this order.
+    #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true, value_parser = clap::value_parser!(OsString))]
+    index: Vec<OsString>,
+    /// Read the index into memory instead of mapping it, e.g. from a network file system.
+    #[arg(long)]
+    no_mmap: bool,
+    /// Of several indexes, leave out those that cannot be opened, and say so, instead of failing. Entries are numbered without them.
+    #[arg(long)]
+    allow_missing: bool,
+}
+
+impl IndexFiles {
+    /// Their paths, at least one.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        let named: Vec<PathBuf> =
+            self.index.iter().filter(|name| !name.is_empty()).map(PathBuf::from).collect();
+        if named.is_empty() { vec![DEFAULT.into()] } else { named }
+    }
+
+    /// Opens them all, or those that can be; tells how many there should be.
+    pub(super) fn open(&self) -> anyhow::Result<(Segments, usize)> {
+        let paths = self.paths();
+        let mut indexes = Vec::with_capacity(paths.len());
+        for path in &paths {
+            match open(path, self.no_mmap) {
+                Ok(index) => indexes.push(index),
+                Err(error) if self.allow_missing && paths.len() > 1 => {
+                    let _ = writeln!(io::stderr(), "grasp-query: left out: {error:#}");
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        if indexes.len() < paths.len() {
+            let _ = writeln!(
+                io::stderr(),
+                "grasp-query: {} of {} indexes are searched",
+                indexes.len(),
+                paths.len()
+            );
+        }
+        Ok((Segments::new(indexes)?, paths.len()))
     }
 }
 

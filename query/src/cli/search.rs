@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
-use grasp_index::{AtomicFile, Index, Neighbour, SearchOptions};
+use grasp_index::{AtomicFile, Index, Neighbour, SearchOptions, Segments};
 use serde::Serialize;
 
 use super::Global;
 use super::effort::EffortArguments;
-use super::index_file::IndexFile;
-use crate::output::found::{QueryRecord, names, present};
+use super::index_file::IndexFiles;
+use crate::output::found::{QueryRecord, names_in, present};
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 
 const EXAMPLES: &str = "\
@@ -22,6 +22,7 @@ Examples:
   grasp-query search queries.npy --out ids.npy --distances distances.npy
   grasp-query search queries.npy --eps 0.05 --success 0.99 --out ids.npy
   grasp-query search queries.npy --rounds 7 --threads 1 --json
+  grasp-query search queries.npy --index a.idx --index b.idx --out ids.npy
   grasp-query search queries.npy --neighbours | jq .neighbours[0].id
 
 QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
@@ -37,7 +38,7 @@ pub(super) struct Search {
     #[arg(value_name = "QUERIES.npy")]
     queries: PathBuf,
     #[command(flatten)]
-    index: IndexFile,
+    index: IndexFiles,
     /// How many neighbours to find for each query.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = super::options::parse_k)]
     k: usize,
@@ -72,6 +73,7 @@ struct Summary {
     k: usize,
     dim: usize,
     entries: usize,
+    segments: SegmentsRecord,
     /// The median of `rounds`.
     ns_per_query: f64,
     /// Nanoseconds a query, round by round: the wall time of all queries, divided by their number.
@@ -83,15 +85,40 @@ struct Summary {
     cost: MeanCost,
 }
 
+/// How many of the indexes that were named could be opened.
+#[derive(Debug, Serialize)]
+struct SegmentsRecord {
+    searched: usize,
+    of: usize,
+}
+
+/// What was found in several indexes, as one; nothing for a single one, which needs no joining.
+fn joined(segments: &Segments, batches: &[Batch<'_>], k: usize) -> Vec<Neighbour> {
+    let mut joined = Vec::new();
+    if batches.len() < 2 {
+        return joined;
+    }
+    let mut found: Vec<_> = batches.iter().map(Batch::found).collect();
+    loop {
+        let rows: Vec<&[Neighbour]> = found.iter_mut().filter_map(Iterator::next).collect();
+        if rows.is_empty() {
+            return joined;
+        }
+        segments.join(rows, k, &mut joined);
+    }
+}
+
 impl Search {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         self.refuse_clashes()?;
         let started = Instant::now();
-        let index = self.index.open()?;
+        let (segments, of) = self.index.open()?;
         let open = started.elapsed();
+        let indexes = segments.indexes();
+        let index = indexes.first().context("there is no index to search")?;
         let name = self.queries.display();
         let queries =
-            read_queries(&self.queries, &index).with_context(|| format!("cannot use the queries {name}"))?;
+            read_queries(&self.queries, index).with_context(|| format!("cannot use the queries {name}"))?;
         let count = queries.len() / index.dim().max(1);
         if count == 0 {
             bail!("{name} holds no query");
@@ -101,22 +128,31 @@ impl Search {
         let distances = self.distances.as_deref().map(Target::create).transpose()?;
 
         let options = SearchOptions { k: self.k, effort: self.effort.effort() };
-        let mut batch = Batch::new(&index, &queries, options, threads(global))?;
+        let batch = |index| Batch::new(index, &queries, options, threads(global));
+        let mut batches: Vec<Batch<'_>> = indexes.iter().map(batch).collect::<Result<_, _>>()?;
+        // One index after the other, each on all threads.
+        let mut run = || batches.iter_mut().map(Batch::run).sum::<Result<Duration, _>>();
         if self.rounds > 1 {
-            batch.run()?;
+            run()?;
         }
-        let rounds = (0..self.rounds).map(|_| batch.run()).collect::<Result<Vec<Duration>, _>>()?;
+        let rounds = (0..self.rounds).map(|_| run()).collect::<Result<Vec<Duration>, _>>()?;
+        let joined = joined(&segments, &batches, self.k);
+        let found = || -> Box<dyn Iterator<Item = &[Neighbour]>> {
+            match &batches[..] {
+                [single] => Box::new(single.found()),
+                _ => Box::new(joined.chunks_exact(self.k)),
+            }
+        };
 
         if let Some(target) = out {
-            target
-                .write(NpyType::U32, count, self.k, batch.found(), |neighbour| neighbour.id.to_le_bytes())?;
+            target.write(NpyType::U32, count, self.k, found(), |neighbour| neighbour.id.to_le_bytes())?;
         }
         if let Some(target) = distances {
             let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
-            target.write(NpyType::F32, count, self.k, batch.found(), bytes)?;
+            target.write(NpyType::F32, count, self.k, found(), bytes)?;
         }
         if self.neighbours {
-            return print_neighbours(&index, batch.found());
+            return print_neighbours(&segments, found());
         }
         if self.json || self.timings {
             let summary = Summary {
@@ -124,30 +160,32 @@ impl Search {
                 queries: count,
                 k: self.k,
                 dim: index.dim(),
-                entries: index.len(),
+                entries: segments.len(),
+                segments: SegmentsRecord { searched: indexes.len(), of },
                 ns_per_query: median_ns(&rounds, count),
                 rounds: rounds.iter().map(|&round| ns_per_query(round, count)).collect(),
                 open_ns: u64::try_from(open.as_nanos()).unwrap_or(u64::MAX),
-                threads: batch.threads(),
-                cost: mean_cost(&index, &queries, &options)?,
+                threads: batches.first().map_or(1, Batch::threads),
+                cost: mean_cost(&segments, &queries, &options)?,
             };
             self.report(&summary)?;
         }
         if self.out.is_none() && self.distances.is_none() && !self.json {
-            show(&index, batch.found(), count)?;
+            show(&segments, found(), count)?;
         }
         Ok(super::SUCCESS)
     }
 
     /// Refuses outputs that would destroy an input or each other.
     fn refuse_clashes(&self) -> anyhow::Result<()> {
-        let index = self.index.path();
+        let indexes = self.index.paths();
         let mut printed = usize::from(self.json || self.neighbours);
         for out in self.out.iter().chain(&self.distances) {
             if is_standard(out) {
                 printed += 1;
             } else {
-                super::refuse_overwriting(out, [self.queries.as_path(), index.as_path()])?;
+                let inputs = indexes.iter().map(PathBuf::as_path).chain([self.queries.as_path()]);
+                super::refuse_overwriting(out, inputs)?;
             }
         }
         if printed > 1 {
@@ -257,10 +295,13 @@ impl Target {
 }
 
 /// Every query's neighbours as a line of JSON.
-fn print_neighbours<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>) -> anyhow::Result<u8> {
+fn print_neighbours<'f>(
+    segments: &Segments,
+    found: impl Iterator<Item = &'f [Neighbour]>,
+) -> anyhow::Result<u8> {
     let mut out = BufWriter::new(io::stdout().lock());
     for (query, neighbours) in found.enumerate() {
-        let record = QueryRecord::new(index, query, neighbours);
+        let record = QueryRecord::named(|id| names_in(segments, id), query, neighbours);
         serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
         out.write_all(b"\n")?;
     }
@@ -269,12 +310,16 @@ fn print_neighbours<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbou
 }
 
 /// The neighbours of the first queries, for a person.
-fn show<'f>(index: &Index, found: impl Iterator<Item = &'f [Neighbour]>, count: usize) -> io::Result<()> {
+fn show<'f>(
+    segments: &Segments,
+    found: impl Iterator<Item = &'f [Neighbour]>,
+    count: usize,
+) -> io::Result<()> {
     let mut out = io::stdout().lock();
     for (query, neighbours) in found.take(SHOWN).enumerate() {
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
-            let (grasp, file) = names(index, neighbour.id);
+            let (grasp, file) = names_in(segments, neighbour.id);
             let names = [grasp, file].into_iter().flatten().map(|name| format!("  {name}"));
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }

@@ -1,6 +1,6 @@
 //! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to, never renamed.
 
-use grasp_index::{Index, Neighbour};
+use grasp_index::{Index, Neighbour, Segments};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -31,8 +31,17 @@ pub struct FoundRecord<'a> {
 impl<'a> QueryRecord<'a> {
     /// The record of the query at place `query`.
     pub fn new(index: &'a Index, query: usize, neighbours: &[Neighbour]) -> Self {
+        Self::named(|id| names(index, id), query, neighbours)
+    }
+
+    /// The same of entries that `names` knows the class and the file of.
+    pub fn named(
+        names: impl Fn(u32) -> (Option<&'a str>, Option<&'a str>),
+        query: usize,
+        neighbours: &[Neighbour],
+    ) -> Self {
         let neighbours = present(neighbours).map(|neighbour| {
-            let (grasp, file) = names(index, neighbour.id);
+            let (grasp, file) = names(neighbour.id);
             FoundRecord { id: neighbour.id, distance: neighbour.distance, grasp, file }
         });
         Self { query, neighbours: neighbours.collect() }
@@ -42,6 +51,11 @@ impl<'a> QueryRecord<'a> {
 /// Without the places that the index had no entry for.
 pub fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
     neighbours.iter().filter(|neighbour| neighbour.id != u32::MAX)
+}
+
+/// The same of an entry of one of several indexes.
+pub fn names_in(segments: &Segments, id: u32) -> (Option<&str>, Option<&str>) {
+    segments.locate(id).map_or((None, None), |(index, id)| names(index, id))
 }
 
 /// An entry's class and file, where the index knows them.

@@ -1,0 +1,115 @@
+//! `grasp-query search` over several indexes: the answers of the one index that they make together.
+
+use std::fs;
+use std::path::Path;
+
+use grasp_index::npy::{NpyHeader, NpyType};
+use grasp_index::{Effort, Index, SearchOptions, Segments, SegmentsError};
+use grasp_tests::{Outcome, program, run, small_index};
+
+const DIM: usize = 340;
+const PARTS: [&str; 4] = ["0.idx", "1.idx", "2.idx", "3.idx"];
+
+fn array(values: &[f32]) -> Vec<u8> {
+    let rows = (values.len() / DIM) as u64;
+    let mut bytes = NpyHeader { element: NpyType::F32, rows, columns: DIM as u64, offset: 0 }.to_bytes();
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+fn done(name: &str, folder: &Path, arguments: &[&str]) -> Outcome {
+    let outcome = run(program(name).args(arguments).current_dir(folder));
+    assert_eq!(outcome.status, 0, "{arguments:?}: {}", outcome.stderr);
+    outcome
+}
+
+/// A folder with `single.idx` of all rows, its quarters, and queries: moved rows, and rows as they are, of which some are alike.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let small = Index::open(small_index()).unwrap();
+    let rows: Vec<f32> =
+        (0..small.len() as u32).flat_map(|id| small.descriptor(id).unwrap().to_vec()).collect();
+    let write = |name: &str, values: &[f32]| fs::write(folder.path().join(name), array(values)).unwrap();
+    write("x.npy", &rows);
+    let mut queries = rows[..DIM * 40].to_vec();
+    queries.extend(
+        rows.chunks_exact(DIM).step_by(5).flatten().zip(rows.iter().rev()).map(|(a, b)| 0.8 * a + 0.2 * b),
+    );
+    write("q.npy", &queries);
+    done("grasp-builder", folder.path(), &["build", "--descriptors", "x.npy", "--out", "single.idx"]);
+    let count = rows.len() / DIM;
+    for (at, part) in PARTS.into_iter().enumerate() {
+        write("part.npy", &rows[at * count / 4 * DIM..(at + 1) * count / 4 * DIM]);
+        done("grasp-builder", folder.path(), &["build", "--descriptors", "part.npy", "--out", part]);
+    }
+    folder
+}
+
+fn search(folder: &Path, indexes: &[&str], more: &[&str]) -> Outcome {
+    let indexes = indexes.iter().flat_map(|index| ["--index", index]);
+    run(program("grasp-query").args(["search", "q.npy"]).args(indexes).args(more).current_dir(folder))
+}
+
+#[test]
+fn segments_answer_as_the_index_that_they_make() {
+    let folder = folder();
+    let folder = folder.path();
+    let arrays = |indexes: &[&str], more: &[&str]| {
+        let outcome =
+            search(folder, indexes, &[&["--out", "ids.npy", "--distances", "d.npy"], more].concat());
+        assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+        ["ids.npy", "d.npy"].map(|name| fs::read(folder.join(name)).unwrap())
+    };
+    for more in [&["--exact"][..], &["--exact", "--k", "37", "--threads", "1"], &["--exact", "--k", "5000"]] {
+        assert!(arrays(&["single.idx"], more) == arrays(&PARTS, more), "{more:?}");
+    }
+    // Joined, they are that index.
+    let compact = [&["compact"][..], &PARTS, &["--out", "joined.idx"]].concat();
+    done("grasp-builder", folder, &compact);
+    assert!(arrays(&["single.idx"], &[]) == arrays(&["joined.idx"], &[]));
+
+    // With less than exact effort, at least as near as asked.
+    let record = |indexes: &[&str]| search(folder, indexes, &["--json"]).json_lines().remove(0);
+    let (one, four) = (record(&["single.idx"]), record(&PARTS));
+    assert_eq!((&four["entries"], &four["segments"]["of"]), (&one["entries"], &4.into()));
+    assert!(four["predicted_recall"].as_f64().unwrap() >= 0.95);
+
+    // The library's own search, and its tie-breaking: a row is found in each segment that holds it, in order.
+    let open = |names: &[&str]| names.iter().map(|name| Index::open(folder.join(name)).unwrap()).collect();
+    let segments = Segments::new(open(&PARTS)).unwrap();
+    let single = Index::open(folder.join("single.idx")).unwrap();
+    let options = SearchOptions { k: 7, effort: Effort::Exact };
+    let query = single.descriptor(3).unwrap().into_owned();
+    let (all, own) = (segments.search(&query, &options).unwrap(), single.search(&query, &options).unwrap());
+    assert_eq!((all.neighbours, all.cost.exact), (own.neighbours, true));
+    let twice = Segments::new(open(&["0.idx", "0.idx"])).unwrap();
+    let found = twice.search(&query, &options).unwrap().neighbours;
+    assert_eq!(found[1].id, found[0].id + twice.len() as u32 / 2);
+    assert_eq!(twice.locate(found[1].id).unwrap().1, found[0].id);
+    assert!(twice.locate(twice.len() as u32).is_none());
+}
+
+#[test]
+fn a_missing_segment_is_an_error_or_told() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("2.idx"), "no index").unwrap();
+    let outcome = search(folder, &PARTS, &["--exact"]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.stderr.contains("cannot use the index 2.idx"), "{}", outcome.stderr);
+    let outcome = search(folder, &PARTS, &["--exact", "--json", "--allow-missing"]);
+    assert_eq!(outcome.status, 0);
+    assert!(outcome.stderr.contains("3 of 4 indexes are searched"), "{}", outcome.stderr);
+    let segments = &outcome.json_lines()[0]["segments"];
+    assert_eq!((&segments["searched"], &segments["of"]), (&3.into(), &4.into()));
+
+    fs::write(folder.join("y.npy"), array(&[0.5; DIM * 4])).unwrap();
+    done(
+        "grasp-builder",
+        folder,
+        &["build", "--descriptors", "y.npy", "--descriptor", "default", "--out", "2.idx"],
+    );
+    let outcome = search(folder, &PARTS, &[]);
+    assert!(outcome.stderr.contains("index 2 (counted from 0) has other descriptors"), "{}", outcome.stderr);
+    assert_eq!(Segments::new(Vec::new()).unwrap_err(), SegmentsError::None);
+}
