@@ -107,9 +107,9 @@ fn a_missing_segment_is_an_error_or_told() {
     done(
         "grasp-builder",
         folder,
-        &["build", "--descriptors", "y.npy", "--descriptor", "default", "--out", "2.idx"],
+        &["build", "--descriptors", "y.npy", "--descriptor", "default", "--out", "other.idx"],
     );
-    let outcome = search(folder, &PARTS, &[]);
+    let outcome = search(folder, &[PARTS[0], PARTS[1], "other.idx"], &[]);
     assert!(outcome.stderr.contains("index 2 (counted from 0) has other descriptors"), "{}", outcome.stderr);
     assert_eq!(Segments::new(Vec::new()).unwrap_err(), SegmentsError::None);
 }
