@@ -150,6 +150,11 @@ fn a_robot_is_told_the_same() {
             compare(&server, &[form, &picture, &robot].concat(), b"");
         }
     }
+    let arm = path("arms/kuka-kr6-r700.toml");
+    for arm in ["kuka-kr6-r700", &arm, "elephant"] {
+        let robot = ["--robot", "barrett", "--object", &object, "--camera", &camera, "--arm", arm];
+        compare(&server, &[&["--json"], picture.as_slice(), &robot].concat(), b"");
+    }
     compare(
         &server,
         &[picture.as_slice(), &["--robot", "elephant", "--object", &object, "--camera", &camera]].concat(),

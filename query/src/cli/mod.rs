@@ -70,7 +70,7 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Recognise(recognise::Recognise),
+    Recognise(Box<recognise::Recognise>),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
     Quiz(quiz::Quizzing),

@@ -36,6 +36,7 @@ Examples:
   grasp-query recognise cup.jpg --prior prior.toml --holding bottle
   grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
   grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
+  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml --arm kuka-kr6-r700
   grasp-query recognise cup.jpg --server http://127.0.0.1:8750
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 

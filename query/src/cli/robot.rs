@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::robot::{Camera, Object, RobotError, RobotHand, Setting};
+use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
@@ -16,6 +16,9 @@ pub(super) struct RobotArguments {
     /// The camera: its pose in the world, and where it saw the hand.
     #[arg(long, value_name = "CAMERA.toml", requires = "robot")]
     camera: Option<PathBuf>,
+    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or an ARM.toml that describes another and where it stands.
+    #[arg(long, value_name = "ARM", requires = "robot")]
+    arm: Option<String>,
     /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message.
     #[arg(long, value_enum, value_name = "FORMAT", requires = "robot", conflicts_with = "json")]
     format: Option<Format>,
@@ -34,19 +37,28 @@ impl RobotArguments {
             return Ok(None);
         };
         let (hand, object, camera) = (RobotHand::find(robot)?, Object::read(object)?, Camera::read(camera)?);
-        Setting::new(hand, object, camera).map(Some)
+        let arm = self.arm.as_deref().map(Arm::find).transpose()?;
+        Ok(Some(Setting::new(hand, object, camera)?.with_arm(arm)))
     }
 
     /// The robot hand's name, and its description where that is a file; the object's and the camera's files.
     pub(super) fn files(&self) -> Option<(&str, [Option<&Path>; 3])> {
         let (robot, object, camera) = (self.robot.as_ref()?, self.object.as_deref(), self.camera.as_deref());
-        let described =
-            Some(Path::new(robot)).filter(|path| path.extension().is_some_and(|ext| ext == "toml"));
-        Some((robot, [described, object, camera]))
+        Some((robot, [described(robot), object, camera]))
+    }
+
+    /// The arm's name, and its description where that is a file.
+    pub(super) fn arm(&self) -> Option<(&str, Option<&Path>)> {
+        self.arm.as_deref().map(|arm| (arm, described(arm)))
     }
 
     /// Whether strategies are written for MoveIt instead of records.
     pub(super) fn is_moveit(&self) -> bool {
         self.format == Some(Format::Moveit)
     }
+}
+
+/// The file that a name is, where it is one.
+fn described(name: &str) -> Option<&Path> {
+    Some(Path::new(name)).filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
 }

@@ -18,6 +18,8 @@ pub struct Parts {
     pub object: Option<Bytes>,
     /// The camera's.
     pub camera: Option<Bytes>,
+    /// An arm's.
+    pub arm: Option<Bytes>,
 }
 
 impl Parts {
@@ -29,6 +31,7 @@ impl Parts {
             ("robot", &self.robot),
             ("object", &self.object),
             ("camera", &self.camera),
+            ("arm", &self.arm),
         ];
         let mut others =
             others.into_iter().filter_map(|(name, bytes)| Some((name, bytes.as_ref()?))).peekable();

@@ -91,6 +91,14 @@ fn strategy_text(strategy: &Strategy, text: &mut String) {
         strategy.object,
         1e3 * strategy.object_width,
     );
+    if let Some(arm) = strategy.arm.as_ref().filter(|arm| arm.reachable) {
+        let _ = writeln!(
+            text,
+            "    {} carries the hand there and back up: {} waypoints",
+            arm.arm,
+            arm.waypoints.len()
+        );
+    }
     for warning in &strategy.warnings {
         let _ = writeln!(text, "    warning: {warning}");
     }

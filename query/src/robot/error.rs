@@ -33,6 +33,14 @@ pub enum RobotError {
         /// The names that there are.
         known: String,
     },
+    /// The arm is none that comes with the program.
+    #[error("no arm is called `{name}`: there are {known}; or name a file that describes one, as ARM.toml")]
+    UnknownArm {
+        /// What was asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The human grasp has no counterpart.
     #[error("{hand} has no grasp for `{grasp}`: name one under [map] in its file")]
     Unmapped {
@@ -97,6 +105,7 @@ impl RobotError {
         match self {
             Self::Read { .. } | Self::Format { .. } => "file",
             Self::UnknownHand { .. } => "unknown_hand",
+            Self::UnknownArm { .. } => "unknown_arm",
             Self::Unmapped { .. } => "unmapped",
             Self::UnknownHuman { .. } => "unknown_human",
             Self::UnknownGrasp { .. } => "unknown_grasp",

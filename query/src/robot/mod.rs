@@ -2,7 +2,7 @@
 //!
 //! [`RobotHand`] says, as data, which of a robot hand's grasps does for each human grasp, and how that is made;
 //! [`Object`] and [`Camera`] say what lies and stands where. [`Strategy`] puts them together with a recognised hand
-//! into approach, grasp and retreat, which [`moveit`] writes for ROS.
+//! into approach, grasp and retreat, which [`moveit`] writes for ROS. An [`Arm`] says by which joint angles it carries the hand there.
 //!
 //! # Frames
 //!
@@ -11,6 +11,7 @@
 //! the middle of its palm's surface, z the direction of approach, y to the side of its thumb. `wrist`: the link that an arm
 //! carries, turned as the palm is. `object`: about the middle of its shape.
 
+mod arm;
 mod camera;
 mod error;
 mod hand;
@@ -22,6 +23,7 @@ mod setting;
 pub mod simulation;
 mod strategy;
 
+pub use arm::{Arm, ArmMotion, Hindrance, Unreachable, Waypoint};
 pub use camera::Camera;
 pub use error::RobotError;
 pub use hand::{RobotGrasp, RobotHand, Value, Way, Window};

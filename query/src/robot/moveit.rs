@@ -44,6 +44,9 @@ pub fn yaml(strategy: &Strategy, id: &str, probability: f64) -> String {
         ),
         None => "tolerated: unknown".into(),
     });
+    if let Some(arm) = strategy.arm.as_ref().filter(|arm| arm.reachable) {
+        comment(format!("arm: {} reaches all of it", arm.arm));
+    }
     for warning in &strategy.warnings {
         comment(format!("warning: {warning}"));
     }
@@ -87,7 +90,7 @@ fn header(frame: &str) -> Value {
 }
 
 /// To a micrometre or microradian: what lies beyond is noise that would differ between machines. Never -0.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }
 

@@ -5,13 +5,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::hand::{RobotGrasp, RobotHand, Window};
 use super::human::HumanGrasp;
-use super::{Camera, Object, RobotError};
+use super::{Arm, ArmMotion, Camera, Object, RobotError};
 use crate::output::record::xyzw;
 use crate::recognise::Side;
 
@@ -74,6 +74,9 @@ pub struct Strategy {
     pub estimate: Estimate,
     /// What error the grasp tolerates; null where that was never simulated.
     pub tolerated: Option<Window>,
+    /// How an arm carries the hand there; absent where none was named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arm: Option<ArmMotion>,
     /// What speaks against trying this.
     pub warnings: Vec<String>,
 }
@@ -180,6 +183,22 @@ impl Strategy {
         Ok(Self::assemble(hand, seen, (name, grasp), object, &world_from_object, &placed, estimate, warnings))
     }
 
+    /// Says how `arm` carries the hand there, and warns where it cannot.
+    pub fn carried_by(mut self, arm: &Arm) -> Self {
+        let motion = arm.carry(&self);
+        if let Some(end) = &motion.unreachable {
+            self.warnings.push(format!(
+                "unreachable: {} cannot carry the hand beyond {:.0} mm of the {}: {}",
+                motion.arm,
+                1e3 * end.distance,
+                end.step,
+                end.why
+            ));
+        }
+        self.arm = Some(motion);
+        self
+    }
+
     #[expect(clippy::too_many_arguments, reason = "the one place where all parts come together")]
     fn assemble(
         hand: &RobotHand,
@@ -239,6 +258,7 @@ impl Strategy {
             allowed_touch_objects: vec![object.name.clone()],
             estimate,
             tolerated: grasp.window.clone(),
+            arm: None,
             warnings,
         }
     }
@@ -247,6 +267,13 @@ impl Strategy {
 impl Pose {
     fn new(frame: &'static str, pose: &Isometry3<f64>) -> Self {
         Self { frame, position: pose.translation.vector.into(), quaternion_xyzw: xyzw(&pose.rotation) }
+    }
+
+    /// The same as a rigid motion.
+    pub(super) fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.quaternion_xyzw;
+        let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        Isometry3::from_parts(Translation3::from(self.position), rotation)
     }
 }
 

@@ -7,7 +7,7 @@ use axum::http::{StatusCode, header};
 use super::problem::Problem;
 use crate::picture;
 use crate::recognise::MaskSource;
-use crate::robot::{Camera, Object, RobotError, RobotHand, Setting};
+use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 use crate::segment::Mask;
 use crate::segment::depth::DepthRange;
 
@@ -20,9 +20,10 @@ pub(super) struct Input {
     robot: Option<Bytes>,
     object: Option<Bytes>,
     camera: Option<Bytes>,
+    arm: Option<Bytes>,
 }
 
-/// The name of a robot hand that the request itself describes.
+/// The name of a robot hand or an arm that the request itself describes.
 pub(crate) const DESCRIBED: &str = "described";
 
 /// The whole body as bytes. The router bounds its length.
@@ -32,7 +33,7 @@ pub(super) async fn bytes(request: Request) -> Result<Bytes, Problem> {
         .map_err(|rejection| unreadable(rejection.status(), rejection.body_text()))
 }
 
-/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera` and `robot`.
+/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera`, `robot` and `arm`.
 pub(super) async fn input(request: Request) -> Result<Input, Problem> {
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
     let is_form = kind.is_some_and(|kind| kind.trim_start().starts_with("multipart/form-data"));
@@ -60,9 +61,10 @@ pub(super) async fn input(request: Request) -> Result<Input, Problem> {
             "robot" => input.robot.replace(bytes).is_none(),
             "object" => input.object.replace(bytes).is_none(),
             "camera" => input.camera.replace(bytes).is_none(),
+            "arm" => input.arm.replace(bytes).is_none(),
             other => {
                 return Err(Problem::bad_request(format!(
-                    "the form has a part `{other}`: its parts are picture, mask, depth, object, camera and robot"
+                    "the form has a part `{other}`: its parts are picture, mask, depth, object, camera, robot and arm"
                 )));
             }
         };
@@ -135,14 +137,14 @@ impl Input {
         }
     }
 
-    /// The robot that is asked for by `name`, with the object and the camera of the form.
-    pub(super) fn setting(&self, name: Option<&str>) -> Result<Option<Setting>, Problem> {
-        let parts = [&self.robot, &self.object, &self.camera];
+    /// The robot that is asked for by `name`, with the object and the camera of the form, on the arm of that name.
+    pub(super) fn setting(&self, name: Option<&str>, arm: Option<&str>) -> Result<Option<Setting>, Problem> {
         let Some(name) = name else {
-            return match parts.into_iter().any(Option::is_some) {
-                true => {
-                    Err(Problem::bad_request("the form describes a robot's work: say robot=NAME as well"))
-                }
+            let parts = [&self.robot, &self.object, &self.camera, &self.arm];
+            return match arm.is_some() || parts.into_iter().any(Option::is_some) {
+                true => Err(Problem::bad_request(
+                    "an arm, or a form that describes a robot's work: say robot=NAME as well",
+                )),
                 false => Ok(None),
             };
         };
@@ -155,14 +157,23 @@ impl Input {
         };
         let wrong =
             |error: RobotError| Problem::new(StatusCode::BAD_REQUEST, error.kind(), error.to_string());
-        let [robot, object, camera] = parts;
         let hand = match name {
-            DESCRIBED => RobotHand::parse("robot", &text("robot", robot)?),
+            DESCRIBED => RobotHand::parse("robot", &text("robot", &self.robot)?),
             // No path: a request names no file of this machine.
             _ => RobotHand::built_in(name),
         };
-        let object = Object::parse("object", &text("object", object)?).map_err(wrong)?;
-        let camera = Camera::parse("camera", &text("camera", camera)?).map_err(wrong)?;
-        Setting::new(hand.map_err(wrong)?, object, camera).map(Some).map_err(wrong)
+        let object = Object::parse("object", &text("object", &self.object)?).map_err(wrong)?;
+        let camera = Camera::parse("camera", &text("camera", &self.camera)?).map_err(wrong)?;
+        let arm = match arm {
+            Some(DESCRIBED) => Some(Arm::parse("arm", &text("arm", &self.arm)?)),
+            Some(name) => Some(Arm::built_in(name)),
+            None if self.arm.is_some() => {
+                return Err(Problem::bad_request("the form describes an arm: say arm=described as well"));
+            }
+            None => None,
+        };
+        let arm = arm.transpose().map_err(wrong)?;
+        let setting = Setting::new(hand.map_err(wrong)?, object, camera).map_err(wrong)?;
+        Ok(Some(setting.with_arm(arm)))
     }
 }

@@ -299,7 +299,7 @@ async fn recognise_picture(
 
 /// `POST /v1/strategy`.
 #[utoipa::path(post, path = "/v1/strategy", params(PictureParameters),
-    request_body(description = "A form of `picture`, `object` and `camera` (TOML, as for --object and --camera), and `robot` for robot=described",
+    request_body(description = "A form of `picture`, `object` and `camera` (TOML, as for --object and --camera), `robot` for robot=described, `arm` for arm=described",
         content_type = "multipart/form-data"),
     responses(
         (status = 200, description = "The record of /v1/recognise, whose `strategy` says what the robot does, or whose `error` says why it can do nothing; for `Accept: application/yaml`, a moveit_msgs/Grasp",

@@ -76,6 +76,9 @@ pub struct PictureParameters {
     /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or `described` by the form's part `robot`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
+    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or `described` by the form's part `arm`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arm: Option<String>,
     /// Add how long each step took.
     #[serde(skip_serializing_if = "is_false")]
     pub timings: bool,

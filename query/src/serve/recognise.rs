@@ -73,7 +73,7 @@ pub(super) fn answer(
     input.check_pixels(most_pixels)?;
     let range = parameters.depth_range().map_err(Problem::bad_request)?;
     let source = input.source(parameters.segmented, range)?;
-    let setting = input.setting(parameters.robot.as_deref())?;
+    let setting = input.setting(parameters.robot.as_deref(), parameters.arm.as_deref())?;
     let name = parameters.file.clone().unwrap_or_else(|| "-".into());
     let found = match Recogniser::new(index, options).recognise(&input.picture, &source) {
         Ok(found) => found,

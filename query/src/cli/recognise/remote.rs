@@ -89,6 +89,7 @@ impl Recognise {
         let read = |path: &Path| picture::read(path).map(Into::into);
         let (robot, [described, object, camera]) =
             self.robot.files().map_or((None, [None; 3]), |(name, files)| (Some(name), files));
+        let (arm, arm_file) = self.robot.arm().map_or((None, None), |(name, file)| (Some(name), file));
         let parts = Parts {
             picture: bytes.into(),
             mask: self.mask.as_deref().map(read).transpose()?,
@@ -96,6 +97,7 @@ impl Recognise {
             robot: described.map(read).transpose()?,
             object: object.map(read).transpose()?,
             camera: camera.map(read).transpose()?,
+            arm: arm_file.map(read).transpose()?,
         };
         let parameters = PictureParameters {
             file: Some(name.clone()),
@@ -104,6 +106,7 @@ impl Recognise {
             depth_range: self.depth_range.map(|range| range.to_string()),
             timings: self.timings,
             robot: robot.map(|name| if described.is_some() { DESCRIBED } else { name }.to_owned()),
+            arm: arm.map(|name| if arm_file.is_some() { DESCRIBED } else { name }.to_owned()),
             ..PictureParameters::of(&self.recognise.options())
         };
         let wanted = match self.form() {
