@@ -41,7 +41,7 @@ pub struct ClassResult {
     pub recognised: usize,
     /// In which the robot grasp was the right one: several human grasps share one.
     pub robot_grasp_right: usize,
-    /// In which the object was lifted and held.
+    /// In which the object was lifted and held; what was not recognised, or is unknown, was not.
     pub success: usize,
     /// The share of these, 0..=1.
     pub share: f64,
@@ -140,13 +140,19 @@ impl Case {
         let Ok(guess) = &outcome.result else { return Ok(Some(case)) };
         let side = label.hand.unwrap_or(guess.hand);
         let error = labelled.inverse() * guess.orientation;
-        let (guessed, _) = hand.for_human(&guess.grasp)?;
+        case.error_deg = Some(error.angle().to_degrees());
+        // What is unknown, or has no counterpart, is not imitated.
+        let Ok((guessed, _)) = hand.for_human(&guess.grasp) else { return Ok(Some(case)) };
         case.recognised = guess.grasp == label.grasp;
         case.robot_grasp_right = guessed == robot_grasp;
-        case.error_deg = Some(error.angle().to_degrees());
         let attempt = |error: UnitQuaternion<f64>| -> Result<bool, RobotError> {
             let turned = turned(scene, &label.grasp, &guess.grasp, side, guess.hand, error)?;
-            Ok(Plan::new(hand, guessed, &scene.object()?, turned)?.run(Error::default()).success)
+            match Plan::new(hand, guessed, &scene.object()?, turned) {
+                Ok(plan) => Ok(plan.run(Error::default()).success),
+                // A failure of this hand on this object, as it would be with a real one.
+                Err(RobotError::TooWide { .. }) => Ok(false),
+                Err(error) => Err(error),
+            }
         };
         case.success = attempt(error)?;
         case.true_orientation = attempt(UnitQuaternion::identity())?;
