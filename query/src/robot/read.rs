@@ -60,5 +60,5 @@ impl Source<'_> {
 
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, RobotError> {
-    std::fs::read_to_string(path).map_err(|source| RobotError::Read { path: path.to_owned(), source })
+    std::fs::read_to_string(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
 }
