@@ -124,7 +124,7 @@ fn every_human_grasp_has_a_counterpart_as_in_the_paper() {
 #[test]
 fn what_is_less_sure_than_the_grasp_tolerates_is_said() {
     let text = include_str!("../data/robots/parallel-gripper.toml").to_owned()
-        + "[grasp.parallel.window]\nposition_m = 0.005\nyaw_rad = 0.1\nobject = \"bottle\"\nengine = \"none\"\n";
+        + "[[grasp.parallel.window]]\nposition_m = 0.005\nyaw_rad = 0.1\nobject = \"bottle\"\nwidth_m = 0.07\nfrom = \"side\"\nengine = \"none\"\n";
     let hand = RobotHand::parse("own.toml", &text).unwrap();
     let camera = camera();
     let strategy =
@@ -133,6 +133,30 @@ fn what_is_less_sure_than_the_grasp_tolerates_is_said() {
     the hand's position is known to +-10 mm, the grasp tolerates +-5 mm
     the hand's orientation is known to +-8 degrees, the grasp tolerates a yaw of +-6: take it as a first guess and correct it by touch
     ");
+}
+
+#[test]
+fn a_thin_thing_is_tolerated_less_than_a_thick_one() {
+    let mut camera = camera();
+    camera.position_spread = Some(0.015);
+    let warnings = |radius: &str| {
+        let text = BOTTLE.replace("radius = 0.035", &format!("radius = {radius}"));
+        let object = Object::parse("bottle.toml", &text).unwrap();
+        let seen = seen("small-diameter", upright(), &camera);
+        let strategy = Strategy::new(&hand("barrett"), &seen, &object, &camera).unwrap();
+        (strategy.tolerated.map(|window| (window.position_m, window.object)), strategy.warnings.join("\n"))
+    };
+    let tolerated = |millimetres: f64, object: &str| Some((1e-3 * millimetres, object.to_owned()));
+    assert_eq!(warnings("0.035"), (tolerated(30.0, "cylinder-upright"), String::new()));
+    // As a stick, and between both: nobody tried.
+    for radius in ["0.017", "0.025"] {
+        let (window, warning) = warnings(radius);
+        assert_eq!(window, tolerated(10.0, "stick"));
+        assert_eq!(warning, "the hand's position is known to +-15 mm, the grasp tolerates +-10 mm");
+    }
+    let (window, warning) = warnings("0.05");
+    assert_eq!(window, None);
+    insta::assert_snapshot!(warning, @"what error the grasp tolerates is not known: simulated from the side were handle (28 mm), stick (34 mm), cylinder-upright (70 mm), and this is 101 mm wide");
 }
 
 #[test]
@@ -164,6 +188,10 @@ fn bad_descriptions_say_what_is_needed() {
     said.push(hand(&barrett.replace("pinch = \"two-finger-thumb\"", "pinch = \"poke\"")));
     said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "bh_j32_joint = 3.0\n")));
     said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "")));
+    said.push(hand(&barrett.replace("width_m = 0.025", "width_m = 0.0")));
+    said.push(hand(
+        &barrett.replace("from = \"side\", width_m = 0.028", "from = \"below\", width_m = 0.028"),
+    ));
     insta::assert_snapshot!(said.join("\n\n"));
 }
 

@@ -1,7 +1,8 @@
 //! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
 
-use grasp_query::robot::simulation::{Error, From, Outcome, Plan, SCENES, Scene};
-use grasp_query::robot::{Object, RobotError, RobotHand};
+use grasp_query::robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
+use grasp_query::robot::{From, Object, RobotError, RobotHand};
+use nalgebra::Vector3;
 
 fn plan(scene: &str) -> Plan {
     let scene = Scene::named(scene).unwrap();
@@ -34,6 +35,28 @@ fn a_wrap_forgives_two_centimetres_and_fifteen_degrees() {
         for degrees in [-15.0, 15.0] {
             let outcome = plan(scene).run(off(0.0, 0.0, degrees));
             assert!(outcome.success, "{scene} at {degrees}: {outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn the_windows_that_strategies_warn_by_were_simulated() {
+    let hand = RobotHand::find("barrett").unwrap();
+    for (name, grasp) in &hand.grasp {
+        assert!(!grasp.window.is_empty(), "{name}");
+        for window in &grasp.window {
+            let scene = Scene::named(&window.object).unwrap();
+            assert_eq!((scene.grasp, scene.from), (name.as_str(), window.from));
+            let object = scene.object().unwrap();
+            let fingers = object.pose.inverse_transform_vector(&(window.from.turned() * Vector3::y()));
+            let width = 2.0 * object.shape.half_chord(&fingers);
+            assert!((width - window.width_m).abs() < 1e-6, "{}: {width}", window.object);
+            let (most, yaw) = (window.position_m, window.yaw_rad.unwrap_or_default().to_degrees());
+            // Of opposite corners and turns one each; the sweep tries them all.
+            for error in [off(most, -most, 0.0), off(-most, -most, 0.0), off(0.0, 0.0, yaw)] {
+                let outcome = plan(scene.name).run(error);
+                assert!(outcome.success, "{}, {error:?}: {outcome:?}", scene.name);
+            }
         }
     }
 }

@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail};
 use serde::Serialize;
 
 use crate::explain;
-use crate::robot::simulation::{Error, From, Outcome, Plan, Quality, SCENES, Scene};
-use crate::robot::{Object, RobotHand};
+use crate::robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
+use crate::robot::{From, Object, RobotHand};
 
 /// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
 ///

@@ -1,13 +1,15 @@
 //! A robot hand as data: which of its grasps does for each human grasp, and how each is made.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::RobotError;
 use super::human::HumanGrasp;
 use super::read::{Source, text};
+use super::window::Window;
 
 /// The hands that come with the program.
 const BUILT_IN: [(&str, &str); 2] = [
@@ -77,8 +79,9 @@ pub struct RobotGrasp {
     pub open: BTreeMap<String, Value>,
     /// The posture that closing aims at.
     pub closed: BTreeMap<String, Value>,
-    /// What error the grasp tolerates, as it was simulated.
-    pub window: Option<Window>,
+    /// What error the grasp tolerates, as it was simulated with objects of several widths.
+    #[serde(default)]
+    pub window: Vec<Window>,
 }
 
 /// A number, or one that depends on the object's width.
@@ -89,21 +92,6 @@ pub enum Value {
     Fixed(f64),
     /// Points of width (metres, ascending) and value, between which it is interpolated; constant beyond the ends.
     ByWidth(Vec<[f64; 2]>),
-}
-
-/// An error that is tolerated.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Window {
-    /// The object's place on the table may be wrong by as much as this in either direction, in metres.
-    pub position_m: f64,
-    /// The hand's turn about the vertical may be wrong by as much as this in either direction, in radians; none where the
-    /// object looks the same from every side.
-    pub yaw_rad: Option<f64>,
-    /// The object that this was simulated with.
-    pub object: String,
-    /// What simulated it.
-    pub engine: String,
 }
 
 impl Default for Value {
@@ -212,6 +200,13 @@ impl RobotHand {
                 "grasp.{name}: standoff, middle and table_clearance need metres, points with ascending widths"
             )));
         }
+        for window in &grasp.window {
+            let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));
+            let lengths = [("position_m", window.position_m, 1.0), ("width_m", window.width_m, 1.0)];
+            for (key, value, most) in lengths.into_iter().chain(yaw) {
+                source.length(&format!("grasp.{name}.window.{key}"), value, most)?;
+            }
+        }
         for (posture, joints) in [("open", &grasp.open), ("closed", &grasp.closed)] {
             if joints.keys().ne(self.limits.keys()) {
                 return Err(source.error(format!(
@@ -233,7 +228,7 @@ impl RobotHand {
     /// A number that differs where two hands do, but for the windows that were measured with them.
     pub fn fingerprint(&self) -> u64 {
         let mut bare = self.clone();
-        bare.grasp.values_mut().for_each(|grasp| grasp.window = None);
+        bare.grasp.values_mut().for_each(|grasp| grasp.window.clear());
         xxhash_rust::xxh3::xxh3_64(format!("{bare:?}").as_bytes())
     }
 

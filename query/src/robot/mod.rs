@@ -14,6 +14,7 @@
 mod arm;
 mod camera;
 mod error;
+mod from;
 mod hand;
 mod human;
 pub mod moveit;
@@ -22,14 +23,17 @@ mod read;
 mod setting;
 pub mod simulation;
 mod strategy;
+mod window;
 
 pub use arm::{Arm, ArmMotion, Hindrance, Unreachable, Waypoint};
 pub use camera::Camera;
 pub use error::RobotError;
-pub use hand::{RobotGrasp, RobotHand, Value, Way, Window};
+pub use from::From;
+pub use hand::{RobotGrasp, RobotHand, Value, Way};
 pub use object::{Frame, Object, Shape};
 pub use setting::Setting;
 pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};
+pub use window::Window;
 
 /// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the hand's approach, its y points to
 /// the thumb's side.

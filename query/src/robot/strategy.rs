@@ -9,8 +9,9 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::hand::{RobotGrasp, RobotHand, Window};
+use super::hand::{RobotGrasp, RobotHand};
 use super::human::HumanGrasp;
+use super::window::{Window, doubts, tolerated};
 use super::{Arm, ArmMotion, Camera, Object, RobotError};
 use crate::output::record::xyzw;
 use crate::recognise::Side;
@@ -72,7 +73,7 @@ pub struct Strategy {
     pub allowed_touch_objects: Vec<String>,
     /// How uncertain the estimate is.
     pub estimate: Estimate,
-    /// What error the grasp tolerates; null where that was never simulated.
+    /// What error the grasp tolerates on an object as wide, from there; null where that was never simulated.
     pub tolerated: Option<Window>,
     /// How an arm carries the hand there; absent where none was named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -179,7 +180,7 @@ impl Strategy {
             hand_position: if camera.hand.is_some() { "given" } else { "assumed" },
         };
         let mut warnings = placed.warnings(object, &world_from_object, grip);
-        warnings.extend(doubts(&estimate, grasp.window.as_ref()));
+        warnings.extend(doubts(&estimate, grasp, placed.width, &placed.approach));
         Ok(Self::assemble(hand, seen, (name, grasp), object, &world_from_object, &placed, estimate, warnings))
     }
 
@@ -257,7 +258,7 @@ impl Strategy {
             touch_links: hand.touch_links.clone(),
             allowed_touch_objects: vec![object.name.clone()],
             estimate,
-            tolerated: grasp.window.clone(),
+            tolerated: tolerated(grasp, placed.width, &placed.approach),
             arm: None,
             warnings,
         }
@@ -351,30 +352,4 @@ impl Placed {
 
 fn posture(joints: &BTreeMap<String, super::hand::Value>, width: f64) -> BTreeMap<String, f64> {
     joints.iter().map(|(name, value)| (name.clone(), value.at(width))).collect()
-}
-
-/// Where the estimate is worse than the grasp tolerates, or one of them is not known.
-fn doubts(estimate: &Estimate, window: Option<&Window>) -> Vec<String> {
-    let mut doubts = Vec::new();
-    let Some(window) = window else {
-        doubts.push("what error the grasp tolerates is not known: it was never simulated".into());
-        return doubts;
-    };
-    match estimate.position_m {
-        None => doubts.push("the hand's position has no known spread: give `position_spread`".into()),
-        Some(spread) if spread > window.position_m => doubts.push(format!(
-            "the hand's position is known to +-{:.0} mm, the grasp tolerates +-{:.0} mm",
-            1e3 * spread,
-            1e3 * window.position_m
-        )),
-        Some(_) => {}
-    }
-    if let Some(yaw) = window.yaw_rad.filter(|yaw| estimate.orientation_rad > *yaw) {
-        doubts.push(format!(
-            "the hand's orientation is known to +-{:.0} degrees, the grasp tolerates a yaw of +-{:.0}: take it as a first guess and correct it by touch",
-            estimate.orientation_rad.to_degrees(),
-            yaw.to_degrees()
-        ));
-    }
-    doubts
 }

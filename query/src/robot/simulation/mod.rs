@@ -9,5 +9,5 @@ mod trial;
 mod world;
 
 pub use quality::Quality;
-pub use scenes::{From, SCENES, Scene};
+pub use scenes::{SCENES, Scene};
 pub use trial::{Error, Outcome, Plan};

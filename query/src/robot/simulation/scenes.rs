@@ -1,17 +1,6 @@
 //! Objects on a table that come with the program, each with the grasp and the approach that fit it.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-
-use crate::robot::{Object, RobotError};
-
-/// From where the hand comes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum From {
-    /// From above; the palm's x is the world's, the fingers close along y.
-    Top,
-    /// Along the world's x; the fingers close along y.
-    Side,
-}
+use crate::robot::{From, Object, RobotError};
 
 /// An object and how it is taken.
 #[derive(Clone, Copy, Debug)]
@@ -116,20 +105,10 @@ impl Scene {
     }
 }
 
-impl From {
-    /// How a palm that comes from there is turned in the world.
-    pub fn turned(self) -> UnitQuaternion<f64> {
-        let (x, z) = match self {
-            Self::Top => (Vector3::x(), -Vector3::z()),
-            Self::Side => (Vector3::z(), Vector3::x()),
-        };
-        let axes = Matrix3::from_columns(&[x, z.cross(&x), z]);
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
 
     #[test]
