@@ -142,6 +142,7 @@ fn a_full_disk_leaves_what_was_there() {
         &["build", "--out", "grasp.idx", "--step", "30", "--seed", "8"],
         &["export", "grasp.idx", "--descriptors", "x.npy"],
         &["export", "grasp.idx", "--labels", "y.csv"],
+        &["export", "grasp.idx", "--parquet", "y.csv"],
         &["queries", "--count", "60", "--out", "x.npy"],
     ] {
         // 16 blocks of 512 bytes.

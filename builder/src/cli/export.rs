@@ -7,9 +7,10 @@ use anyhow::{Context as _, bail};
 use grasp_index::Index;
 
 use super::Global;
+use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 
-/// Write what an index holds for other programs: its descriptors, its labels, or both.
+/// Write what an index holds for other programs: its descriptors, its labels, or all of it as one table.
 ///
 /// `grasp-builder build --descriptors X.npy --labels Y.csv --descriptor NAME` makes an index of them again, which gives the
 /// same answers.
@@ -18,9 +19,10 @@ use crate::{export, interrupt};
 Examples:
   grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
   grasp-builder build --descriptors x.npy --labels y.csv --descriptor default --out again.idx
+  grasp-builder export parts/03-of-12.shard --parquet 03.parquet
   python -c 'import numpy; print(numpy.load(\"x.npy\", mmap_mode=\"r\").shape)'")]
 pub(crate) struct Export {
-    /// The index.
+    /// The index; of a part that `shard` has made, --parquet can be written too.
     #[arg(value_name = "FILE")]
     index: PathBuf,
     /// Write the descriptors here: 32-bit floating-point numbers in NumPy's format, a row an entry.
@@ -29,6 +31,9 @@ pub(crate) struct Export {
     /// Write the labels here: a table, a line an entry.
     #[arg(long, value_name = "Y.csv", group = "what")]
     labels: Option<PathBuf>,
+    /// Write both as one Parquet file: a row an entry, columns named as in the labels, and the list `descriptor`.
+    #[arg(long, value_name = "Z.parquet", group = "what")]
+    parquet: Option<PathBuf>,
 }
 
 /// Writes one thing that an index holds.
@@ -38,15 +43,19 @@ impl Export {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let name = self.index.display();
-        let index = Index::open(&self.index).with_context(|| format!("cannot export {name}"))?;
-        for out in [&self.descriptors, &self.labels].into_iter().flatten() {
+        for out in [&self.descriptors, &self.labels, &self.parquet].into_iter().flatten() {
             if is_same(out, &self.index) {
                 bail!("{} is the index itself: name another file to write", out.display());
             }
         }
-        let outputs: [(_, _, Write); 2] = [
+        if is_part(&self.index) {
+            return self.part(global);
+        }
+        let index = Index::open(&self.index).with_context(|| format!("cannot export {name}"))?;
+        let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),
+            (&self.parquet, "entries", export::index_as_parquet),
         ];
         for (out, what, write) in outputs {
             let Some(out) = out else { continue };
@@ -56,6 +65,20 @@ impl Export {
             written.with_context(|| format!("the {what} of {name} were not written"))?;
             writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
         }
+        Ok(())
+    }
+
+    fn part(&self, global: &Global) -> anyhow::Result<()> {
+        let name = self.index.display();
+        let (Some(out), None, None) = (&self.parquet, &self.descriptors, &self.labels) else {
+            bail!("{name} is a part of an index: --parquet alone can be written of it");
+        };
+        let spinner = global.progress().spinner("writing entries");
+        let written =
+            PartReader::open(&self.index).and_then(|part| export::part_as_parquet(part, out, &|_| ()));
+        spinner.finish_and_clear();
+        let entries = written.with_context(|| format!("the entries of {name} were not written"))?;
+        writeln!(std::io::stdout().lock(), "{}: {entries} entries", out.display())?;
         Ok(())
     }
 }

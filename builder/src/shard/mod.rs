@@ -20,7 +20,7 @@ use crate::interrupt;
 use crate::progress::Progress;
 
 pub(crate) use header::Header;
-pub(crate) use part::{HeldOutRows, PartReader, PartWriter};
+pub(crate) use part::{HeldOutRows, PartReader, PartWriter, is_part};
 
 /// How the names of parts end.
 pub(crate) const EXTENSION: &str = "shard";

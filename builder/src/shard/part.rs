@@ -69,6 +69,12 @@ impl From<(Vec<f32>, Vec<u16>)> for HeldOutRows {
     }
 }
 
+/// Whether the file at `path` begins as a part does.
+pub(crate) fn is_part(path: &Path) -> bool {
+    let mut magic = [0; MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
+}
+
 /// A part that is being written.
 pub(crate) struct PartWriter {
     out: BufWriter<AtomicFile>,

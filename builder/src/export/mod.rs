@@ -1,11 +1,15 @@
 //! What an index holds, written as other programs read it.
 
+mod parquet;
+
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, Catalogue, Entry, Index, Originals};
 
+pub use self::parquet::index_as_parquet;
+pub(crate) use self::parquet::part_as_parquet;
 use crate::{array, interrupt};
 
 /// Entries between two calls of the callback.
