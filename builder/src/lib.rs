@@ -5,6 +5,7 @@
 //! - [`build`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
 //!   from an existing index whatever has not changed;
 //! - [`shard`] makes one part of an index on one of many machines, and [`merge`] the index of all parts;
+//! - [`mod@split`] writes an index as several that are searched as one;
 //! - [`grow`] adds to an index, removes from it, and joins several;
 //! - [`experiment`] varies something and measures what the search does;
 //! - [`cli`] is the command line, one file a subcommand;
@@ -23,3 +24,4 @@ pub mod interrupt;
 pub mod merge;
 pub mod progress;
 pub mod shard;
+pub mod split;

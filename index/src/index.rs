@@ -1,13 +1,15 @@
 //! An opened index.
 
 use crate::file::OpenError;
+use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::{Catalogue, HashInfo, Originals};
-use crate::file::input::NewEntry;
+use crate::file::input::{BuildError, NewEntry};
 use crate::file::open::Opened;
 use crate::file::pack;
 use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
+use crate::file::write::segment::write_segment;
 use crate::hand_image::HandImage;
 use crate::search::blocks::Blocks;
 use crate::search::learned::axes::Axes;
@@ -20,6 +22,7 @@ use crate::search::{Hash, Neighbour, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
 use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
+use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
@@ -120,6 +123,24 @@ impl Index {
         Ok(Self { file: Opened::new(bytes)?, is_cold: AtomicBool::new(true) })
     }
 
+    /// Writes some of the entries as an index of their own, with all that was learned and measured from all of them: the hash, the
+    /// names, the curve of effort and the calibration. Segments of all entries, in order, are searched by [`crate::Segments`] exactly
+    /// as this index is. Each entry is numbered from the first of the range. `provenance` is added to the index's own, and `go_on` may
+    /// stop the work by breaking. Tells how many bytes the file has.
+    ///
+    /// # Errors
+    /// [`BuildError`], where there are no such entries, the index is damaged or the file cannot be written; what was at its place is
+    /// then as it was.
+    pub fn write_segment(
+        &self,
+        entries: Range<u32>,
+        provenance: Vec<(String, String)>,
+        file: AtomicFile,
+        go_on: &dyn Fn() -> ControlFlow<()>,
+    ) -> Result<u64, BuildError> {
+        write_segment(&self.file, entries, provenance, file, go_on)
+    }
+
     /// Checks every byte of the index, which opening does not.
     pub fn verify(&self) -> Verification {
         verify(&self.file)
@@ -180,8 +201,17 @@ impl Index {
 
     /// Searches the index, query after query.
     pub fn searcher(&self) -> Searcher<'_> {
-        let stored = self.stored();
-        let hash: Box<dyn Hash> = match self.catalogue().hash {
+        let cold = self.cold().into_iter().collect();
+        Searcher::new(self.stored(), self.hash(), &self.catalogue().measured, cold)
+    }
+
+    /// The file, before it is searched for the first time.
+    pub(crate) fn cold(&self) -> Option<&Bytes> {
+        self.is_cold.swap(false, Ordering::Relaxed).then_some(&self.file.bytes)
+    }
+
+    pub(crate) fn hash(&self) -> Box<dyn Hash + '_> {
+        match self.catalogue().hash {
             HashInfo::Random(size) => Box::new(Random {
                 hyperplanes: RandomHyperplanes {
                     size,
@@ -193,12 +223,10 @@ impl Index {
                     directory: self.file.array(SectionKind::BucketDirectory),
                     ids: self.file.array(SectionKind::BucketIds),
                 },
-                entries: stored.entries,
+                entries: self.len(),
             }),
             HashInfo::Learned(size) => Box::new(self.learned(size)),
-        };
-        let cold = self.is_cold.swap(false, Ordering::Relaxed).then_some(&self.file.bytes);
-        Searcher::new(stored, hash, &self.catalogue().measured, cold)
+        }
     }
 
     fn learned(&self, size: LearnedHash) -> Learned<'_> {
@@ -405,7 +433,7 @@ impl Index {
         self.catalogue().descriptor_fingerprint
     }
 
-    fn stored(&self) -> Stored<'_> {
+    pub(crate) fn stored(&self) -> Stored<'_> {
         let values = match self.catalogue().originals {
             Originals::F32 => Values::F32(self.file.array(SectionKind::Descriptors)),
             Originals::F16 => Values::F16(self.file.array(SectionKind::Descriptors)),

@@ -87,7 +87,7 @@ pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 
 pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
-pub use segments::{Segments, SegmentsError};
+pub use segments::{Segments, SegmentsError, SegmentsSearcher};
 pub use vote::{
     Calibrated, Calibration, ClassScore, Doubt, OrientationEstimate, Reliability, ReliabilityBin, Sigma,
     Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,

@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use grasp_index::{Index, Neighbour, SearchCost, SearchError, SearchOptions, Searcher, Segments};
+use grasp_index::{Neighbour, SearchCost, SearchError, SearchOptions, Segments, SegmentsSearcher};
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Queries whose cost is looked at; a thousand give the mean as well as all do.
 const SAMPLE: usize = 1000;
 
-/// Queries on their way through an index, in as many parts as threads search them. Answers do not depend on the parts.
+/// Queries on their way through an index, or several as one, in as many parts as threads search them. Answers do not depend on the parts.
 #[derive(Debug)]
 pub struct Batch<'a> {
     options: SearchOptions,
@@ -20,7 +20,7 @@ pub struct Batch<'a> {
 #[derive(Debug)]
 struct Part<'a> {
     queries: &'a [f32],
-    searcher: Searcher<'a>,
+    searcher: SegmentsSearcher<'a>,
     found: Vec<Neighbour>,
 }
 
@@ -30,23 +30,23 @@ struct Part<'a> {
 pub struct TooMany(u128);
 
 impl<'a> Batch<'a> {
-    /// `queries` in rows of the index's dimension, for `threads` threads.
+    /// `queries` in rows of the indexes' dimension, for `threads` threads.
     ///
     /// # Errors
     /// [`TooMany`], where there is no memory for all neighbours.
     pub fn new(
-        index: &'a Index,
+        segments: &'a Segments,
         queries: &'a [f32],
         options: SearchOptions,
         threads: usize,
     ) -> Result<Self, TooMany> {
-        let dim = index.dim().max(1);
+        let dim = segments.dim().max(1);
         let rows = (queries.len() / dim).div_ceil(threads.max(1)).max(1);
         let part = |queries: &'a [f32]| {
             let wanted = (queries.len() / dim).saturating_mul(options.k);
             let mut found = Vec::new();
             found.try_reserve_exact(wanted).map_err(|_| TooMany(wanted as u128))?;
-            Ok(Part { queries, searcher: index.searcher(), found })
+            Ok(Part { queries, searcher: segments.searcher(), found })
         };
         Ok(Self { options, parts: queries.chunks(rows * dim).map(part).collect::<Result<_, _>>()? })
     }
@@ -115,14 +115,12 @@ pub fn mean_cost(
     queries: &[f32],
     options: &SearchOptions,
 ) -> Result<MeanCost, SearchError> {
-    let dim = segments.indexes().first().map_or(1, Index::dim).max(1);
+    let dim = segments.dim().max(1);
     let step = (queries.len() / dim).div_ceil(SAMPLE).max(1);
-    let mut searchers: Vec<Searcher<'_>> = segments.indexes().iter().map(Index::searcher).collect();
+    let mut searcher = segments.searcher();
     let mut costs: Vec<SearchCost> = Vec::new();
     for query in queries.chunks_exact(dim).step_by(step) {
-        let each = searchers.iter_mut().map(|searcher| Ok(searcher.search(query, options)?.cost));
-        let each: Vec<SearchCost> = each.collect::<Result<_, SearchError>>()?;
-        let cost = segments.cost(&each);
+        let cost = searcher.search(query, options)?.cost;
         costs.push(cost);
         // Comparing with every entry takes long, and costs the same for every query.
         if cost.exact && !cost.fell_back {

@@ -13,6 +13,7 @@ fn help_texts() {
     insta::assert_snapshot!("builder", help("grasp-builder", &[]));
     insta::assert_snapshot!("builder_build", help("grasp-builder", &["build"]));
     insta::assert_snapshot!("builder_merge", help("grasp-builder", &["merge"]));
+    insta::assert_snapshot!("builder_split", help("grasp-builder", &["split"]));
     insta::assert_snapshot!("builder_export", help("grasp-builder", &["export"]));
     insta::assert_snapshot!("builder_remove", help("grasp-builder", &["remove"]));
     insta::assert_snapshot!("builder_compact", help("grasp-builder", &["compact"]));

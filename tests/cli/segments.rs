@@ -90,6 +90,76 @@ fn segments_answer_as_the_index_that_they_make() {
 }
 
 #[test]
+fn segments_of_one_index_answer_as_it_does_at_any_effort() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let hands = ["--step", "30", "--hands", "5"];
+    for shard in ["1/2", "2/2"] {
+        done("grasp-builder", folder, &[&["shard", "--shard", shard, "--out", "parts"], &hands[..]].concat());
+    }
+    done("grasp-builder", folder, &["merge", "parts", "--out", "single.idx"]);
+    done("grasp-builder", folder, &["export", "single.idx", "--descriptors", "x.npy"]);
+    let queries = ["queries", "--count", "120", "--step", "45", "--out", "q.npy"];
+    done("grasp-builder", folder, &queries);
+    let single = Index::open(folder.join("single.idx")).unwrap();
+    for count in ["2", "3", "4"] {
+        let said =
+            done("grasp-builder", folder, &["merge", "parts", "--segments", count, "--out-dir", count]);
+        done("grasp-builder", folder, &["split", "single.idx", "--segments", count, "--out-dir", "split"]);
+        let names: Vec<String> =
+            (1..=count.parse().unwrap()).map(|at: u32| format!("{at}-of-{count}.idx")).collect();
+        let mut files: Vec<String> = fs::read_dir(folder.join(count))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        files.sort();
+        assert_eq!(files, names, "{}", said.stdout);
+        for name in &names {
+            done("grasp-builder", folder, &["verify", &format!("{count}/{name}")]);
+            let [merged, split] = [count, "split"].map(|of| fs::read(folder.join(of).join(name)).unwrap());
+            assert!(merged == split, "{name}");
+        }
+        // Whole hand shapes, in order.
+        let hands = |index: &Index| {
+            let name = |id| index.entry(id).unwrap().hand_shape.to_owned();
+            (name(0), name(index.len() as u32 - 1))
+        };
+        let indexes: Vec<Index> =
+            names.iter().map(|name| Index::open(folder.join(count).join(name)).unwrap()).collect();
+        assert!(indexes.windows(2).all(|pair| hands(&pair[0]).1 != hands(&pair[1]).0));
+        assert_eq!(indexes.iter().map(Index::len).sum::<usize>(), single.len());
+
+        let paths: Vec<String> = names.iter().map(|name| format!("{count}/{name}")).collect();
+        let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+        for effort in [&[][..], &["--recall", "0.9"], &["--recall", "0.99"], &["--probes", "3"], &["--exact"]]
+        {
+            for k in ["1", "10", "50"] {
+                let answer = |indexes: &[&str]| {
+                    let more = [effort, &["--k", k, "--neighbours"]].concat();
+                    let outcome = search(folder, indexes, &more);
+                    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+                    outcome.stdout
+                };
+                assert!(answer(&["single.idx"]) == answer(&paths), "{count} segments, {effort:?}, k = {k}");
+            }
+        }
+        let cost = |indexes: &[&str]| search(folder, indexes, &["--json"]).json_lines().remove(0);
+        let (one, all) = (cost(&["single.idx"]), cost(&paths));
+        for key in ["entries", "candidates", "predicted_recall", "effort"] {
+            assert_eq!(one[key], all[key], "{key}");
+        }
+    }
+    let refused = |arguments: &[&str]| {
+        let outcome = run(program("grasp-builder").args(arguments).current_dir(folder));
+        assert_eq!(outcome.status, 2);
+        outcome.stderr
+    };
+    let said = refused(&["split", "single.idx", "--segments", "9999", "--out-dir", "none"]);
+    assert!(said.contains("segments at most, not 9999"), "{said}");
+    assert!(refused(&["merge", "parts", "--segments", "2"]).contains("--out-dir"));
+}
+
+#[test]
 fn a_missing_segment_is_an_error_or_told() {
     let folder = folder();
     let folder = folder.path();

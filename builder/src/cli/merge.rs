@@ -1,14 +1,24 @@
 //! `grasp-builder merge`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
 
 use super::Global;
 use super::build::tell;
+use super::split::{parse_count, tell_segments};
 use crate::interrupt;
 use crate::merge::merge;
+use crate::split::split;
 
 /// Make an index of all its parts: byte for byte the one that a single `build` of the same options makes.
+///
+/// With --segments, that index is written as several, as `split` does: searched as one, they answer exactly as it does.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder merge parts --out grasp.idx
+  grasp-builder merge parts --segments 4 --out-dir segments")]
 pub(crate) struct Merge {
     /// The folder that `shard` has written all parts into.
     #[arg(value_name = "DIR")]
@@ -16,12 +26,37 @@ pub(crate) struct Merge {
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
     out: PathBuf,
+    /// Write K segments instead: whole hand shapes in each, in order.
+    #[arg(long, value_name = "K", value_parser = parse_count, requires = "out_dir", conflicts_with = "out")]
+    segments: Option<u32>,
+    /// The folder to write them into, as 1-of-K.idx and so on; the whole index lies there meanwhile.
+    #[arg(long, value_name = "DIR", requires = "segments")]
+    out_dir: Option<PathBuf>,
 }
+
+/// The index between merging and splitting.
+const WHOLE: &str = ".whole.idx";
 
 impl Merge {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        if let Some((count, folder)) = self.segments.zip(self.out_dir.as_deref()) {
+            return self.run_segments(count, folder, global);
+        }
         let report = merge(&self.parts, &self.out, global.progress())?;
         tell(&self.out, &report, false)
+    }
+
+    fn run_segments(&self, count: u32, folder: &Path, global: &Global) -> anyhow::Result<()> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        let whole = folder.join(WHOLE);
+        let report = merge(&self.parts, &whole, global.progress())?;
+        let segments = split(&whole, count, folder, global.progress());
+        // Where this fails, the next merge goes on from it.
+        let _ = std::fs::remove_file(&whole);
+        let segments = segments?;
+        tell(folder, &report, false)?;
+        tell_segments(&segments)
     }
 }

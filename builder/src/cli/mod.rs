@@ -12,6 +12,7 @@ mod plan;
 mod queries;
 mod render;
 mod shard;
+mod split;
 mod verify;
 
 use std::io::{self, Write as _};
@@ -44,6 +45,7 @@ Examples:
   grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
   grasp-builder merge parts --out grasp.idx              the index of all parts
+  grasp-builder split grasp.idx --segments 4 --out-dir s the same in four files, for a machine each
   grasp-builder add grasp.idx more-renders               more entries in the same index
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
@@ -77,6 +79,7 @@ enum Command {
     Build(build::Build),
     Shard(shard::Shard),
     Merge(merge::Merge),
+    Split(split::Split),
     Add(grow::Add),
     Remove(grow::Remove),
     Compact(grow::Compact),
@@ -119,6 +122,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Build(command) => command.run(&arguments.global),
         Command::Shard(command) => command.run(&arguments.global),
         Command::Merge(command) => command.run(&arguments.global),
+        Command::Split(command) => command.run(&arguments.global),
         Command::Add(command) => command.run(&arguments.global),
         Command::Remove(command) => command.run(&arguments.global),
         Command::Compact(command) => command.run(&arguments.global),

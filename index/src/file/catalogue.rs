@@ -140,3 +140,18 @@ pub enum HashInfo {
     /// Hyperplanes fitted to the data.
     Learned(LearnedHash),
 }
+
+impl HashInfo {
+    /// With nothing in its buckets.
+    pub(crate) fn without_entries(self) -> Self {
+        self.with_entry_blocks(0)
+    }
+
+    /// With so many blocks of entries, where it has blocks.
+    pub(crate) fn with_entry_blocks(self, entry_blocks: u32) -> Self {
+        match self {
+            Self::Learned(hash) => Self::Learned(LearnedHash { entry_blocks, ..hash }),
+            Self::Random(_) => self,
+        }
+    }
+}

@@ -148,6 +148,11 @@ impl SectionKind {
         )
     }
 
+    /// Whether the section was learned from all entries together: what is left of the hash where one has no entries.
+    pub(crate) fn is_learned(self) -> bool {
+        self.is_of_the_hash() && !matches!(self, Self::BucketDirectory | Self::BucketIds | Self::EntryBlocks)
+    }
+
     /// The type of the section's elements in an index that keeps `originals`.
     pub(crate) fn element(self, originals: Originals) -> ElementType {
         match self {

@@ -28,6 +28,8 @@ pub(crate) struct Blocks<'a> {
     stride: usize,
     /// The number of the first block among all.
     first: u32,
+    /// What is added to the ids.
+    first_id: u32,
 }
 
 /// One block.
@@ -38,16 +40,17 @@ pub(crate) struct Block<'a> {
     /// No id where the block holds none.
     ids: &'a [u32],
     number: u32,
+    first_id: u32,
 }
 
 impl Block<'_> {
     /// The id of a vector, or its place among all vectors where the block holds no ids.
     #[inline]
     pub(crate) fn id(&self, lane: usize) -> u32 {
-        self.ids
-            .get(lane)
-            .copied()
-            .unwrap_or(self.number.wrapping_mul(LANES as u32).wrapping_add(lane as u32))
+        match self.ids.get(lane) {
+            Some(id) => id.wrapping_add(self.first_id),
+            None => self.number.wrapping_mul(LANES as u32).wrapping_add(lane as u32),
+        }
     }
 }
 
@@ -64,12 +67,17 @@ pub(crate) const fn entry_stride(axes: usize) -> usize {
 impl<'a> Blocks<'a> {
     /// Blocks of centres: no ids.
     pub(crate) fn of_centres(bytes: &'a [u8], axes: usize) -> Self {
-        Self { bytes, axes, stride: centre_stride(axes), first: 0 }
+        Self { bytes, axes, stride: centre_stride(axes), first: 0, first_id: 0 }
     }
 
     /// Blocks of entries.
     pub(crate) fn of_entries(bytes: &'a [u8], axes: usize) -> Self {
-        Self { bytes, axes, stride: entry_stride(axes), first: 0 }
+        Self { bytes, axes, stride: entry_stride(axes), first: 0, first_id: 0 }
+    }
+
+    /// The same entries, the first of the index being number `first_id`.
+    pub(crate) fn numbered_from(self, first_id: u32) -> Self {
+        Self { first_id, ..self }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -117,6 +125,7 @@ impl<'a> Blocks<'a> {
             scalars: scalars.try_into().ok()?,
             ids: bytemuck::try_cast_slice(ids).ok()?,
             number,
+            first_id: self.first_id,
         })
     }
 }
@@ -132,6 +141,15 @@ pub(crate) fn put(block: &mut [u8], axes: usize, lane: usize, codes: &[i8], scal
         let ids = scalars + LANES * 4;
         block[ids + lane * 4..][..4].copy_from_slice(&id.to_le_bytes());
     }
+}
+
+/// Writes vector `at` of another block into a block of a file in the making, as entry `id`.
+pub(crate) fn copy(block: &mut [u8], axes: usize, lane: usize, from: &Block<'_>, at: usize, id: u32) {
+    let fours = block.chunks_exact_mut(4 * LANES).zip(from.codes.chunks_exact(4 * LANES));
+    for (to, from) in fours.take(axes / 4) {
+        to[lane * 4..][..4].copy_from_slice(&from[at * 4..][..4]);
+    }
+    put(block, axes, lane, &[], from.scalars[at], Some(id));
 }
 
 /// Marks a lane that holds no vector.

@@ -11,8 +11,8 @@ const TILE: usize = 128;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearest {
     k: usize,
-    /// Squared distances and ids, ascending.
-    kept: Vec<(f32, u32)>,
+    /// Ascending.
+    kept: Vec<Neighbour>,
 }
 
 impl Nearest {
@@ -32,7 +32,9 @@ impl Nearest {
     pub(crate) fn offer(&mut self, id: u32, squared: f32) {
         // Of the NaNs, which only a damaged file can bring about, some sort before every number.
         let squared = if squared.is_nan() { f32::INFINITY } else { squared };
-        let is_before = |kept: &(f32, u32)| kept.0.total_cmp(&squared).then(kept.1.cmp(&id)).is_lt();
+        // Compared as it is told: of two squares, one root may come, and what several indexes tell is merged by it.
+        let offered = Neighbour { id, distance: squared.sqrt() };
+        let is_before = |kept: &Neighbour| kept.by_distance(&offered).is_lt();
         if self.kept.len() >= self.k {
             if self.kept.last().is_none_or(is_before) {
                 return;
@@ -40,11 +42,11 @@ impl Nearest {
             self.kept.pop();
         }
         let at = self.kept.partition_point(is_before);
-        self.kept.insert(at, (squared, id));
+        self.kept.insert(at, offered);
     }
 
     pub(crate) fn neighbours(&self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
-        self.kept.iter().map(|&(squared, id)| Neighbour { id, distance: squared.sqrt() })
+        self.kept.iter().copied()
     }
 }
 

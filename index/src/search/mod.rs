@@ -13,6 +13,7 @@ pub(crate) mod build;
 pub(crate) mod distance;
 pub(crate) mod effort;
 mod exact;
+pub(crate) mod joined;
 pub(crate) mod learned;
 pub(crate) mod measure;
 #[cfg(feature = "parts")]
@@ -69,6 +70,13 @@ pub struct Neighbour {
     pub id: u32,
     /// The Euclidean distance between the descriptors.
     pub distance: f32,
+}
+
+impl Neighbour {
+    /// Nearest first; equal distances by id.
+    pub(crate) fn by_distance(&self, other: &Self) -> std::cmp::Ordering {
+        self.distance.total_cmp(&other.distance).then(self.id.cmp(&other.id))
+    }
 }
 
 /// What a search did.
@@ -159,10 +167,23 @@ pub(crate) trait Hash: Send + Sync {
     fn prefetch(&self, _: &Scratch) {}
 
     /// Lists in `scratch.candidates` the entries of those buckets that may be among the `k` nearest.
-    fn gather(&self, simd: Simd, k: usize, scratch: &mut Scratch);
+    fn gather(&self, simd: Simd, k: usize, scratch: &mut Scratch) {
+        self.begin(k, scratch);
+        self.scan(simd, 0, scratch);
+        self.end(scratch);
+    }
 
-    /// How many entries those buckets hold, each counted once.
-    fn held(&self, scratch: &Scratch) -> u32;
+    /// Forgets the candidates of the query before.
+    fn begin(&self, k: usize, scratch: &mut Scratch);
+
+    /// Looks at the entries of those buckets, the first entry of all being number `first`.
+    fn scan(&self, simd: Simd, first: u32, scratch: &mut Scratch);
+
+    /// Lists the candidates that were found.
+    fn end(&self, _: &mut Scratch) {}
+
+    /// How many entries those buckets hold, each counted once; the first entry of all is number `first`.
+    fn held(&self, first: u32, scratch: &Scratch) -> u32;
 
     /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of, if it does.
     fn estimate(&self, _: &mut Scratch, _: &mut Nearest) {}

@@ -37,7 +37,7 @@ impl<'a> Parts<'a> {
 
     /// How many entries the ranked buckets hold.
     pub fn held(&self) -> u32 {
-        self.learned.held(&self.scratch)
+        self.learned.held(0, &self.scratch)
     }
 
     /// The best by their codes of the entries of the ranked buckets.

@@ -16,8 +16,8 @@ pub struct Searcher<'a> {
     measured: &'a Measured,
     simd: Simd,
     scratch: [Scratch; STAGES],
-    /// The file, until the first search: what that one needs is read ahead.
-    cold: Option<&'a Bytes>,
+    /// The files, until the first search: what that one needs is read ahead.
+    cold: Vec<&'a Bytes>,
 }
 
 /// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
@@ -55,7 +55,7 @@ impl<'a> Searcher<'a> {
         stored: Stored<'a>,
         hash: Box<dyn Hash + 'a>,
         measured: &'a Measured,
-        cold: Option<&'a Bytes>,
+        cold: Vec<&'a Bytes>,
     ) -> Self {
         Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default(), cold }
     }
@@ -143,13 +143,18 @@ impl<'a> Searcher<'a> {
     /// Before the first search of a file: asks for all buckets at once, and then for all descriptors, where one after the
     /// other would wait for the disk as often.
     fn warm(&mut self, query: &[f32], k: usize, probes: u32) {
-        let Some(bytes) = self.cold.take() else { return };
+        let files = std::mem::take(&mut self.cold);
+        if files.is_empty() {
+            return;
+        }
+        // A file knows what is its own.
+        let will_need = |part: &[u8]| files.iter().for_each(|bytes| bytes.will_need(part));
         let scratch = &mut self.scratch[0];
         self.hash.probe(self.simd, query, probes, scratch);
-        self.hash.parts(scratch, &mut |part| bytes.will_need(part));
+        self.hash.parts(scratch, &mut |part| will_need(part));
         self.hash.gather(self.simd, k, scratch);
         for &id in &scratch.candidates {
-            bytes.will_need(self.stored.part(id));
+            will_need(self.stored.part(id));
         }
     }
 
@@ -190,7 +195,7 @@ pub(crate) fn hashed(
         // Small buckets, or a large k: more of them are cheaper than all entries.
         probes = probes.saturating_mul(2);
     }
-    let held = hash.held(scratch);
+    let held = hash.held(0, scratch);
     let cost = SearchCost {
         tables: hash.tables(),
         buckets: scratch.buckets.len() as u32,

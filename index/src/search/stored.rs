@@ -24,6 +24,17 @@ pub(crate) enum Values<'a> {
     F16(&'a [f16]),
     /// None: an entry's distance is known by its codes alone.
     None,
+    /// In several files.
+    Several(&'a dyn Several),
+}
+
+/// Several files of descriptors, whose entries are numbered on from one to the next.
+pub(crate) trait Several: std::fmt::Debug + Sync {
+    /// The file of an entry, and its number there.
+    fn of(&self, id: u32) -> Option<(Stored<'_>, u32)>;
+
+    /// All files, each with the number of its first entry.
+    fn all(&self) -> Vec<(u32, Stored<'_>)>;
 }
 
 impl<'a> From<Rows<'a>> for Stored<'a> {
@@ -43,6 +54,24 @@ impl<'a> Stored<'a> {
             Values::F32(values) => row_of(values, self.dim, id).map(Cow::Borrowed),
             Values::F16(values) => row_of(values, self.dim, id).map(|row| Cow::Owned(row.to_f32_vec())),
             Values::None => None,
+            Values::Several(several) => several.of(id).and_then(|(stored, id)| stored.get(id)),
+        }
+    }
+
+    /// The same, widened to `row` where need be.
+    fn row<'r>(&self, id: u32, row: &'r mut Vec<f32>) -> Option<&'r [f32]>
+    where
+        'a: 'r,
+    {
+        match self.values {
+            Values::F32(values) => row_of(values, self.dim, id),
+            Values::F16(values) => {
+                row.resize(self.dim, 0.0);
+                row_of(values, self.dim, id)?.convert_to_f32_slice(row);
+                Some(row)
+            }
+            Values::None => None,
+            Values::Several(several) => several.of(id).and_then(|(stored, id)| stored.row(id, row)),
         }
     }
 
@@ -65,14 +94,10 @@ impl<'a> Stored<'a> {
                     }
                 });
             }
-            Values::F16(values) => {
-                row.resize(self.dim, 0.0);
+            Values::F16(_) | Values::Several(_) => {
                 for &id in ids {
-                    if let Some(halves) = row_of(values, self.dim, id) {
-                        halves.convert_to_f32_slice(row);
-                        simd.distances(query, [&row[..]].into_iter(), |_, squared| {
-                            nearest.offer(id, squared)
-                        });
+                    if let Some(row) = self.row(id, row) {
+                        simd.distances(query, [row].into_iter(), |_, squared| nearest.offer(id, squared));
                     }
                 }
             }
@@ -86,6 +111,7 @@ impl<'a> Stored<'a> {
             Values::F32(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
             Values::F16(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
             Values::None => None,
+            Values::Several(several) => several.of(id).map(|(stored, id)| stored.part(id)),
         };
         part.unwrap_or(&[])
     }
@@ -110,6 +136,16 @@ impl<'a> Stored<'a> {
                 Some(nearest.neighbours().collect())
             }
             Values::None => None,
+            Values::Several(several) => {
+                let mut found = Vec::new();
+                for (start, stored) in several.all() {
+                    let numbered = |near: Neighbour| Neighbour { id: near.id.saturating_add(start), ..near };
+                    found.extend(stored.nearest(query, k)?.into_iter().map(numbered));
+                }
+                found.sort_unstable_by(Neighbour::by_distance);
+                found.truncate(k);
+                Some(found)
+            }
         }
     }
 }

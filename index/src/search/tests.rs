@@ -178,9 +178,11 @@ fn buckets_that_make_no_sense_are_empty() {
         assert!(buckets.get(bucket).is_empty(), "bucket {bucket}");
     }
     let buckets = Buckets { directory: &[0, 3], ids: &[0, 7, u32::MAX] };
-    let mut union = vec![7];
-    tables::union(buckets, [0, 0].into_iter(), 5, &mut Vec::new(), &mut union);
+    let (mut met, mut union) = (Vec::new(), Vec::new());
+    tables::union(buckets, [0, 0].into_iter(), 0, 5, &mut met, &mut union);
     assert_eq!(union, [0], "ids past the last row are left out");
+    tables::union(buckets, [0].into_iter(), 70, 8, &mut met, &mut union);
+    assert_eq!(union, [0, 70, 77], "numbered on");
 }
 
 #[test]

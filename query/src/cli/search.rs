@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
-use grasp_index::{AtomicFile, Index, Neighbour, SearchOptions, Segments};
+use grasp_index::{AtomicFile, Neighbour, SearchOptions, Segments};
 use serde::Serialize;
 
 use super::Global;
@@ -92,34 +92,16 @@ struct SegmentsRecord {
     of: usize,
 }
 
-/// What was found in several indexes, as one; nothing for a single one, which needs no joining.
-fn joined(segments: &Segments, batches: &[Batch<'_>], k: usize) -> Vec<Neighbour> {
-    let mut joined = Vec::new();
-    if batches.len() < 2 {
-        return joined;
-    }
-    let mut found: Vec<_> = batches.iter().map(Batch::found).collect();
-    loop {
-        let rows: Vec<&[Neighbour]> = found.iter_mut().filter_map(Iterator::next).collect();
-        if rows.is_empty() {
-            return joined;
-        }
-        segments.join(rows, k, &mut joined);
-    }
-}
-
 impl Search {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         self.refuse_clashes()?;
         let started = Instant::now();
         let (segments, of) = self.index.open()?;
         let open = started.elapsed();
-        let indexes = segments.indexes();
-        let index = indexes.first().context("there is no index to search")?;
         let name = self.queries.display();
-        let queries =
-            read_queries(&self.queries, index).with_context(|| format!("cannot use the queries {name}"))?;
-        let count = queries.len() / index.dim().max(1);
+        let queries = read_queries(&self.queries, segments.dim())
+            .with_context(|| format!("cannot use the queries {name}"))?;
+        let count = queries.len() / segments.dim().max(1);
         if count == 0 {
             bail!("{name} holds no query");
         }
@@ -128,50 +110,41 @@ impl Search {
         let distances = self.distances.as_deref().map(Target::create).transpose()?;
 
         let options = SearchOptions { k: self.k, effort: self.effort.effort() };
-        let batch = |index| Batch::new(index, &queries, options, threads(global));
-        let mut batches: Vec<Batch<'_>> = indexes.iter().map(batch).collect::<Result<_, _>>()?;
-        // One index after the other, each on all threads.
-        let mut run = || batches.iter_mut().map(Batch::run).sum::<Result<Duration, _>>();
+        let mut batch = Batch::new(&segments, &queries, options, threads(global))?;
         if self.rounds > 1 {
-            run()?;
+            batch.run()?;
         }
-        let rounds = (0..self.rounds).map(|_| run()).collect::<Result<Vec<Duration>, _>>()?;
-        let joined = joined(&segments, &batches, self.k);
-        let found = || -> Box<dyn Iterator<Item = &[Neighbour]>> {
-            match &batches[..] {
-                [single] => Box::new(single.found()),
-                _ => Box::new(joined.chunks_exact(self.k)),
-            }
-        };
+        let rounds = (0..self.rounds).map(|_| batch.run()).collect::<Result<Vec<Duration>, _>>()?;
 
         if let Some(target) = out {
-            target.write(NpyType::U32, count, self.k, found(), |neighbour| neighbour.id.to_le_bytes())?;
+            target
+                .write(NpyType::U32, count, self.k, batch.found(), |neighbour| neighbour.id.to_le_bytes())?;
         }
         if let Some(target) = distances {
             let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
-            target.write(NpyType::F32, count, self.k, found(), bytes)?;
+            target.write(NpyType::F32, count, self.k, batch.found(), bytes)?;
         }
         if self.neighbours {
-            return print_neighbours(&segments, found());
+            return print_neighbours(&segments, batch.found());
         }
         if self.json || self.timings {
             let summary = Summary {
                 file: name.to_string(),
                 queries: count,
                 k: self.k,
-                dim: index.dim(),
+                dim: segments.dim(),
                 entries: segments.len(),
-                segments: SegmentsRecord { searched: indexes.len(), of },
+                segments: SegmentsRecord { searched: segments.indexes().len(), of },
                 ns_per_query: median_ns(&rounds, count),
                 rounds: rounds.iter().map(|&round| ns_per_query(round, count)).collect(),
                 open_ns: u64::try_from(open.as_nanos()).unwrap_or(u64::MAX),
-                threads: batches.first().map_or(1, Batch::threads),
+                threads: batch.threads(),
                 cost: mean_cost(&segments, &queries, &options)?,
             };
             self.report(&summary)?;
         }
         if self.out.is_none() && self.distances.is_none() && !self.json {
-            show(&segments, found(), count)?;
+            show(&segments, batch.found(), count)?;
         }
         Ok(super::SUCCESS)
     }
@@ -240,17 +213,17 @@ fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-fn read_queries(path: &Path, index: &Index) -> Result<Vec<f32>, NpyError> {
+fn read_queries(path: &Path, dim: usize) -> Result<Vec<f32>, NpyError> {
     if is_standard(path) {
-        return read_array(io::stdin().lock(), index);
+        return read_array(io::stdin().lock(), dim);
     }
-    read_array(BufReader::new(File::open(path)?), index)
+    read_array(BufReader::new(File::open(path)?), dim)
 }
 
-fn read_array(mut reader: impl Read, index: &Index) -> Result<Vec<f32>, NpyError> {
+fn read_array(mut reader: impl Read, dim: usize) -> Result<Vec<f32>, NpyError> {
     let header = NpyHeader::read(&mut reader, NpyType::F32)?;
-    if header.columns != index.dim() as u64 {
-        return Err(NpyError::Columns { found: header.columns, expected: index.dim() });
+    if header.columns != dim as u64 {
+        return Err(NpyError::Columns { found: header.columns, expected: dim });
     }
     header.read_values(&mut reader)
 }

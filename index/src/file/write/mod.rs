@@ -7,6 +7,7 @@
 mod built;
 mod check;
 mod columns;
+pub(crate) mod segment;
 mod sink;
 
 use super::atomic::{AtomicFile, WriteError};
@@ -196,20 +197,9 @@ impl IndexWriter {
         drop(written);
         let sections = self.sections(in_place, &built, progress)?;
         let catalogue = self.catalogue(&built, sections);
-        let archive = rkyv::to_bytes::<rkyv::rancor::Error>(&catalogue).map_err(io::Error::other)?;
-        self.out.open()?;
-        let header = Header {
-            version: header::VERSION,
-            file_length: self.out.len() + archive.len() as u64,
-            catalogue_offset: self.out.len(),
-            catalogue_length: archive.len() as u64,
-            catalogue_hash: xxh3_64(&archive),
-        };
-        self.out.append(&archive)?;
-        self.out.finish(&header.to_bytes())?;
         Ok(Summary {
             entries: self.len() as u64,
-            bytes: self.out.len(),
+            bytes: seal(&mut self.out, &catalogue)?,
             sigma: built.sigma,
             calibration: built.calibration,
             hash: built.search.info(),
@@ -285,6 +275,22 @@ impl IndexWriter {
             sections,
         }
     }
+}
+
+/// Writes the catalogue, and the header last of all; tells how many bytes the file has.
+fn seal(out: &mut Sink, catalogue: &Catalogue) -> io::Result<u64> {
+    let archive = rkyv::to_bytes::<rkyv::rancor::Error>(catalogue).map_err(io::Error::other)?;
+    out.open()?;
+    let header = Header {
+        version: header::VERSION,
+        file_length: out.len() + archive.len() as u64,
+        catalogue_offset: out.len(),
+        catalogue_length: archive.len() as u64,
+        catalogue_hash: xxh3_64(&archive),
+    };
+    out.append(&archive)?;
+    out.finish(&header.to_bytes())?;
+    Ok(out.len())
 }
 
 /// Writes values in half their size.

@@ -28,6 +28,8 @@ use rkyv::{Archive, Deserialize, Serialize};
 /// Entries that are measured exactly besides the k that are wanted: half as many again, at least this, and one for every four
 /// buckets, because who looks into many does not want to lose a neighbour to the codes' rounding.
 const MORE: usize = 4;
+/// More are never measured exactly, whatever k is asked for.
+const MOST: usize = 1 << 30;
 /// Bytes of a bucket that are asked for ahead of their use; the processor follows by itself.
 const PREFETCHED: usize = 2048;
 
@@ -136,20 +138,28 @@ impl Hash for Learned<'_> {
         }
     }
 
-    /// Scans the buckets and keeps the nearest entries by their codes.
-    fn gather(&self, simd: Simd, k: usize, scratch: &mut Scratch) {
-        let Scratch { query, buckets, found, candidates, .. } = scratch;
+    /// Of the entries that are scanned, the nearest by their codes will be kept.
+    fn begin(&self, k: usize, scratch: &mut Scratch) {
+        let more = (k / 2).max(MORE) + scratch.buckets.len() / 4;
+        scratch.found.reset(k.saturating_add(more).min(MOST));
+    }
+
+    fn scan(&self, simd: Simd, first: u32, scratch: &mut Scratch) {
+        let Scratch { query, buckets, found, .. } = scratch;
         let factor = 2.0 * self.size.residual_scale * query.step;
-        found.reset(k.saturating_add((k / 2).max(MORE) + buckets.len() / 4).min(self.entries.len() * LANES));
         for &(base, bucket) in buckets.iter() {
-            let run = self.bucket(bucket);
+            let run = self.bucket(bucket).numbered_from(first);
             simd.scan(run, query, factor, base, found);
         }
+    }
+
+    fn end(&self, scratch: &mut Scratch) {
+        let Scratch { found, candidates, .. } = scratch;
         candidates.clear();
         candidates.extend(found.unsorted().map(|(_, id)| id));
     }
 
-    fn held(&self, scratch: &Scratch) -> u32 {
+    fn held(&self, _: u32, scratch: &Scratch) -> u32 {
         let buckets = scratch.buckets.iter().map(|&(_, bucket)| self.bucket(bucket).vectors());
         buckets.sum()
     }

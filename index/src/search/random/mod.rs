@@ -108,15 +108,21 @@ impl Hash for Random<'_> {
         }
     }
 
-    /// The union of the buckets.
-    fn gather(&self, _: Simd, _: usize, scratch: &mut Scratch) {
-        let Scratch { buckets, candidates, met, .. } = scratch;
-        let probed = buckets.iter().map(|&(_, bucket)| bucket);
-        tables::union(self.buckets, probed, self.entries, met, candidates);
+    fn begin(&self, _: usize, scratch: &mut Scratch) {
+        scratch.met.clear();
+        scratch.candidates.clear();
     }
 
-    fn held(&self, scratch: &Scratch) -> u32 {
-        scratch.candidates.len() as u32
+    /// The union of the buckets.
+    fn scan(&self, _: Simd, first: u32, scratch: &mut Scratch) {
+        let Scratch { buckets, candidates, met, .. } = scratch;
+        let probed = buckets.iter().map(|&(_, bucket)| bucket);
+        tables::union(self.buckets, probed, first, self.entries, met, candidates);
+    }
+
+    fn held(&self, first: u32, scratch: &Scratch) -> u32 {
+        let own = |id: &&u32| (id.wrapping_sub(first) as usize) < self.entries;
+        scratch.candidates.iter().filter(own).count() as u32
     }
 }
 

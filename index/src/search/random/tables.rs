@@ -19,21 +19,25 @@ impl<'a> Buckets<'a> {
     }
 }
 
-/// Replaces `union` by the ids below `rows` in any of the buckets, each once, in the order they are met.
+/// Adds to `union` the ids below `rows` in any of the buckets, each once, in the order they are met, numbered on from `first`.
+/// `met` has a bit for each id that was met, by those numbers.
 pub(crate) fn union(
     buckets: Buckets<'_>,
     probed: impl Iterator<Item = u32>,
+    first: u32,
     rows: usize,
     met: &mut Vec<u64>,
     union: &mut Vec<u32>,
 ) {
-    met.clear();
-    met.resize(rows.div_ceil(64), 0);
-    union.clear();
+    let words = (first as usize).saturating_add(rows).div_ceil(64);
+    if met.len() < words {
+        met.resize(words, 0);
+    }
     for bucket in probed {
-        for &id in buckets.get(bucket) {
+        for id in buckets.get(bucket).iter().filter(|&&id| (id as usize) < rows) {
+            let id = first.wrapping_add(*id);
             let (word, bit) = (id as usize / 64, 1u64 << (id % 64));
-            if let Some(word) = met.get_mut(word).filter(|word| **word & bit == 0 && (id as usize) < rows) {
+            if let Some(word) = met.get_mut(word).filter(|word| **word & bit == 0) {
                 *word |= bit;
                 union.push(id);
             }

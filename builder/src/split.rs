@@ -1,0 +1,134 @@
+//! One index in several files: segments that are searched, on one machine or on many, as the index that they are.
+
+use std::ops::{ControlFlow, Range};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use grasp_index::{AtomicFile, BuildError, Index};
+
+use crate::interrupt::{self, Interrupted};
+use crate::progress::Progress;
+
+/// A segment that was written.
+#[derive(Debug)]
+pub struct Segment {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its entries, by their numbers in the index.
+    pub entries: Range<u32>,
+    /// How many bytes it has.
+    pub bytes: u64,
+}
+
+/// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, in order, as many entries in each as can be.
+///
+/// # Errors
+/// When the index is damaged or has fewer entries, or a segment cannot be written; what was at that segment's place is then as it was.
+/// [`Interrupted`] when the user asked to stop.
+pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow::Result<Vec<Segment>> {
+    let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
+    // What is flipped in it would be sealed as sound.
+    if let Some(problem) = index.verify().problems.first() {
+        bail!("{} is unsound: {problem}", path.display());
+    }
+    std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
+    let ends = ends(&index, count)?;
+    let bar = progress.bar(u64::from(count), "splitting", "segments");
+    let mut segments = Vec::with_capacity(ends.len());
+    let mut start = 0;
+    for (end, number) in ends.into_iter().zip(1..) {
+        let path = out.join(file_name(number, count));
+        let entries = start..end;
+        let note = format!("{number} of {count}: entries {} to {} of {}", start, end - 1, index.len());
+        let provenance = vec![("segment".to_owned(), note)];
+        let file = AtomicFile::create(&path)?;
+        let go_on = || match interrupt::check() {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        let bytes = match index.write_segment(entries.clone(), provenance, file, &go_on) {
+            Err(BuildError::Stopped) => return Err(Interrupted.into()),
+            other => other.with_context(|| format!("{} was not written", path.display()))?,
+        };
+        segments.push(Segment { path, entries, bytes });
+        start = end;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(segments)
+}
+
+/// The name of a segment's file; in the order of the names are the entries.
+#[must_use]
+pub fn file_name(number: u32, count: u32) -> String {
+    let width = count.to_string().len();
+    format!("{number:0width$}-of-{count}.idx")
+}
+
+/// Where each segment ends: where another hand shape begins, if there are as many, next to its even share.
+fn ends(index: &Index, count: u32) -> anyhow::Result<Vec<u32>> {
+    let entries = index.len() as u32;
+    let mut begins = Vec::new();
+    if index.catalogue().kept.labels {
+        let hand = |id| index.entry(id).map(|entry| entry.hand_shape);
+        let mut last = hand(0)?;
+        for id in 1..entries {
+            let hand = hand(id)?;
+            if std::mem::replace(&mut last, hand) != hand {
+                begins.push(id);
+            }
+        }
+    }
+    if begins.len() + 1 < count as usize {
+        begins = (1..entries).collect();
+    }
+    if begins.len() + 1 < count as usize {
+        bail!("{entries} entries make {entries} segments at most, not {count}");
+    }
+    Ok(evenly(&begins, entries, count))
+}
+
+/// Of the places `begins`, ascending, those next to the even shares of `entries`, and the end.
+fn evenly(begins: &[u32], entries: u32, count: u32) -> Vec<u32> {
+    let mut ends = Vec::with_capacity(count as usize);
+    let mut from = 0;
+    for number in 1..count {
+        let wanted = (u64::from(number) * u64::from(entries) / u64::from(count)) as u32;
+        // Each segment after this one needs a place of its own.
+        let most = begins.len() - (count - 1 - number) as usize;
+        let free = begins.get(from..most).unwrap_or(&[]);
+        let after = free.partition_point(|&begin| begin < wanted).min(free.len().saturating_sub(1));
+        let before = after.saturating_sub(1);
+        let distance = |at: usize| free.get(at).map_or(u32::MAX, |begin| begin.abs_diff(wanted));
+        let at = if distance(before) <= distance(after) { before } else { after };
+        ends.extend(free.get(at));
+        from += at + 1;
+    }
+    ends.push(entries);
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_are_even_and_none_is_empty() {
+        assert_eq!(evenly(&[100, 200, 300], 400, 4), [100, 200, 300, 400]);
+        assert_eq!(evenly(&[100, 200, 300], 400, 2), [200, 400]);
+        assert_eq!(evenly(&[390, 391, 392], 400, 4), [390, 391, 392, 400]);
+        assert_eq!(evenly(&[1, 2, 3], 400, 3), [2, 3, 400]);
+        assert_eq!(evenly(&[], 5, 1), [5]);
+        for count in 1..=9 {
+            let begins: Vec<u32> = (1..9).collect();
+            let ends = evenly(&begins, 9, count);
+            assert_eq!(ends.len(), count as usize);
+            assert!(ends.windows(2).all(|pair| pair[0] < pair[1]), "{ends:?}");
+        }
+    }
+
+    #[test]
+    fn names_sort_as_segments_do() {
+        assert_eq!([file_name(3, 4), file_name(3, 12)], ["3-of-4.idx", "03-of-12.idx"]);
+    }
+}

@@ -1,0 +1,176 @@
+//! Segments of one index answer as it does: to the last bit, at any effort.
+
+use std::ops::ControlFlow;
+use std::sync::LazyLock;
+
+use grasp_index::{
+    AtomicFile, BuildError, ClassInfo, DescriptorParams, Effort, HashParams, Index, IndexParams, IndexWriter,
+    NewEntry, Originals, RandomParams, SearchError, SearchOptions, Segments,
+};
+use proptest::prelude::*;
+
+const DIM: usize = 6;
+
+/// Some thousand rows in clumps, on a grid, so that equal distances are frequent.
+fn row(n: usize) -> Vec<f32> {
+    let clump = n * 7919 % 61;
+    let value = |at: usize| ((clump * (at + 3) * 37) % 64 + (n * (2 * at + 1) * 613) % 9) as f32 / 8.0;
+    (0..DIM).map(value).collect()
+}
+
+/// An index, and its segments: in one, two, three and four.
+struct Family {
+    single: Index,
+    segments: Vec<Segments>,
+}
+
+fn cuts(entries: usize) -> Vec<Vec<usize>> {
+    let n = entries;
+    vec![vec![0, n], vec![0, n / 3, n], vec![0, 1, n / 2, n], vec![0, n / 4, n / 2, n - 17, n]]
+}
+
+fn segment(index: &Index, from: usize, to: usize) -> Result<Index, BuildError> {
+    let folder = tempfile::tempdir().expect("a folder can be made");
+    let path = folder.path().join("segment.idx");
+    let file = AtomicFile::create(&path)?;
+    let note = vec![("segment".to_owned(), format!("{from} to {to}"))];
+    index.write_segment(from as u32..to as u32, note, file, &|| ControlFlow::Continue(()))?;
+    Ok(Index::read(&path).expect("the segment opens"))
+}
+
+fn family(entries: usize, hash: HashParams, originals: Originals) -> Family {
+    let params = IndexParams {
+        descriptor: DescriptorParams::raw(DIM as u32),
+        hash,
+        originals,
+        classes: ["one", "two"].map(|name| ClassInfo { name: name.into(), cutkosky: 0 }).to_vec(),
+        hand_shapes: vec!["slim".into(), "broad".into()],
+        stages: vec!["grasp".into()],
+        thumbnail_side: 1,
+        ..IndexParams::default()
+    };
+    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    for n in 0..entries {
+        let entry = NewEntry {
+            class: n as u16 % 2,
+            hand_shape: n as u16 / 5 % 2,
+            file: format!("{n}.png"),
+            object: format!("object {}", n % 3),
+            azimuth_deg: (n % 360) as f32,
+            source_hash: n as u64,
+            descriptor: row(n),
+            thumbnail: Some(vec![n as u8]),
+            ..NewEntry::default()
+        };
+        writer.push(entry).expect("the entry fits");
+    }
+    let bytes = writer.finish_bytes().expect("the index is built");
+    let single = Index::from_bytes(&bytes).expect("the index opens");
+    let segments = cuts(entries).into_iter().map(|cuts| {
+        let each = cuts.windows(2).map(|pair| segment(&single, pair[0], pair[1]).expect("it is written"));
+        Segments::new(each.collect()).expect("they go together")
+    });
+    Family { segments: segments.collect(), single }
+}
+
+static FAMILIES: LazyLock<Vec<Family>> = LazyLock::new(|| {
+    let random = HashParams::Random(RandomParams::Fixed { k: 7, t: 3, buckets: 50 });
+    vec![
+        // So many that centres come in groups.
+        family(24_000, HashParams::Learned, Originals::F32),
+        family(3_000, HashParams::Learned, Originals::F16),
+        family(3_000, HashParams::Learned, Originals::None),
+        family(3_000, random, Originals::F32),
+    ]
+});
+
+fn effort() -> impl Strategy<Value = Effort> {
+    prop_oneof![
+        prop_oneof![Just(0.5), Just(0.9), Just(0.95), Just(0.99), Just(1.0)].prop_map(Effort::Recall),
+        (prop_oneof![Just(0.0), Just(0.05)], 0.5..1.0)
+            .prop_map(|(eps, success)| Effort::Success { eps, success }),
+        (1..40u32).prop_map(Effort::Probes),
+        Just(Effort::Probes(u32::MAX)),
+        Just(Effort::Exact),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+    #[test]
+    fn segments_answer_as_their_index(
+        family in 0..4usize, of in 0..4usize, k in prop_oneof![1..51usize, Just(700), Just(5_000)], effort in effort(),
+        n in 0..30_000usize, moved in prop_oneof![Just([0.0; DIM]), prop::array::uniform6(-0.5..0.5f32)]
+    ) {
+        let Family { single, segments } = &FAMILIES[family];
+        let segments = &segments[of];
+        prop_assert!(segments.are_of_one_index());
+        let query: Vec<f32> = row(n).iter().zip(moved).map(|(value, moved)| value + moved).collect();
+        let options = SearchOptions { k, effort };
+        let expected = single.search(&query, &options);
+        let found = segments.search(&query, &options);
+        prop_assert_eq!(&found, &expected);
+
+        let queries = [&query[..], &row(n + 1), &row(n / 2)].concat();
+        let (mut together, mut apart) = (Vec::new(), Vec::new());
+        let batched = single.searcher().batch(&queries, &options, &mut apart);
+        prop_assert_eq!(segments.searcher().batch(&queries, &options, &mut together), batched);
+        prop_assert_eq!(together, apart);
+        if let Ok(expected) = expected {
+            let bits = |search: &grasp_index::Search| -> Vec<(u32, u32)> {
+                search.neighbours.iter().map(|near| (near.id, near.distance.to_bits())).collect()
+            };
+            prop_assert_eq!(bits(&found.unwrap()), bits(&expected));
+        } else {
+            prop_assert_eq!(found, Err(SearchError::NoOriginals));
+        }
+    }
+}
+
+#[test]
+fn segments_hold_the_entries_of_their_index() {
+    for Family { single, segments } in &*FAMILIES {
+        for segments in segments {
+            assert_eq!(segments.len(), single.len());
+            for index in segments.indexes() {
+                let problems = index.verify().problems;
+                assert!(problems.is_empty(), "{problems:?}");
+                assert_eq!(index.catalogue().calibration, single.catalogue().calibration);
+                assert_eq!(index.catalogue().provenance.last().unwrap().0, "segment");
+            }
+            for id in (0..single.len() as u32).step_by(7) {
+                let (index, own) = segments.locate(id).expect("it is in one of them");
+                assert_eq!(index.entry(own), single.entry(id));
+                assert_eq!(index.descriptor(own), single.descriptor(id));
+                assert_eq!(index.thumbnail(own), single.thumbnail(id));
+                assert_eq!(index.source_hashes()[own as usize], single.source_hashes()[id as usize]);
+            }
+        }
+    }
+}
+
+#[test]
+fn others_are_searched_each_by_itself() {
+    let halves = |entries, hash| {
+        let Family { single, .. } = family(entries, hash, Originals::F32);
+        single
+    };
+    let alike = vec![halves(300, HashParams::Learned), halves(301, HashParams::Learned)];
+    let segments = Segments::new(alike).unwrap();
+    assert!(!segments.are_of_one_index());
+    let found = segments.search(&row(5), &SearchOptions { k: 2, effort: Effort::Exact }).unwrap();
+    assert_eq!(found.neighbours.iter().map(|near| near.id).collect::<Vec<_>>(), [5, 305]);
+}
+
+#[test]
+fn what_makes_no_segment_is_refused() {
+    let single = &FAMILIES[1].single;
+    assert!(matches!(segment(single, 5, 5), Err(BuildError::Empty)));
+    assert!(matches!(segment(single, 5, 3_001), Err(BuildError::Params(_))));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("segment.idx");
+    let stopped = single
+        .write_segment(0..9, Vec::new(), AtomicFile::create(&path).unwrap(), &|| ControlFlow::Break(()));
+    assert!(matches!(stopped, Err(BuildError::Stopped)));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
