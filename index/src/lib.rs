@@ -86,7 +86,7 @@ pub use search::parts::Parts;
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 
-pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions};
+pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist};
 pub use segments::{Segments, SegmentsError, SegmentsSearcher};
 pub use vote::{
     Calibrated, Calibration, ClassScore, Doubt, OrientationEstimate, Reliability, ReliabilityBin, Sigma,

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use grasp_index::{
     AtomicFile, BuildError, ClassInfo, DescriptorParams, Effort, HashParams, Index, IndexParams, IndexWriter,
-    NewEntry, Originals, RandomParams, SearchError, SearchOptions, Segments,
+    Neighbour, NewEntry, Originals, RandomParams, SearchError, SearchOptions, Segments, Shortlist,
 };
 use proptest::prelude::*;
 
@@ -16,6 +16,43 @@ fn row(n: usize) -> Vec<f32> {
     let clump = n * 7919 % 61;
     let value = |at: usize| ((clump * (at + 3) * 37) % 64 + (n * (2 * at + 1) * 613) % 9) as f32 / 8.0;
     (0..DIM).map(value).collect()
+}
+
+/// What one who has only the shortlists of all segments makes of them, each asked by itself.
+fn by_shortlists(segments: &Segments, query: &[f32], options: &SearchOptions) -> Vec<Neighbour> {
+    let mut effort = options.effort;
+    loop {
+        let options = SearchOptions { effort, ..*options };
+        let mut candidates: Vec<(u32, Neighbour)> = Vec::new();
+        let mut first: Option<Shortlist> = None;
+        let mut start = 0;
+        for index in segments.indexes() {
+            let numbered = |near: Neighbour| Neighbour { id: near.id + start, ..near };
+            match index.searcher().shortlist(query, &options).unwrap() {
+                Some(shortlist) => {
+                    candidates.extend(shortlist.candidates.iter().map(|&(key, near)| (key, numbered(near))));
+                    first.get_or_insert(shortlist);
+                }
+                None => {
+                    let found = index.search(query, &options).unwrap().neighbours;
+                    candidates.extend(found.into_iter().map(|near| (0, numbered(near))));
+                }
+            }
+            start += index.len() as u32;
+        }
+        if let Some(Shortlist { probes, most_probes, keep, .. }) = first {
+            if candidates.len() < options.k.min(segments.len()) {
+                effort = if probes < most_probes { Effort::Probes(2 * probes) } else { Effort::Exact };
+                continue;
+            }
+            candidates.sort_by_key(|(key, near)| (*key, near.id));
+            candidates.truncate(keep.unwrap_or(usize::MAX));
+        }
+        let mut found: Vec<Neighbour> = candidates.into_iter().map(|(_, near)| near).collect();
+        found.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.id.cmp(&b.id)));
+        found.truncate(options.k);
+        return found;
+    }
 }
 
 /// An index, and its segments: in one, two, three and four.
@@ -121,6 +158,7 @@ proptest! {
                 search.neighbours.iter().map(|near| (near.id, near.distance.to_bits())).collect()
             };
             prop_assert_eq!(bits(&found.unwrap()), bits(&expected));
+            prop_assert_eq!(by_shortlists(segments, &query, &options), expected.neighbours);
         } else {
             prop_assert_eq!(found, Err(SearchError::NoOriginals));
         }

@@ -29,6 +29,42 @@ fn compare(server: &str, arguments: &[&str], input: &[u8]) -> Outcome {
 }
 
 #[test]
+fn a_search_is_answered_as_by_the_own_index() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let index = small_index().display().to_string();
+    let exported =
+        run(program("grasp-builder").args(["export", &index, "--descriptors", "x.npy"]).current_dir(folder));
+    assert_eq!(exported.status, 0, "{}", exported.stderr);
+    let service = service(&[]);
+    let server = format!("http://{}", service.address());
+    let search = |by: [&str; 2], more: &[&str]| {
+        run(program("grasp-query").args(["search", "x.npy"]).args(by).args(more).current_dir(folder))
+    };
+    // 500 neighbours of so many rows are more than one request may ask for.
+    for more in [
+        &["--neighbours"][..],
+        &[],
+        &["--exact", "--k", "3", "--neighbours"],
+        &["--k", "500", "--neighbours"],
+    ] {
+        let (own, other) = (search(["--index", &index], more), search(["--server", &server], more));
+        assert!(own.status == 0 && other.status == 0, "{more:?}: {}{}", own.stderr, other.stderr);
+        assert!(own.stdout == other.stdout && own.stderr == other.stderr, "{more:?}");
+    }
+    let arrays = |by| {
+        let outcome = search(by, &["--out", "ids.npy", "--distances", "d.npy", "--recall", "0.9"]);
+        assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+        ["ids.npy", "d.npy"].map(|name| std::fs::read(folder.join(name)).unwrap())
+    };
+    assert!(arrays(["--index", &index]) == arrays(["--server", &server]));
+    let refused = search(["--server", &server], &["--json"]);
+    assert_eq!(refused.status, 2);
+    let refused = search(["--server", &server], &["--k", "5000"]);
+    assert!(refused.status == 2 && refused.stderr.contains("k is 5000"), "{}", refused.stderr);
+}
+
+#[test]
 fn output_and_exit_status_are_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let socket = folder.path().join("s");

@@ -63,6 +63,10 @@ impl Hash for Joined<'_> {
         others.fold(self.first.held(first, scratch), u32::saturating_add)
     }
 
+    fn keys(&self, scratch: &mut Scratch, each: &mut dyn FnMut(u32, u32)) -> Option<usize> {
+        self.first.keys(scratch, each)
+    }
+
     fn estimate(&self, scratch: &mut Scratch, nearest: &mut Nearest) {
         self.first.estimate(scratch, nearest);
     }

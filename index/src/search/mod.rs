@@ -100,6 +100,22 @@ pub struct SearchCost {
     pub predicted_recall: Option<f64>,
 }
 
+/// What one segment of an index adds to a search of all: the candidates whose distance would be measured if it were all there is.
+///
+/// Of the shortlists of all segments, those `keep` with the least (key, id) are the candidates of a search of the whole index; where these are
+/// fewer than the neighbours that are wanted, it searches again with twice the probes, up to `most_probes`, and then exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shortlist {
+    /// Buckets of each table that were looked into.
+    pub probes: u32,
+    /// More probes than that find no more.
+    pub most_probes: u32,
+    /// How many candidates a search measures at most; `None` for all.
+    pub keep: Option<usize>,
+    /// The candidates, nearest first, each with its key.
+    pub candidates: Vec<(u32, Neighbour)>,
+}
+
 /// Neighbours, and what it took to find them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
@@ -184,6 +200,12 @@ pub(crate) trait Hash: Send + Sync {
 
     /// How many entries those buckets hold, each counted once; the first entry of all is number `first`.
     fn held(&self, first: u32, scratch: &Scratch) -> u32;
+
+    /// How many candidates are kept at most, and for each that is, to `each`, the key by which it was kept, the smallest first;
+    /// `None` where all are kept.
+    fn keys(&self, _: &mut Scratch, _: &mut dyn FnMut(u32, u32)) -> Option<usize> {
+        None
+    }
 
     /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of, if it does.
     fn estimate(&self, _: &mut Scratch, _: &mut Nearest) {}

@@ -6,8 +6,9 @@ use super::exact::Nearest;
 use super::simd::Simd;
 use super::smallest::Smallest;
 use super::stored::Stored;
-use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, check};
+use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist, check};
 use crate::file::bytes::Bytes;
+use std::collections::HashMap;
 
 /// Searches one index, query after query. Each thread has its own.
 pub struct Searcher<'a> {
@@ -81,6 +82,36 @@ impl<'a> Searcher<'a> {
             found.cost.predicted_recall = predicted_recall;
         }
         Ok(found)
+    }
+
+    /// The candidates of a search of this segment, for one who asks all segments of an index and puts their answers together; `None` where
+    /// the search is exact, whose neighbours can be merged by distance. How much effort is enough is the same in all segments.
+    ///
+    /// # Errors
+    /// [`SearchError`], when the query does not fit the index.
+    pub fn shortlist(
+        &mut self,
+        query: &[f32],
+        options: &SearchOptions,
+    ) -> Result<Option<Shortlist>, SearchError> {
+        let dim = self.stored.dim;
+        if query.len() != dim {
+            return Err(SearchError::WrongLength { expected: dim, found: query.len() });
+        }
+        check(query, options)?;
+        let Some((probes, _)) = self.probes(options.effort)? else { return Ok(None) };
+        self.warm(query, options.k, probes);
+        let (hash, scratch) = (&*self.hash, &mut self.scratch[0]);
+        hash.probe(self.simd, query, probes, scratch);
+        hash.gather(self.simd, options.k, scratch);
+        let mut keys = HashMap::new();
+        let keep = hash.keys(scratch, &mut |key, id| {
+            keys.insert(id, key);
+        });
+        rerank(self.stored, hash, self.simd, query, scratch.candidates.len(), scratch);
+        let keyed = |near: Neighbour| (keys.get(&near.id).copied().unwrap_or_default(), near);
+        let candidates = scratch.measured.neighbours().map(keyed).collect();
+        Ok(Some(Shortlist { probes, most_probes: hash.most_probes(), keep, candidates }))
     }
 
     /// The nearest neighbours of many descriptors: `queries` holds them in rows of the index's `dim` values. To `found` is

@@ -59,6 +59,17 @@ impl Smallest {
         self.keys.iter().map(|&key| (score(key), key as u32))
     }
 
+    /// How many are kept at most.
+    pub(crate) fn keep(&self) -> usize {
+        self.keep
+    }
+
+    /// What was kept, in no order: whole numbers that compare as the scores do, and numbers.
+    pub(crate) fn keys(&mut self) -> impl ExactSizeIterator<Item = (u32, u32)> + '_ {
+        self.shrink();
+        self.keys.iter().map(|&key| ((key >> 32) as u32, key as u32))
+    }
+
     /// What was kept, in no order.
     pub(crate) fn unsorted(&mut self) -> impl ExactSizeIterator<Item = (f32, u32)> + Clone + '_ {
         self.shrink();

@@ -1,5 +1,7 @@
 //! `grasp-query search`.
 
+mod remote;
+
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -7,12 +9,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
-use grasp_index::{AtomicFile, Neighbour, SearchOptions, Segments};
+use grasp_index::{AtomicFile, Neighbour, SearchOptions};
 use serde::Serialize;
 
 use super::Global;
 use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
+use crate::client::Address;
 use crate::output::found::{QueryRecord, names_in, present};
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 
@@ -24,6 +27,7 @@ Examples:
   grasp-query search queries.npy --rounds 7 --threads 1 --json
   grasp-query search queries.npy --index a.idx --index b.idx --out ids.npy
   grasp-query search queries.npy --neighbours | jq .neighbours[0].id
+  grasp-query search queries.npy --server http://127.0.0.1:8750 --out ids.npy
 
 QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
 
@@ -61,6 +65,12 @@ pub(super) struct Search {
     /// Print each query's neighbours as a line of JSON.
     #[arg(long, conflicts_with = "json")]
     neighbours: bool,
+    /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["json", "timings", "rounds", "allow_missing"])]
+    server: Option<Address>,
+    /// Show the service the token in this file.
+    #[arg(long, value_name = "FILE", requires = "server")]
+    token_file: Option<PathBuf>,
     #[command(flatten)]
     effort: EffortArguments,
 }
@@ -95,37 +105,30 @@ struct SegmentsRecord {
 impl Search {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         self.refuse_clashes()?;
+        if let Some(address) = &self.server {
+            return self.run_remote(address);
+        }
         let started = Instant::now();
         let (segments, of) = self.index.open()?;
         let open = started.elapsed();
         let name = self.queries.display();
-        let queries = read_queries(&self.queries, segments.dim())
-            .with_context(|| format!("cannot use the queries {name}"))?;
+        let (queries, _) = self.read_queries(Some(segments.dim()))?;
         let count = queries.len() / segments.dim().max(1);
-        if count == 0 {
-            bail!("{name} holds no query");
-        }
         // Before the search: a missing folder should not be found out after it.
         let out = self.out.as_deref().map(Target::create).transpose()?;
         let distances = self.distances.as_deref().map(Target::create).transpose()?;
 
-        let options = SearchOptions { k: self.k, effort: self.effort.effort() };
+        let options = self.options();
         let mut batch = Batch::new(&segments, &queries, options, threads(global))?;
         if self.rounds > 1 {
             batch.run()?;
         }
         let rounds = (0..self.rounds).map(|_| batch.run()).collect::<Result<Vec<Duration>, _>>()?;
 
-        if let Some(target) = out {
-            target
-                .write(NpyType::U32, count, self.k, batch.found(), |neighbour| neighbour.id.to_le_bytes())?;
-        }
-        if let Some(target) = distances {
-            let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
-            target.write(NpyType::F32, count, self.k, batch.found(), bytes)?;
-        }
+        let names = |id| names_in(&segments, id);
+        self.write(out, distances, count, || batch.found())?;
         if self.neighbours {
-            return print_neighbours(&segments, batch.found());
+            return print_neighbours(names, batch.found());
         }
         if self.json || self.timings {
             let summary = Summary {
@@ -144,9 +147,67 @@ impl Search {
             self.report(&summary)?;
         }
         if self.out.is_none() && self.distances.is_none() && !self.json {
-            show(&segments, batch.found(), count)?;
+            show(names, batch.found(), count)?;
         }
         Ok(super::SUCCESS)
+    }
+
+    fn options(&self) -> SearchOptions {
+        SearchOptions { k: self.k, effort: self.effort.effort() }
+    }
+
+    /// As a run by an own index, but for who answers.
+    fn run_remote(&self, address: &Address) -> anyhow::Result<u8> {
+        let (queries, dim) = self.read_queries(None)?;
+        let count = queries.len() / dim.max(1);
+        let out = self.out.as_deref().map(Target::create).transpose()?;
+        let distances = self.distances.as_deref().map(Target::create).transpose()?;
+        let found = self.ask(address, &queries, dim)?;
+        let names = |id| found.names(id);
+        let rows = || found.neighbours.chunks_exact(self.k);
+        self.write(out, distances, count, rows)?;
+        if self.neighbours {
+            return print_neighbours(names, rows());
+        }
+        if self.out.is_none() && self.distances.is_none() {
+            show(names, rows(), count)?;
+        }
+        Ok(super::SUCCESS)
+    }
+
+    /// The queries, at least one, and how many values each has: `dim`, if that is known.
+    fn read_queries(&self, dim: Option<usize>) -> anyhow::Result<(Vec<f32>, usize)> {
+        let name = self.queries.display();
+        let read = if is_standard(&self.queries) {
+            read_array(io::stdin().lock(), dim)
+        } else {
+            File::open(&self.queries)
+                .map_err(NpyError::from)
+                .and_then(|file| read_array(BufReader::new(file), dim))
+        };
+        let (queries, dim) = read.with_context(|| format!("cannot use the queries {name}"))?;
+        if queries.is_empty() {
+            bail!("{name} holds no query");
+        }
+        Ok((queries, dim))
+    }
+
+    /// Writes the arrays that are wanted.
+    fn write<'f, F: Iterator<Item = &'f [Neighbour]>>(
+        &self,
+        out: Option<Target>,
+        distances: Option<Target>,
+        count: usize,
+        found: impl Fn() -> F,
+    ) -> anyhow::Result<()> {
+        if let Some(target) = out {
+            target.write(NpyType::U32, count, self.k, found(), |neighbour| neighbour.id.to_le_bytes())?;
+        }
+        if let Some(target) = distances {
+            let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
+            target.write(NpyType::F32, count, self.k, found(), bytes)?;
+        }
+        Ok(())
     }
 
     /// Refuses outputs that would destroy an input or each other.
@@ -213,19 +274,14 @@ fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-fn read_queries(path: &Path, dim: usize) -> Result<Vec<f32>, NpyError> {
-    if is_standard(path) {
-        return read_array(io::stdin().lock(), dim);
-    }
-    read_array(BufReader::new(File::open(path)?), dim)
-}
-
-fn read_array(mut reader: impl Read, dim: usize) -> Result<Vec<f32>, NpyError> {
+/// The values, and how many there are in a row.
+fn read_array(mut reader: impl Read, dim: Option<usize>) -> Result<(Vec<f32>, usize), NpyError> {
     let header = NpyHeader::read(&mut reader, NpyType::F32)?;
-    if header.columns != dim as u64 {
-        return Err(NpyError::Columns { found: header.columns, expected: dim });
+    let columns = header.columns as usize;
+    if let Some(expected) = dim.filter(|&dim| dim != columns) {
+        return Err(NpyError::Columns { found: header.columns, expected });
     }
-    header.read_values(&mut reader)
+    Ok((header.read_values(&mut reader)?, columns))
 }
 
 /// Where an array goes.
@@ -268,13 +324,13 @@ impl Target {
 }
 
 /// Every query's neighbours as a line of JSON.
-fn print_neighbours<'f>(
-    segments: &Segments,
+fn print_neighbours<'f, 'n>(
+    names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
     found: impl Iterator<Item = &'f [Neighbour]>,
 ) -> anyhow::Result<u8> {
     let mut out = BufWriter::new(io::stdout().lock());
     for (query, neighbours) in found.enumerate() {
-        let record = QueryRecord::named(|id| names_in(segments, id), query, neighbours);
+        let record = QueryRecord::named(&names, query, neighbours);
         serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
         out.write_all(b"\n")?;
     }
@@ -283,8 +339,8 @@ fn print_neighbours<'f>(
 }
 
 /// The neighbours of the first queries, for a person.
-fn show<'f>(
-    segments: &Segments,
+fn show<'f, 'n>(
+    names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
     found: impl Iterator<Item = &'f [Neighbour]>,
     count: usize,
 ) -> io::Result<()> {
@@ -292,7 +348,7 @@ fn show<'f>(
     for (query, neighbours) in found.take(SHOWN).enumerate() {
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
-            let (grasp, file) = names_in(segments, neighbour.id);
+            let (grasp, file) = names(neighbour.id);
             let names = [grasp, file].into_iter().flatten().map(|name| format!("  {name}"));
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }

@@ -1,4 +1,4 @@
-//! The other end of [`crate::serve`]: pictures are sent to a running service, which answers in the words of this program.
+//! The other end of [`crate::serve`]: pictures or descriptors are sent to a running service, which answers in the words of this program.
 //!
 //! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them to threads.
 
@@ -19,7 +19,7 @@ use hyper_util::rt::TokioIo;
 use tokio::net::TcpStream;
 use tokio::runtime::Runtime;
 
-use crate::serve::parameters::PictureParameters;
+use crate::serve::parameters::{PictureParameters, SearchParameters};
 
 /// How long a service may take for one answer.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -104,6 +104,15 @@ pub enum ClientError {
     },
 }
 
+/// What is sent.
+struct Question<'a> {
+    path: &'static str,
+    query: &'a str,
+    kind: &'a str,
+    body: &'a Bytes,
+    accept: &'static str,
+}
+
 /// A connection to a service, opened when it is needed.
 #[derive(Debug)]
 pub struct Client {
@@ -135,55 +144,72 @@ impl Client {
     ) -> Result<Answer, ClientError> {
         let (kind, body) = parts.encode();
         let query = serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error))?;
+        let question =
+            Question { path: "recognise", query: &query, kind: &kind, body: &body, accept: wanted.accept() };
+        let (head, body) = self.send(&question)?;
+        let exit = head.headers.get("grasp-status").and_then(|exit| exit.to_str().ok()?.parse().ok());
+        match exit {
+            Some(exit) => Ok(Answer { exit, is_answer: head.status == StatusCode::OK, body }),
+            None => Err(self.refused(head.status, &body)),
+        }
+    }
+
+    /// Sends descriptors, an array in NumPy's format, and waits for a line of JSON for each.
+    ///
+    /// # Errors
+    /// [`ClientError`], where there are none.
+    pub fn search(&mut self, parameters: &SearchParameters, body: Bytes) -> Result<Bytes, ClientError> {
+        let query = serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error))?;
+        let (kind, accept) = ("application/octet-stream", "application/x-ndjson");
+        let question = Question { path: "search", query: &query, kind, body: &body, accept };
+        let (head, body) = self.send(&question)?;
+        if head.status == StatusCode::OK { Ok(body) } else { Err(self.refused(head.status, &body)) }
+    }
+
+    /// Asks again and again where the service is busy.
+    fn send(
+        &mut self,
+        question: &Question<'_>,
+    ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
         let mut attempts = 0;
         loop {
-            let (head, body) = self.send(&query, &kind, &body, wanted)?;
+            let (head, body) = self.send_once(question)?;
             attempts += 1;
-            if head.status == StatusCode::TOO_MANY_REQUESTS && attempts < ATTEMPTS {
-                let wait =
-                    head.headers.get(header::RETRY_AFTER).and_then(|wait| wait.to_str().ok()?.parse().ok());
-                std::thread::sleep(Duration::from_secs(wait.unwrap_or(1).min(LONGEST_WAIT)));
-                continue;
+            if head.status != StatusCode::TOO_MANY_REQUESTS || attempts >= ATTEMPTS {
+                return Ok((head, body));
             }
-            let exit = head.headers.get("grasp-status").and_then(|exit| exit.to_str().ok()?.parse().ok());
-            return match exit {
-                Some(exit) => Ok(Answer { exit, is_answer: head.status == StatusCode::OK, body }),
-                None => Err(self.refused(head.status, &body)),
-            };
+            let wait =
+                head.headers.get(header::RETRY_AFTER).and_then(|wait| wait.to_str().ok()?.parse().ok());
+            std::thread::sleep(Duration::from_secs(wait.unwrap_or(1).min(LONGEST_WAIT)));
         }
     }
 
     /// One request, on the connection that is open, or on a new one where there is none or it was closed meanwhile.
-    fn send(
+    fn send_once(
         &mut self,
-        query: &str,
-        kind: &str,
-        body: &Bytes,
-        wanted: Wanted,
+        question: &Question<'_>,
     ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
         let was_open = self.open.is_some();
-        match self.try_send(query, kind, body, wanted) {
-            Err(ClientError::Broken { .. }) if was_open => self.try_send(query, kind, body, wanted),
+        match self.try_send(question) {
+            Err(ClientError::Broken { .. }) if was_open => self.try_send(question),
             outcome => outcome,
         }
     }
 
     fn try_send(
         &mut self,
-        query: &str,
-        kind: &str,
-        body: &Bytes,
-        wanted: Wanted,
+        question: &Question<'_>,
     ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
+        let Question { path, query, kind, body, accept } = *question;
         let (host, prefix) = match &self.address {
             Address::Http { authority, prefix } => (authority.as_str(), prefix.as_str()),
             Address::Unix(_) => ("localhost", ""),
         };
         let mut request = Request::builder()
             .method(Method::POST)
-            .uri(format!("{prefix}/v1/recognise?{query}"))
+            .uri(format!("{prefix}/v1/{path}?{query}"))
             .header(header::HOST, host)
-            .header(header::ACCEPT, wanted.accept())
+            .header(header::ACCEPT, accept)
             .header(header::CONTENT_TYPE, kind);
         if let Some(token) = &self.token {
             request = request.header(header::AUTHORIZATION, format!("Bearer {token}"));

@@ -1,6 +1,6 @@
 //! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to, never renamed.
 
-use grasp_index::{Index, Neighbour, Segments};
+use grasp_index::{Index, Neighbour, Segments, Shortlist};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -11,6 +11,63 @@ pub struct QueryRecord<'a> {
     pub query: usize,
     /// The nearest entries; fewer than were asked for where the index has fewer.
     pub neighbours: Vec<FoundRecord<'a>>,
+}
+
+/// A query and the candidates of its search of one segment of an index, nearest first.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ShortlistRecord<'a> {
+    /// The query's place, from 0.
+    pub query: usize,
+    /// Buckets of each table that were looked into; absent, with all that follows but the neighbours, where every entry was compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probes: Option<u32>,
+    /// More probes than that find no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most_probes: Option<u32>,
+    /// How many candidates, those of the least key and number, a search of the whole index measures; absent where all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keep: Option<usize>,
+    /// The candidates.
+    pub neighbours: Vec<Candidate<'a>>,
+}
+
+/// A candidate of a search.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct Candidate<'a> {
+    /// What it was kept by, the least first.
+    pub key: u32,
+    /// The entry.
+    #[serde(flatten)]
+    pub found: FoundRecord<'a>,
+}
+
+impl<'a> ShortlistRecord<'a> {
+    /// Of the query at place `query`.
+    pub fn new(index: &'a Index, query: usize, shortlist: &Shortlist) -> Self {
+        let candidate =
+            |&(key, near): &(u32, Neighbour)| Candidate { key, found: FoundRecord::new(index, near) };
+        Self {
+            query,
+            probes: Some(shortlist.probes),
+            most_probes: Some(shortlist.most_probes),
+            keep: shortlist.keep,
+            neighbours: shortlist.candidates.iter().map(candidate).collect(),
+        }
+    }
+
+    /// Of a search that has compared every entry.
+    pub fn exact(index: &'a Index, query: usize, neighbours: &[Neighbour]) -> Self {
+        let candidate = |&near| Candidate { key: 0, found: FoundRecord::new(index, near) };
+        let neighbours = present(neighbours).map(candidate).collect();
+        Self { query, probes: None, most_probes: None, keep: None, neighbours }
+    }
+}
+
+impl<'a> FoundRecord<'a> {
+    fn new(index: &'a Index, Neighbour { id, distance }: Neighbour) -> Self {
+        let (grasp, file) = names(index, id);
+        Self { id, distance, grasp, file }
+    }
 }
 
 /// An entry that was found.

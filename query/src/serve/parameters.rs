@@ -98,23 +98,32 @@ pub enum AcceptChoice {
 }
 
 /// Options of a request for neighbours.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
 #[serde(default, deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SearchParameters {
     /// How many neighbours to find for each query, 1 to 1000; without it, 10.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub k: Option<usize>,
     /// Find this share of the true 10 nearest, above 0, at most 1; without it, 0.95.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub recall: Option<f64>,
     /// Find a neighbour at most 1 + eps times as far as the true nearest.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub eps: Option<f64>,
     /// For this share of all queries.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
     /// Look into so many buckets of each table.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// Compare with every entry.
-    #[serde(default)]
+    #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
+    /// Tell the candidates of the search, each with the `key` that it was kept by: for one who puts the answers of several segments of an
+    /// index together.
+    #[serde(skip_serializing_if = "is_false")]
+    pub shortlist: bool,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
@@ -196,6 +205,20 @@ impl PictureParameters {
 }
 
 impl SearchParameters {
+    /// The parameters that mean these options.
+    pub fn of(options: &SearchOptions) -> Self {
+        let mut parameters = Self { k: Some(options.k), ..Self::default() };
+        match options.effort {
+            Effort::Recall(recall) => parameters.recall = Some(recall),
+            Effort::Success { eps, success } => {
+                (parameters.eps, parameters.success) = (Some(eps), Some(success));
+            }
+            Effort::Probes(probes) => parameters.probes = Some(probes),
+            Effort::Exact => parameters.exact = true,
+        }
+        parameters
+    }
+
     /// The options that these parameters mean, or what is wrong with them.
     pub(super) fn options(&self) -> Result<SearchOptions, String> {
         Ok(SearchOptions {

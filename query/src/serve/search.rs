@@ -5,14 +5,14 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
 use grasp_index::{Index, SearchError};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::current::Served;
 use super::parameters::SearchParameters;
 use super::problem::Problem;
 use super::recognise::GENERATION;
-use crate::output::found::QueryRecord;
+use crate::output::found::{QueryRecord, ShortlistRecord};
 
 /// The most neighbours that one request may be answered with: some 10 MB of JSON.
 const MOST_NEIGHBOURS: usize = 100_000;
@@ -47,19 +47,38 @@ pub(super) fn answer(
             ),
         ));
     }
-    let mut found = Vec::with_capacity(rows * options.k);
-    index.searcher().batch(&queries, &options, &mut found).map_err(refused)?;
-    let mut lines = Vec::with_capacity(found.len() * 64);
-    for (query, neighbours) in found.chunks_exact(options.k.max(1)).enumerate() {
-        serde_json::to_writer(&mut lines, &QueryRecord::new(index, query, neighbours))
-            .map_err(|_| Problem::lost())?;
-        lines.push(b'\n');
+    let mut lines = Vec::with_capacity(rows * options.k * 64);
+    let mut searcher = index.searcher();
+    if parameters.shortlist {
+        for (at, query) in queries.chunks_exact(index.dim().max(1)).enumerate() {
+            let record = match searcher.shortlist(query, &options).map_err(refused)? {
+                Some(shortlist) => ShortlistRecord::new(index, at, &shortlist),
+                None => {
+                    let found = searcher.search(query, &options).map_err(refused)?;
+                    ShortlistRecord::exact(index, at, &found.neighbours)
+                }
+            };
+            put(&record, &mut lines)?;
+        }
+    } else {
+        let mut found = Vec::with_capacity(rows * options.k);
+        searcher.batch(&queries, &options, &mut found).map_err(refused)?;
+        for (at, neighbours) in found.chunks_exact(options.k.max(1)).enumerate() {
+            put(&QueryRecord::new(index, at, neighbours), &mut lines)?;
+        }
     }
     let headers = [
         (header::CONTENT_TYPE, HeaderValue::from_static("application/x-ndjson")),
         (GENERATION, HeaderValue::from(served.generation)),
     ];
     Ok((headers, lines).into_response())
+}
+
+/// Adds a line.
+fn put(record: &impl Serialize, lines: &mut Vec<u8>) -> Result<(), Problem> {
+    serde_json::to_writer(&mut *lines, record).map_err(|_| Problem::lost())?;
+    lines.push(b'\n');
+    Ok(())
 }
 
 /// The values of all queries, row by row: told by the first bytes, NumPy's format or JSON.

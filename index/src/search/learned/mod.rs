@@ -164,6 +164,11 @@ impl Hash for Learned<'_> {
         buckets.sum()
     }
 
+    fn keys(&self, scratch: &mut Scratch, each: &mut dyn FnMut(u32, u32)) -> Option<usize> {
+        scratch.found.keys().for_each(|(key, id)| each(key, id));
+        Some(scratch.found.keep())
+    }
+
     fn estimate(&self, scratch: &mut Scratch, nearest: &mut Nearest) {
         // The query's own length, which the scores leave out.
         let square: f32 = scratch.coordinates.iter().map(|value| value * value).sum();
