@@ -65,6 +65,64 @@ fn a_search_is_answered_as_by_the_own_index() {
 }
 
 #[test]
+fn shortlists_of_segments_are_the_candidates_of_their_index() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let index = small_index().display().to_string();
+    for arguments in [
+        &["split", &index, "--segments", "2", "--out-dir", "."][..],
+        &["export", &index, "--descriptors", "x.npy"],
+    ] {
+        let done = run(program("grasp-builder").args(arguments).current_dir(folder));
+        assert_eq!(done.status, 0, "{}", done.stderr);
+    }
+    let segments = ["1-of-2.idx", "2-of-2.idx"].map(|name| {
+        Service::start(|command| {
+            command.arg("--index").arg(folder.join(name));
+        })
+    });
+    let body = std::fs::read(folder.join("x.npy")).unwrap();
+    let start = segments[0].get("/v1/index").json()["entries"].as_u64().unwrap();
+    for (parameters, options) in
+        [("recall=0.9&k=4", ["--recall", "0.9", "--k", "4"]), ("probes=2&k=7", ["--probes", "2", "--k", "7"])]
+    {
+        let target = format!("/v1/search?shortlist=true&{parameters}");
+        let [first, second] = [0, 1].map(|at| {
+            let answer = segments[at].post(&target, &body);
+            let lines = answer.text();
+            lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect::<Vec<serde_json::Value>>()
+        });
+        let own = run(program("grasp-query")
+            .args(["search", "x.npy", "--neighbours", "--index", &index])
+            .args(options)
+            .current_dir(folder));
+        let own = own.json_lines();
+        assert_eq!((first.len(), second.len()), (own.len(), own.len()));
+        for ((first, second), own) in first.iter().zip(&second).zip(own) {
+            let near = |line: &serde_json::Value, start: u64| -> Vec<(u64, u64, f64)> {
+                let each = line["neighbours"].as_array().unwrap().iter();
+                each.map(|near| {
+                    let [key, id] = ["key", "id"].map(|name| near[name].as_u64().unwrap());
+                    (key, id + start, near["distance"].as_f64().unwrap())
+                })
+                .collect()
+            };
+            assert_eq!(first["keep"], second["keep"]);
+            let mut all = [near(first, 0), near(second, start)].concat();
+            all.sort_by_key(|&(key, id, _)| (key, id));
+            all.truncate(first["keep"].as_u64().unwrap() as usize);
+            all.sort_by(|a, b| a.2.total_cmp(&b.2).then(a.1.cmp(&b.1)));
+            let own = own["neighbours"].as_array().unwrap().clone();
+            let own =
+                own.iter().map(|near| (near["id"].as_u64().unwrap(), near["distance"].as_f64().unwrap()));
+            assert!(own.eq(
+                all.into_iter().take(options[3].parse().unwrap()).map(|(_, id, distance)| (id, distance))
+            ));
+        }
+    }
+}
+
+#[test]
 fn output_and_exit_status_are_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let socket = folder.path().join("s");

@@ -322,7 +322,7 @@ async fn robot_strategy(
 #[utoipa::path(post, path = "/v1/search", params(SearchParameters),
     request_body(description = "Descriptors: float32 in NumPy's format, or JSON", content((search::Queries = "application/json"), ("application/octet-stream"))),
     responses(
-        (status = 200, description = "The lines that `grasp-query search --neighbours` prints, one a descriptor", content_type = "application/x-ndjson",
+        (status = 200, description = "The lines that `grasp-query search --neighbours` prints, one a descriptor; with shortlist=true, lines of `probes`, `most_probes`, `keep` and `neighbours` with a `key` each", content_type = "application/x-ndjson",
             body = crate::output::found::QueryRecord),
         (status = 400, description = "A descriptor or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 413, description = "Too much at once", body = problem::ProblemRecord),
