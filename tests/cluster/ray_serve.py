@@ -66,7 +66,7 @@ def wait_for_service(driver):
 def main():
     work = pathlib.Path(sys.argv[1])
     single, queries, folder = work / "single.idx", work / "q.npy", work / "segments"
-    program("grasp-builder", "build", "--hands", 5, "--step", 15, "--thumbnails", 0, "--out", single)
+    program("grasp-builder", "build", "--hands", 5, "--step", 30, "--thumbnails", 0, "--out", single)
     program("grasp-builder", "split", single, "--segments", 4, "--out-dir", folder)
     program("grasp-builder", "queries", "--count", 150, "--step", 45, "--out", queries)
     expected = [program("grasp-query", "search", queries, "--index", single, "--neighbours", *effort) for effort in EFFORTS]
@@ -119,5 +119,6 @@ if __name__ == "__main__":
     try:
         main()
     except BaseException:
-        print((pathlib.Path(sys.argv[1]) / "driver.log").read_text()[-4000:], file=sys.stderr)
+        log = pathlib.Path(sys.argv[1]) / "driver.log"
+        print(log.read_text()[-4000:] if log.exists() else "nothing was served", file=sys.stderr)
         raise
