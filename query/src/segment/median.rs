@@ -12,17 +12,20 @@ pub fn median3x3(mask: &Mask) -> Mask {
     }
     // Sums over columns first: each pixel is then added three times instead of nine.
     let pixels = mask.pixels();
-    let mut columns = vec![0u8; width];
+    let mut columns = vec![0u8; width + 2];
     let mut counts = Vec::with_capacity(width * height);
     for y in 0..height {
         let row = |y: usize| &pixels[y * width..(y + 1) * width];
         let (above, here, below) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(height - 1)));
-        for (sum, ((a, b), c)) in columns.iter_mut().zip(above.iter().zip(here).zip(below)) {
+        let sums = &mut columns[1..=width];
+        for (sum, ((a, b), c)) in sums.iter_mut().zip(above.iter().zip(here).zip(below)) {
             *sum = a + b + c;
         }
-        for x in 0..width {
-            counts.push(columns[x.saturating_sub(1)] + columns[x] + columns[(x + 1).min(width - 1)]);
-        }
+        columns[0] = columns[1];
+        columns[width + 1] = columns[width];
+        let (left, middle, right) = (&columns[..width], &columns[1..=width], &columns[2..]);
+        counts
+            .extend(left.iter().zip(middle).zip(right).map(|((left, middle), right)| left + middle + right));
     }
     Mask::from_values(width, height, &counts, |count| count >= 5)
 }
