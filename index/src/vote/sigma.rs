@@ -55,15 +55,15 @@ pub(crate) fn measure(descriptors: &[f32], dim: usize, labels: &[u16], classes: 
             rows().enumerate().filter(|&(id, _)| labels.get(id).is_none_or(|&label| label as usize == class));
         // Evenly spaced: of the rows not yet passed, the one so many further on.
         let mut passed = 0;
-        let spaced: Vec<&[f32]> = (0..paired)
-            .filter_map(|at| {
-                let wanted = at * count / paired;
-                let skip = wanted - passed;
-                passed = wanted + 1;
-                of_class.nth(skip).map(|(_, row)| row)
-            })
-            .collect();
-        let distance = mean_distance(&spaced);
+        let spaced = (0..paired).filter_map(|at| {
+            let wanted = at * count / paired;
+            let skip = wanted - passed;
+            passed = wanted + 1;
+            of_class.nth(skip).map(|(_, row)| row)
+        });
+        // Copied, for each is read once for every other: where they lie on a disk, few of their pages may stay in memory.
+        let spaced: Vec<f32> = spaced.flatten().copied().collect();
+        let distance = mean_distance(&spaced.chunks_exact(dim.max(1)).collect::<Vec<_>>());
         mean += distance;
         literal += distance * (count - 1) as f64 / std::f64::consts::SQRT_2;
         counted += 1.0;

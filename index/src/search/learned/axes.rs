@@ -55,7 +55,9 @@ pub(crate) fn sample<'a>(rows: Rows<'a>, sample: usize) -> impl Iterator<Item = 
 /// that is all there are).
 pub(crate) fn fit(rows: Rows<'_>) -> FittedAxes {
     let dim = rows.dim;
-    let sampled: Vec<&[f32]> = sample(rows, SAMPLE).map(|(_, row)| row).collect();
+    // Copied, for they are read once for each value: where they lie on a disk, few of their pages may stay in memory.
+    let sampled: Vec<f32> = sample(rows, SAMPLE).flat_map(|(_, row)| row).copied().collect();
+    let sampled: Vec<&[f32]> = sampled.chunks_exact(dim.max(1)).collect();
     let mean = mean(&sampled, dim);
     let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(covariance(&sampled, &mean));
     let mut order: Vec<usize> = (0..dim).collect();
