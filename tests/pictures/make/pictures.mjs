@@ -8,7 +8,7 @@ import { Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
 import { chromium } from 'playwright-core';
 import { loadHand, normalsOf, poseJoints, skin } from './hand.mjs';
 import { GRASPS } from './grasps.mjs';
-import { PICTURES, OBJECTS } from './views.mjs';
+import { PICTURES, OBJECTS, around } from './views.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
 const out = process.argv[2] || join(here, '..');
@@ -187,7 +187,7 @@ try {
   await page.waitForFunction(() => window.ready);
   const rows = ['file,mask,kind,grasp,cutkosky,confidence,stage,hand,azimuth,elevation,roll,qx,qy,qz,qw,group'];
   const only = process.env.ONLY && new RegExp(process.env.ONLY);
-  for (const p of PICTURES) {
+  for (const p of process.env.AROUND ? around(Number(process.env.AROUND)) : PICTURES) {
     if (only && !only.test(p.name)) continue;
     const { s, q } = describe(p);
     const folder = p.segmented ? 'segmented' : 'camera', file = `${folder}/${p.name}.${p.segmented ? 'png' : 'jpg'}`;

@@ -39,3 +39,11 @@ export const PICTURES = [
   { ...sphere, ...segmented, name: '10-power-sphere', view: [85, 15, 0], group: 'thumb' },
   { ...lid, ...segmented, name: '12-precision-disc', view: [75, 15, 0], group: 'thumb' },
 ];
+
+// `n` segmented views of each grasp, even over the sphere from 25 degrees below to 70 above (a spiral of golden angles).
+export const around = n => [[bottle, '01'], [stick, '02'], [tool, '04'], [ball, '09'], [sphere, '10'], [lid, '12']].flatMap(([held, number]) =>
+  Array.from({ length: n }, (_, i) => {
+    const sine = d => Math.sin(d * Math.PI / 180), height = sine(-25) + (sine(70) - sine(-25)) * (i + 0.5) / n;
+    const view = [i * 137.508 % 360, Math.asin(height) * 180 / Math.PI, 0].map(d => Math.round(10 * d) / 10);
+    return { ...held, ...segmented, name: `${number}-${held.grasp}-${String(i).padStart(3, '0')}`, view, group: 'around' };
+  }));
