@@ -14,8 +14,8 @@ use crate::scene::{Look, SceneSpec};
 use crate::variation::Variation;
 use crate::view::{View, ViewGrid, Views};
 
-/// Hand shapes, object sizes (at the grasp, before it) and views a scene of the `wide` preset: 7,200 scenes, 432,000 renders.
-const WIDE_HANDS: usize = 100;
+/// Hand shapes, object sizes (at the grasp, before it) and views a scene of the `wide` preset: 11,160 scenes, 669,600 renders.
+const WIDE_HANDS: usize = 155;
 const WIDE_SIZES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 const WIDE_SIZES_BEFORE: [f64; 3] = [0.2, 0.5, 0.8];
 const WIDE_VIEWS: usize = 60;
@@ -121,7 +121,7 @@ impl RenderPlan {
                     place: 0.04,
                     size: 0.4,
                     closure: 0.12,
-                    examples: 0.8,
+                    examples: 0.6,
                     arms: Some(([1.05, 1.5], [0.0, 0.02])),
                 },
                 ..paper
@@ -208,7 +208,7 @@ mod tests {
         let plan = RenderPlan::preset(Preset::Wide);
         let scenes = plan.with_hands(2).scenes();
         let plan = RenderPlan::preset(Preset::Wide);
-        assert!(plan.renders() < 500_000, "{}", plan.renders());
+        assert!(plan.renders() < 700_000, "{}", plan.renders());
         let views: Vec<View> = scenes.iter().flat_map(|scene| plan.views(scene)).collect();
         assert_eq!(views.len(), scenes.len() * WIDE_VIEWS);
         let share =
@@ -227,7 +227,7 @@ mod tests {
         assert!(scenes.iter().zip(&again).all(|(a, b)| a.params_hash() == b.params_hash()));
         assert!(scenes.iter().zip(&other).all(|(a, b)| a.params_hash() != b.params_hash()));
         let posed = scenes.iter().filter(|scene| scene.example.is_some()).count() as f64;
-        assert!((posed / scenes.len() as f64 - 0.8).abs() < 0.06, "{posed} of {}", scenes.len());
+        assert!((posed / scenes.len() as f64 - 0.6).abs() < 0.06, "{posed} of {}", scenes.len());
         for (a, b) in scenes.iter().zip(&scenes[1..]) {
             assert_ne!(a.object, b.object);
         }

@@ -90,8 +90,8 @@ struct IndexOptions {
     /// `--preset wide`), or none.
     #[arg(long, default_value = "f32", default_value_if("preset", "wide", "f16"), value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
     originals: String,
-    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. `--preset wide` keeps 32.
-    #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, default_value_if("preset", "wide", "32"), value_parser = clap::value_parser!(u32).range(0..=1024))]
+    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. `--preset wide` keeps 20.
+    #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, default_value_if("preset", "wide", "20"), value_parser = clap::value_parser!(u32).range(0..=1024))]
     thumbnails: u32,
 }
 

@@ -12,7 +12,7 @@ const MOST_VIEWS: f64 = 1e6;
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
-    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` is 100 hand shapes at all stages, in varied
+    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` is 155 hand shapes at all stages, in varied
     /// poses, with objects of all sizes, seen from everywhere with any roll. The options below change it.
     #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
     preset: Preset,
