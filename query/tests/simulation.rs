@@ -2,7 +2,7 @@
 
 use grasp_query::robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
 use grasp_query::robot::{From, Object, RobotError, RobotHand};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 fn plan(scene: &str) -> Plan {
     let scene = Scene::named(scene).unwrap();
@@ -57,6 +57,7 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
                 let outcome = plan(scene.name).run(error);
                 assert!(outcome.success, "{}, {error:?}: {outcome:?}", scene.name);
             }
+            assert_eq!(held_tilted(&hand, scene, window.tilt_rad.unwrap()), 4, "{}", scene.name);
         }
     }
 }
@@ -67,6 +68,25 @@ fn a_pinch_is_made_by_finger_tips_alone_and_a_disc_is_held_by_its_rim() {
     for scene in ["block", "disc"] {
         assert_eq!(plan(scene).run(Error::default()).links, tips, "{scene}");
     }
+}
+
+/// In how many of four directions the approach may be tilted by so much, in radians.
+fn held_tilted(hand: &RobotHand, scene: &Scene, tilt: f64) -> usize {
+    let (along, object) = (scene.from.turned(), scene.object().unwrap());
+    let tilted = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
+        .map(|(x, y)| along * UnitQuaternion::new(Vector3::new(x, y, 0.0).normalize() * tilt));
+    let plans = tilted.map(|turned| Plan::new(hand, scene.grasp, &object, turned).unwrap());
+    plans.iter().filter(|plan| plan.run(Error::default()).success).count()
+}
+
+#[test]
+fn tips_that_stay_off_the_table_let_a_tilted_palm_hold_a_disc() {
+    let disc = Scene::named("disc").unwrap();
+    let mut hand = RobotHand::find("barrett").unwrap();
+    let tilt = 7.0_f64.to_radians();
+    assert_eq!(held_tilted(&hand, disc, tilt), 4);
+    hand.grasp.get_mut("precision-disc").unwrap().table_reach = 0.0;
+    assert_eq!(held_tilted(&hand, disc, tilt), 0);
 }
 
 #[test]

@@ -70,6 +70,9 @@ pub struct RobotGrasp {
     pub middle: Value,
     /// The least height of the palm above the table, in metres.
     pub table_clearance: f64,
+    /// How far beside the palm's middle the closing tips go on lower where the palm is tilted, in metres.
+    #[serde(default)]
+    pub table_reach: f64,
     /// The widest object, in metres; without it any.
     pub widest: Option<f64>,
     /// Whether a finger's distal link closes on where its inner link is stopped.
@@ -194,16 +197,17 @@ impl RobotHand {
     fn check_grasp(&self, source: Source<'_>, name: &str, grasp: &RobotGrasp) -> Result<(), RobotError> {
         let is_sound = grasp.standoff.is_sound()
             && grasp.middle.is_sound()
-            && (0.0..1.0).contains(&grasp.table_clearance);
+            && [grasp.table_clearance, grasp.table_reach].iter().all(|metres| (0.0..1.0).contains(metres));
         if !is_sound {
             return Err(source.error(format!(
-                "grasp.{name}: standoff, middle and table_clearance need metres, points with ascending widths"
+                "grasp.{name}: standoff, middle, table_clearance and table_reach need metres, points with ascending widths"
             )));
         }
         for window in &grasp.window {
             let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));
+            let tilt = window.tilt_rad.map(|tilt| ("tilt_rad", tilt, PI));
             let lengths = [("position_m", window.position_m, 1.0), ("width_m", window.width_m, 1.0)];
-            for (key, value, most) in lengths.into_iter().chain(yaw) {
+            for (key, value, most) in lengths.into_iter().chain(yaw).chain(tilt) {
                 source.length(&format!("grasp.{name}.window.{key}"), value, most)?;
             }
         }

@@ -36,9 +36,10 @@ pub fn yaml(strategy: &Strategy, id: &str, probability: f64) -> String {
     ));
     comment(match &strategy.tolerated {
         Some(window) => format!(
-            "tolerated: position +-{:.3} m, yaw {} ({}, {})",
+            "tolerated: position +-{:.3} m, yaw {}, tilt {} ({}, {})",
             window.position_m,
             window.yaw_rad.map_or("any".into(), |yaw| format!("+-{yaw:.3} rad")),
+            window.tilt_rad.map_or("unknown".into(), |tilt| format!("+-{tilt:.3} rad")),
             window.object,
             window.engine
         ),

@@ -317,7 +317,8 @@ impl Placed {
         let mut palm = grip + approach * along - turned * Vector3::y() * grasp.middle.at(width);
         let down = -approach.z;
         if let Some(table) = object.table.filter(|_| down > 0.0) {
-            let missing = table + grasp.table_clearance * down - palm.z;
+            let tilt = approach.xy().norm();
+            let missing = table + grasp.table_clearance * down + grasp.table_reach * tilt - palm.z;
             if missing > 0.0 {
                 palm -= approach * (missing / down);
             }

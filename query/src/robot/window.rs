@@ -21,6 +21,8 @@ pub struct Window {
     pub position_m: f64,
     /// The hand's turn about the vertical may be wrong by as much as this in either direction, in radians; none where any will do.
     pub yaw_rad: Option<f64>,
+    /// The approach may be tilted by as much as this in any direction, in radians; none where that was not simulated.
+    pub tilt_rad: Option<f64>,
     /// The object that this was simulated with.
     pub object: String,
     /// That object's extent across the closing fingers, in metres.
@@ -50,7 +52,8 @@ impl Window {
         let near = || comparable().filter(|window| [thinner, wider].contains(&Some(window.width_m)));
         let narrowest = near().min_by(|a, b| a.position_m.total_cmp(&b.position_m))?;
         let yaw_rad = near().filter_map(|window| window.yaw_rad).reduce(f64::min);
-        Some(Self { yaw_rad, ..narrowest.clone() })
+        let tilt_rad = near().filter_map(|window| window.tilt_rad).reduce(f64::min);
+        Some(Self { yaw_rad, tilt_rad, ..narrowest.clone() })
     }
 }
 
@@ -79,11 +82,14 @@ pub(super) fn doubts(
         )),
         Some(_) => {}
     }
-    if let Some(yaw) = window.yaw_rad.filter(|yaw| estimate.orientation_rad > *yaw) {
+    let turns = [("tilt", window.tilt_rad), ("yaw", window.yaw_rad)];
+    let turns = turns.into_iter().filter_map(|(what, turn)| Some((what, turn?)));
+    let narrowest = turns.min_by(|(_, a), (_, b)| a.total_cmp(b));
+    if let Some((what, turn)) = narrowest.filter(|(_, turn)| estimate.orientation_rad > *turn) {
         doubts.push(format!(
-            "the hand's orientation is known to +-{:.0} degrees, the grasp tolerates a yaw of +-{:.0}: take it as a first guess and correct it by touch",
+            "the hand's orientation is known to +-{:.0} degrees, the grasp tolerates a {what} of +-{:.0}: take it as a first guess and correct it by touch",
             estimate.orientation_rad.to_degrees(),
-            yaw.to_degrees()
+            turn.to_degrees()
         ));
     }
     doubts
@@ -112,7 +118,7 @@ mod tests {
 
     fn window(from: From, width_m: f64, position_m: f64, yaw_rad: Option<f64>) -> Window {
         let (object, engine) = (format!("{width_m}"), "none".into());
-        Window { position_m, yaw_rad, object, width_m, from, engine }
+        Window { position_m, yaw_rad, tilt_rad: yaw_rad.map(|yaw| 0.5 * yaw), object, width_m, from, engine }
     }
 
     #[test]
@@ -137,5 +143,7 @@ mod tests {
         assert_eq!(at(0.026, From::Side), Some((0.01, None)));
         assert_eq!((at(0.090, From::Top), at(0.020, From::Side), at(0.045, From::Top)), (None, None, None));
         assert_eq!(Window::of(&[], 0.05, From::Top), None);
+        let found = Window::of(&windows, 0.065, From::Top).unwrap();
+        assert_eq!(found.tilt_rad, Some(0.35));
     }
 }
