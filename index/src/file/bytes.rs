@@ -10,6 +10,10 @@ use std::marker::PhantomData;
 use std::ops::Deref;
 use std::path::Path;
 
+/// Files of at least so many bytes are taken to be larger than what memory is left for them.
+#[cfg(unix)]
+const LARGE: usize = 2 << 30;
+
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
 pub(crate) enum Bytes {
     Mapped(Mmap),
@@ -85,6 +89,20 @@ impl Bytes {
         }
         #[cfg(not(unix))]
         let _ = part;
+    }
+
+    /// Tells the operating system that a large file will be read here and there: that it should not read on beyond each page that is
+    /// touched. Of no effect besides time.
+    ///
+    /// Of 20 million entries (8.4 GB) in 1 GB of memory, on a disk set to read on by 8 MB, a search read 200 MB, of which it used
+    /// 200 kB. A file that fits into memory is the sooner there if the system reads on.
+    pub(crate) fn will_jump(&self) {
+        #[cfg(unix)]
+        if let Self::Mapped(map) = self
+            && map.len() >= LARGE
+        {
+            let _ = map.advise(memmap2::Advice::Random);
+        }
     }
 
     /// Copies bytes that are in memory already, because those need not be aligned.

@@ -178,6 +178,7 @@ impl<'a> Searcher<'a> {
         if files.is_empty() {
             return;
         }
+        files.iter().for_each(|bytes| bytes.will_jump());
         // A file knows what is its own.
         let will_need = |part: &[u8]| files.iter().for_each(|bytes| bytes.will_need(part));
         let scratch = &mut self.scratch[0];
