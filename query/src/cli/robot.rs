@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
+use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting, described};
 
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
@@ -56,9 +56,4 @@ impl RobotArguments {
     pub(super) fn is_moveit(&self) -> bool {
         self.format == Some(Format::Moveit)
     }
-}
-
-/// The file that a name is, where it is one.
-fn described(name: &str) -> Option<&Path> {
-    Some(Path::new(name)).filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
 }

@@ -1,7 +1,6 @@
 //! The arm that carries the hand: joint angles along a strategy's way, or why there are none.
 
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rs_opw_kinematics::glam::{DQuat, DVec3};
@@ -13,7 +12,7 @@ use utoipa::ToSchema;
 
 use super::RobotError;
 use super::moveit::rounded;
-use super::read::{Source, text};
+use super::read::{Source, built_in, described, text};
 use super::strategy::{Step, Strategy};
 
 /// The arms that come with the program.
@@ -145,10 +144,10 @@ impl Arm {
     /// # Errors
     /// [`RobotError::Read`], [`RobotError::Format`], [`RobotError::UnknownArm`].
     pub fn find(name: &str) -> Result<Self, RobotError> {
-        if Path::new(name).extension().is_some_and(|extension| extension == "toml") {
-            return Self::parse(name, &text(Path::new(name))?);
+        match described(name) {
+            Some(path) => Self::parse(name, &text(path)?),
+            None => Self::built_in(name),
         }
-        Self::built_in(name)
     }
 
     /// An arm that this program knows.
@@ -156,11 +155,9 @@ impl Arm {
     /// # Errors
     /// [`RobotError::UnknownArm`].
     pub fn built_in(name: &str) -> Result<Self, RobotError> {
-        if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(name, text);
-        }
-        let known = BUILT_IN.map(|(known, _)| known).join(", ");
-        Err(RobotError::UnknownArm { name: name.to_owned(), known })
+        let text = built_in(&BUILT_IN, name)
+            .map_err(|known| RobotError::UnknownArm { name: name.to_owned(), known })?;
+        Self::parse(name, text)
     }
 
     /// Reads a description from memory; `name` stands for it in errors.
@@ -227,8 +224,8 @@ impl Arm {
                     .zip(way)
                     .map(|(station, joints)| Waypoint {
                         step: station.step,
-                        distance: station.distance,
-                        joints,
+                        distance: rounded(station.distance),
+                        joints: joints.map(rounded),
                     })
                     .collect(),
                 None,
@@ -252,8 +249,9 @@ impl Arm {
             for part in 0..=parts as usize {
                 let distance = length * part as f64 / parts;
                 let wrist = Translation3::from(direction * distance) * from;
+                // Nothing is reached on a way of numbers that are none.
                 let flange = pose(&(self.base_from_world * wrist * self.wrist_from_flange));
-                stations.push(Station { step, distance, flange });
+                stations.extend(flange.map(|flange| Station { step, distance, flange }));
             }
         };
         for step in &strategy.steps {
@@ -354,11 +352,10 @@ impl Geometry {
     }
 }
 
-fn pose(isometry: &Isometry3<f64>) -> Pose {
+/// The same in the solver's types; `None` where a number is not finite.
+fn pose(isometry: &Isometry3<f64>) -> Option<Pose> {
     let rotation: &UnitQuaternion<f64> = &isometry.rotation;
     let at = isometry.translation.vector;
-    Pose::from_parts(
-        DVec3::new(at.x, at.y, at.z),
-        DQuat::from_xyzw(rotation.i, rotation.j, rotation.k, rotation.w),
-    )
+    let rotation = DQuat::from_xyzw(rotation.i, rotation.j, rotation.k, rotation.w);
+    Pose::try_from_parts(DVec3::new(at.x, at.y, at.z), rotation).ok()
 }

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::path::Path;
 
 use serde::Deserialize;
 
 use super::RobotError;
 use super::human::HumanGrasp;
-use super::read::{Source, text};
+use super::read::{Source, built_in, described, text};
 use super::window::Window;
 
 /// The hands that come with the program.
@@ -143,10 +142,10 @@ impl RobotHand {
     /// # Errors
     /// [`RobotError::UnknownHand`], [`RobotError::Read`], [`RobotError::Format`].
     pub fn find(name: &str) -> Result<Self, RobotError> {
-        if Path::new(name).extension().is_some_and(|extension| extension == "toml") {
-            return Self::parse(name, &text(Path::new(name))?);
+        match described(name) {
+            Some(path) => Self::parse(name, &text(path)?),
+            None => Self::built_in(name),
         }
-        Self::built_in(name)
     }
 
     /// A hand that this program knows.
@@ -154,11 +153,9 @@ impl RobotHand {
     /// # Errors
     /// Where it knows none of that name.
     pub fn built_in(name: &str) -> Result<Self, RobotError> {
-        if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(name, text);
-        }
-        let known = BUILT_IN.map(|(known, _)| known).join(", ");
-        Err(RobotError::UnknownHand { name: name.to_owned(), known })
+        let text = built_in(&BUILT_IN, name)
+            .map_err(|known| RobotError::UnknownHand { name: name.to_owned(), known })?;
+        Self::parse(name, text)
     }
 
     /// Reads a description from memory; `name` stands for it in errors.

@@ -31,6 +31,7 @@ pub use error::RobotError;
 pub use from::From;
 pub use hand::{RobotGrasp, RobotHand, Value, Way};
 pub use object::{Frame, Object, Shape};
+pub(crate) use read::described;
 pub use setting::Setting;
 pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};
 pub use window::Window;

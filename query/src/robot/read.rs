@@ -58,6 +58,17 @@ impl Source<'_> {
     }
 }
 
+/// The file that a name is, where it is one.
+pub(crate) fn described(name: &str) -> Option<&Path> {
+    Some(Path::new(name)).filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+}
+
+/// The description of that name among those that come with the program, or what names there are.
+pub(super) fn built_in(all: &[(&str, &'static str)], name: &str) -> Result<&'static str, String> {
+    let found = all.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+    found.ok_or_else(|| all.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "))
+}
+
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, RobotError> {
     std::fs::read_to_string(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
