@@ -1,5 +1,7 @@
 //! The hand image H of the paper's Section III: segmented, cropped to the hand, grey, black outside the hand.
 
+mod upright;
+
 use crate::resample::{Axis, Resampler};
 use thiserror::Error;
 

@@ -75,7 +75,7 @@ pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
 pub use index::{CannotRecognise, Entry, EntryError, Index};
-pub use rotation::{euler_deg, from_euler_deg, mirror_orientation};
+pub use rotation::{euler_deg, from_euler_deg, mirror_orientation, turned_orientation};
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
 pub use search::learned::LearnedHash;

@@ -1,6 +1,6 @@
 //! Rotations: the paper's three angles, and the orientation of a left hand.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// The angles `[roll, pitch, yaw]` of a rotation, in degrees, about the fixed axes x, y and z in that order:
 /// `R = Rz(yaw) * Ry(pitch) * Rx(roll)`. Pitch lies in [-90, 90], the others in (-180, 180].
@@ -13,6 +13,12 @@ pub fn euler_deg(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 pub fn from_euler_deg(angles: [f64; 3]) -> UnitQuaternion<f64> {
     let [roll, pitch, yaw] = angles.map(f64::to_radians);
     UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+}
+
+/// The orientation `camera_from_hand` after the picture was turned clockwise by `turn_deg` degrees.
+#[must_use]
+pub fn turned_orientation(turn_deg: f64, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_deg.to_radians()) * camera_from_hand
 }
 
 /// The orientation `camera_from_hand` of a left hand whose flipped picture was recognised as a right hand with the

@@ -1,13 +1,13 @@
-//! What becomes of indexes that other versions of this crate have written: those of versions 2 and 3 are read, and answer, for ever.
+//! What becomes of indexes that other versions of this crate have written: those of versions 2 to 4 are read, and answer, for ever.
 //!
-//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 3 anew.
-//! That is right only while no release has written version 3, or for a new version under a new name.
+//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 4 anew.
+//! That is right only while no release has written version 4, or for a new version under a new name.
 
 mod support;
 
 use grasp_index::{
     Calibration, DescriptorKind, DescriptorParams, Effort, HashInfo, Index, IndexParams, OpenError,
-    SearchOptions, VoteOptions,
+    SearchOptions, VoteOptions, turned_orientation,
 };
 use insta::assert_snapshot;
 use std::path::PathBuf;
@@ -30,36 +30,36 @@ fn version_1_is_refused() {
 }
 
 /// One of each hash, of each version.
-fn indexes() -> [Index; 4] {
+fn indexes() -> [Index; 6] {
     static REGENERATED: Once = Once::new();
     REGENERATED.call_once(|| {
         if std::env::var_os("REGENERATE").is_some() {
             for (name, params) in
-                [("v3.idx", support::small_params()), ("v3-learned.idx", support::small_learned_params())]
+                [("v4.idx", support::small_params()), ("v4-learned.idx", support::small_learned_params())]
             {
                 // Short descriptors: fixtures stay in the repository for ever.
-                let descriptor = DescriptorParams { levels: 3, ..params.descriptor };
+                let descriptor = DescriptorParams { levels: 3, ..DescriptorParams::upright() };
                 let params = IndexParams { descriptor, ..params };
                 support::write(path(name), params).expect("the fixture is written");
             }
         }
     });
-    let names = ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx"];
+    let names = ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx", "v4.idx", "v4-learned.idx"];
     names.map(|name| Index::open(path(name)).expect("the fixture opens"))
 }
 
 #[test]
 fn old_and_new_indexes_verify_and_know_what_they_are() {
-    let [old_random, old_learned, random, learned] = indexes();
-    for index in [&old_random, &random] {
+    let [random_2, learned_2, random_3, learned_3, random, learned] = indexes();
+    for index in [&random_2, &random_3, &random] {
         assert!(matches!(index.catalogue().hash, HashInfo::Random(_)));
     }
-    for index in [&old_learned, &learned] {
+    for index in [&learned_2, &learned_3, &learned] {
         assert!(matches!(index.catalogue().hash, HashInfo::Learned(_)));
     }
-    for index in [old_random, old_learned, random, learned] {
+    for index in [random_2, learned_2, random_3, learned_3, random, learned] {
         knows_what_it_is(&index);
-        // Version 2 has no calibration; these of version 3 were made without held-out hands.
+        // Version 2 has no calibration; these of later ones were made without held-out hands.
         assert_eq!(index.catalogue().calibration, Calibration::default());
     }
 }
@@ -74,9 +74,11 @@ fn knows_what_it_is(index: &Index) {
     assert_eq!(catalogue.provenance, [("renders".to_owned(), "ball hand".to_owned())]);
     let entry = index.entry(17).expect("there are 36 entries");
     assert_eq!((entry.file, entry.stage, entry.object), ("balls/class-1/az090_el30.png", "grasp", "ball-1"));
-    assert_eq!(entry.view_deg, Some([90.0, 30.0, 0.0]));
-    let orientation = entry.orientation.expect("orientations are kept");
-    assert!(orientation.angle_to(&support::view(90.0, 30.0)) < 1e-4);
+    let [azimuth, elevation, roll] = entry.view_deg.expect("views are kept");
+    assert_eq!((azimuth, elevation), (90.0, 30.0));
+    // Version 4 here holds hands that were turned upright.
+    let orientation = turned_orientation(f64::from(roll), &entry.orientation.expect("orientations are kept"));
+    assert!(orientation.angle_to(&support::view(90.0, 30.0)) < 2e-4);
     assert_eq!(index.thumbnail(17).map(<[u8]>::len), Some(16));
 }
 

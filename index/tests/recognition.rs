@@ -4,6 +4,7 @@ mod support;
 
 use grasp_index::{
     DescriptorParams, EPS, Effort, Index, IndexParams, SearchOptions, VoteOptions, mirror_orientation,
+    turned_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -15,16 +16,20 @@ fn index(descriptor: DescriptorParams) -> Index {
 
 #[test]
 fn another_hand_between_the_views_is_recognised_and_its_orientation_found() {
-    for (descriptor, least) in [(DescriptorParams::default(), 30), (DescriptorParams::paper(), 26)] {
+    let (default, upright, paper) =
+        (DescriptorParams::default(), DescriptorParams::upright(), DescriptorParams::paper());
+    for (descriptor, least) in [(default, 30), (upright, 30), (paper, 26)] {
         let index = index(descriptor);
         let (mut right, mut turned) = (0, Vec::new());
         for n in 0..40u16 {
             let (class, truth) = (n % 4, support::view(f64::from(n) * 8.7, 20.0 + f64::from(n % 5) * 11.0));
-            let query = index.describe(&support::hand(class, 0.3, &truth)).expect("pictures are described");
+            let hand = support::hand(class, 0.3, &truth);
+            let query = index.describe(&hand).expect("pictures are described");
             let found = index.search(&query, &index.search_options()).expect("the query fits");
             let vote = index.vote(&found.neighbours, &VoteOptions::default());
             right += u16::from(vote.classes[0].class == class);
-            turned.push(vote.orientation.rotation.angle_to(&truth).to_degrees());
+            let answer = turned_orientation(-descriptor.turn_deg(&hand), &vote.orientation.rotation);
+            turned.push(answer.angle_to(&truth).to_degrees());
             let sum: f64 = vote.classes.iter().map(|score| score.probability).sum();
             assert!((sum - 1.0).abs() < 1e-9);
         }

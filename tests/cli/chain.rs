@@ -1,5 +1,7 @@
 //! The whole chain over the real programs: what a newcomer does in the first five minutes.
 
+use std::path::Path;
+
 use grasp_tests::{pictures, program, run, run_with_input, small_index};
 
 fn recognise(arguments: &[&str]) -> grasp_tests::Outcome {
@@ -19,17 +21,45 @@ fn an_index_answers_for_its_own_render() {
     let set = folder.path().join("set");
     let rendered = run(program("grasp-builder").args(["render", "--step", "30", "--out"]).arg(&set));
     assert_eq!(rendered.status, 0, "{}", rendered.stderr);
+    finds_its_own(&set, &small_index(), 1e-3, 1e-6);
+}
 
+#[test]
+fn hands_described_upright_are_found_at_any_roll() {
+    let folder = tempfile::tempdir().unwrap();
+    let (level, rolled, index) =
+        (folder.path().join("level"), folder.path().join("rolled"), folder.path().join("upright.idx"));
+    for (set, rolls) in [(&level, &[][..]), (&rolled, &["--rolls", "5"])] {
+        let rendered =
+            run(program("grasp-builder").args(["render", "--step", "45"]).args(rolls).arg("--out").arg(set));
+        assert_eq!(rendered.status, 0, "{}", rendered.stderr);
+    }
+    let built = run(program("grasp-builder")
+        .args(["build", "--descriptor", "upright", "--out"])
+        .arg(&index)
+        .arg(&level));
+    assert_eq!(built.status, 0, "{}", built.stderr);
+    finds_its_own(&level, &index, 1e-3, 1e-6);
+    // Its own view is the nearest whatever the roll, and its orientation is turned back: to some degrees, where a small hand's pixels
+    // fall otherwise.
+    finds_its_own(&rolled, &index, 0.5, 0.01);
+}
+
+/// Recognises some pictures of a set of the views in `index`: the nearest is the picture's own, at most `far` away, and `1 - |p . q|` of the
+/// orientations' quaternions is at most `apart`, for all where both are strict, and for nine in ten where they are not.
+fn finds_its_own(set: &Path, index: &Path, far: f64, apart: f64) {
     let mut manifest = csv::Reader::from_path(set.join("manifest.csv")).unwrap();
     let headers = manifest.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|header| header == name).unwrap();
     let rows: Vec<csv::StringRecord> = manifest.records().map(Result::unwrap).collect();
     assert_eq!(rows.len() % 6, 0);
-    for row in rows.iter().step_by(rows.len() / 12) {
-        let picture = set.join(&row[column("file")]).display().to_string();
-        let answer = &recognise(&["--segmented", "--hand", "right", "--k", "1", &picture]).json_lines()[0];
-        assert_eq!(answer["grasp"], &row[column("grasp")], "{picture}");
-        assert!(answer["neighbours"][0]["distance"].as_f64().unwrap() < 1e-3, "{answer}");
+    let (mut asked, mut missed) = (0, Vec::new());
+    for row in rows.iter().step_by(rows.len() / 12 - 1) {
+        let picture = set.join(&row[column("file")]);
+        let options =
+            ["recognise", "--json", "--accept", "always", "--segmented", "--hand", "right", "--k", "1"];
+        let answer = &run(program("grasp-query").args(options).arg("--index").arg(index).arg(&picture))
+            .json_lines()[0];
         // A quaternion and its negative are the same rotation.
         let product: f64 = ["qx", "qy", "qz", "qw"]
             .iter()
@@ -39,8 +69,16 @@ fn an_index_answers_for_its_own_render() {
                 labelled * answer["neighbours"][0]["quaternion_xyzw"][at].as_f64().unwrap()
             })
             .sum();
-        assert!(product.abs() > 1.0 - 1e-6, "{picture}: {answer}");
+        asked += 1;
+        let is_found = answer["grasp"] == row[column("grasp")]
+            && answer["neighbours"][0]["distance"].as_f64().unwrap() < far
+            && product.abs() > 1.0 - apart;
+        if !is_found {
+            missed.push(format!("{}: {answer}", picture.display()));
+        }
     }
+    let may_miss = if far < 0.01 { 0 } else { asked / 10 };
+    assert!(missed.len() <= may_miss, "{} of {asked}: {missed:#?}", missed.len());
 }
 
 #[test]

@@ -32,14 +32,56 @@ fn growing_an_index_gives_the_bytes_of_a_build_from_nothing() {
         assert_eq!(rendered.status, 0, "{}", rendered.stderr);
     }
     let (first, second) = (first.to_str().unwrap(), second.to_str().unwrap());
-    let grown = folder.path().join("grown.idx");
-    let small = build(&[first], &grown);
-    assert!(small == build(&[first], &grown), "building the same again changes the file");
+    for descriptor in ["default", "upright"] {
+        let as_named = ["--descriptor", descriptor];
+        let grown = folder.path().join(format!("{descriptor}.idx"));
+        let small = build(&[&as_named[..], &[first]].concat(), &grown);
+        assert!(
+            small == build(&[&as_named[..], &[first]].concat(), &grown),
+            "building again changes the file"
+        );
 
-    let after = build(&[first, second], &grown);
-    let fresh = build(&[first, second], &folder.path().join("fresh.idx"));
-    assert!(after == fresh, "an index grown by a render set differs from one built from nothing");
-    assert!(after.len() > small.len());
+        let both = [&as_named[..], &[first, second]].concat();
+        let after = build(&both, &grown);
+        let fresh = build(&both, &folder.path().join("fresh.idx"));
+        assert!(
+            after == fresh,
+            "{descriptor}: an index grown by a render set differs from one built from nothing"
+        );
+        assert!(after.len() > small.len());
+    }
+}
+
+#[test]
+fn a_changed_roll_is_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    let rendered = run(program("grasp-builder").args(["render", "--step", "45", "--out"]).arg(&set));
+    assert_eq!(rendered.status, 0, "{}", rendered.stderr);
+    let upright = ["--descriptor", "upright", set.to_str().unwrap()];
+    let index = folder.path().join("grasp.idx");
+    let before = build(&upright, &index);
+
+    let manifest = set.join("manifest.csv");
+    let mut reader = csv::Reader::from_path(&manifest).unwrap();
+    let headers = reader.headers().unwrap().clone();
+    let roll = headers.iter().position(|header| header == "roll").unwrap();
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let mut writer = csv::Writer::from_path(&manifest).unwrap();
+    writer.write_record(&headers).unwrap();
+    for row in rows {
+        writer
+            .write_record(row.iter().enumerate().map(|(at, v)| if at == roll { "12.3" } else { v }))
+            .unwrap();
+    }
+    writer.flush().unwrap();
+
+    let after = build(&upright, &index);
+    assert!(after != before, "the changed roll went unnoticed");
+    assert!(
+        after == build(&upright, &folder.path().join("fresh.idx")),
+        "differs from one built from nothing"
+    );
 }
 
 #[test]

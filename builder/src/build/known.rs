@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{DescriptorParams, Index, OpenError, Originals};
+use grasp_index::{DescriptorParams, Index, NewEntry, OpenError, Originals};
 
 use super::inputs::Inputs;
 
@@ -60,8 +60,9 @@ impl Known {
         if let Some(problem) = index.verify().problems.first() {
             return Ok(Self::useless(path, &problem.to_string()));
         }
-        // Rounded descriptors would make another hash than those that they were rounded from.
-        let exact = index.catalogue().originals == Originals::F32;
+        // Rounded descriptors would make another hash than those that they were rounded from; without views there is no telling how
+        // a picture was turned.
+        let exact = index.catalogue().originals == Originals::F32 && index.catalogue().kept.views;
         let hashes = if exact { index.source_hashes() } else { &[] };
         let ids = hashes.iter().zip(0..).map(|(&hash, id)| (hash, id)).collect();
         Ok(Self { index: Some(index), ids })
@@ -83,15 +84,27 @@ impl Known {
         self.ids.contains_key(&source_hash)
     }
 
-    /// Descriptor and thumbnail of a known picture.
-    pub(super) fn get(&self, source_hash: u64) -> Option<(Vec<f32>, Option<Vec<u8>>)> {
+    /// What a picture with this source hash, seen with this roll, was made into.
+    pub(super) fn get(&self, source_hash: u64, roll_deg: f32) -> Option<KnownPicture> {
         let id = *self.ids.get(&source_hash)?;
-        let index = self.index.as_ref()?;
-        Some((index.descriptor(id)?.into_owned(), index.thumbnail(id).map(<[u8]>::to_vec)))
+        let NewEntry { descriptor, thumbnail, roll_deg: turned, .. } =
+            self.index.as_ref()?.new_entry(id).ok()?;
+        // The turn was taken from the roll, in tenths; what is kept of the roll is finer.
+        let turn = ((f64::from(roll_deg) - f64::from(turned)) * 10.0).round().rem_euclid(3600.0);
+        let turn_deg = if turn < 1800.0 { turn / 10.0 } else { (turn - 3600.0) / 10.0 };
+        Some(KnownPicture { descriptor, thumbnail, turn_deg })
     }
 
     /// Whether the existing index is, byte for byte, what these inputs make.
     pub(super) fn is_made_from(&self, inputs: &Inputs) -> bool {
         self.index.as_ref().is_some_and(|index| index.catalogue().provenance == inputs.provenance())
     }
+}
+
+/// A picture as the existing index has it.
+pub(super) struct KnownPicture {
+    pub(super) descriptor: Vec<f32>,
+    pub(super) thumbnail: Option<Vec<u8>>,
+    /// As [`DescriptorParams::turn_deg`] told it.
+    pub(super) turn_deg: f64,
 }

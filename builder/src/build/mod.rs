@@ -20,8 +20,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use grasp_index::{
-    AtomicFile, BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, HashParams,
-    IndexParams, NewEntry, Originals, Summary,
+    AtomicFile, BACKGROUND, DESCRIBED_SIDE, Describer, DescriptorParams, HandImage, HandImageError,
+    HashParams, IndexParams, NewEntry, Originals, Summary,
 };
 use grasp_renders::RenderPlan;
 
@@ -32,6 +32,7 @@ use crate::progress::Progress;
 pub(crate) use gather::Gathered;
 pub(crate) use inputs::{KEY as INPUTS, tool};
 pub(crate) use known::Known;
+use known::KnownPicture;
 pub(crate) use names::Names;
 pub use sets::{RenderSet, SetError};
 pub use vectors::Vectors;
@@ -222,8 +223,9 @@ fn complete(
     known: &Known,
     picture: impl FnOnce() -> anyhow::Result<Grey>,
 ) -> anyhow::Result<Described> {
-    if let Some((descriptor, thumbnail)) = known.get(entry.source_hash) {
-        return Ok(Some((NewEntry { descriptor, thumbnail, ..entry }, true)));
+    if let Some(known) = known.get(entry.source_hash, entry.roll_deg) {
+        let KnownPicture { descriptor, thumbnail, turn_deg } = known;
+        return Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, true)));
     }
     let Grey { width, height, pixels } = picture()?;
     let hand = match HandImage::from_segmented(width, height, &pixels, BACKGROUND) {
@@ -231,9 +233,11 @@ fn complete(
         Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => return Ok(None),
         Err(error) => return Err(error).with_context(|| format!("cannot use {}", entry.file)),
     };
-    let descriptor = recipe.descriptor.describe(&hand);
+    let turn_deg = recipe.descriptor.turn_deg(&hand);
+    let hand = if turn_deg == 0.0 { hand } else { hand.rotated(turn_deg.to_radians()) };
+    let descriptor = Describer::new(&recipe.descriptor).describe_turned(&hand);
     let thumbnail = (recipe.thumbnail_side > 0).then(|| hand.thumbnail(recipe.thumbnail_side as usize));
-    Ok(Some((NewEntry { descriptor, thumbnail, ..entry }, false)))
+    Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, false)))
 }
 
 /// A grey picture, row by row.

@@ -168,12 +168,20 @@ fn entry(
         elevation_deg: row.view.elevation_deg as f32,
         roll_deg: row.view.roll_deg as f32,
         orientation: row.camera_from_hand,
-        source_hash: xxh3_64(&bytes),
+        source_hash: source_hash(&bytes, row),
         ..NewEntry::default()
     };
     complete(entry, recipe, known, || {
         decode(&bytes).with_context(|| format!("cannot use {}", path.display()))
     })
+}
+
+/// What a descriptor and its turn follow from: the picture, and the roll that its turn is added to.
+fn source_hash(picture: &[u8], row: &ManifestRow) -> u64 {
+    let mut hash = Xxh3::new();
+    hash.update(picture);
+    hash.update(&row.view.roll_deg.to_bits().to_le_bytes());
+    hash.digest()
 }
 
 /// Reads a picture file, unless it is larger than any render can be.

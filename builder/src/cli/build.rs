@@ -70,9 +70,10 @@ struct VectorOptions {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to make of it")]
 struct IndexOptions {
-    /// How hand images are described: `default`, or `paper` for the paper's own form. With --descriptors, how the rows were made:
-    /// `raw` (somehow else), unless this is given.
-    #[arg(long, value_name = "NAME", value_parser = ["default", "paper"])]
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright, for views with any roll (the default of
+    /// `--preset wide`); or `paper` for the paper's own form. With --descriptors, how the rows were made: `raw` (somehow else),
+    /// unless this is given.
+    #[arg(long, value_name = "NAME", default_value_if("preset", "wide", "upright"), value_parser = DescriptorParams::NAMES)]
     descriptor: Option<String>,
     /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones as in the paper.
     #[arg(long, default_value = "learned", default_value_if("tables", ArgPredicate::IsPresent, "random"), value_name = "NAME", value_parser = ["learned", "random"])]

@@ -91,8 +91,9 @@ struct Shapes {
     /// Step between views in degrees, in azimuth and elevation.
     #[arg(long, value_name = "DEG", value_parser = parse_step)]
     step: Option<f64>,
-    /// How hand images are described.
-    #[arg(long, value_name = "NAME", default_value = "default", value_parser = ["default", "paper"])]
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright (the default of `--preset wide`); or
+    /// `paper` for the paper's own form.
+    #[arg(long, value_name = "NAME", default_value = "default", default_value_if("preset", "wide", "upright"), value_parser = DescriptorParams::NAMES)]
     descriptor: String,
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]

@@ -33,8 +33,9 @@ pub(crate) struct Queries {
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
-    /// How hand images are described: `default`, or `paper` for the paper's own form.
-    #[arg(long, default_value = "default", value_name = "NAME", value_parser = ["default", "paper"])]
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright (the default of `--preset wide`); or
+    /// `paper` for the paper's own form.
+    #[arg(long, default_value = "default", default_value_if("preset", "wide", "upright"), value_name = "NAME", value_parser = DescriptorParams::NAMES)]
     descriptor: String,
     #[command(flatten)]
     plan: PlanOptions,

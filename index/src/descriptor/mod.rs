@@ -66,6 +66,22 @@ impl Describer {
     /// Writes the descriptor of a hand image into `out`. Where `out` is shorter than [`DescriptorParams::dim`], the
     /// rest of the descriptor is dropped; where it is longer, its end is left alone.
     pub fn describe_into(&mut self, hand: &HandImage, out: &mut [f32]) {
+        let turn = self.params.turn_deg(hand);
+        if turn == 0.0 {
+            self.describe_as_is(hand, out);
+        } else {
+            self.describe_as_is(&hand.rotated(turn.to_radians()), out);
+        }
+    }
+
+    /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or as somebody wants to try.
+    pub fn describe_turned(&mut self, hand: &HandImage) -> Vec<f32> {
+        let mut descriptor = vec![0.0; self.params.dim()];
+        self.describe_as_is(hand, &mut descriptor);
+        descriptor
+    }
+
+    fn describe_as_is(&mut self, hand: &HandImage, out: &mut [f32]) {
         self.paint(hand);
         let (bins, levels) = (self.params.bins as usize, self.params.levels as usize);
         let mut descriptor = match self.params.kind {
@@ -133,7 +149,7 @@ fn axes(hand: &HandImage, sampling: Sampling) -> (Axis, Axis) {
             axis(hand.height(), hand.height(), middle.1, 1.0),
         ),
         Sampling::Stretch { side } => both(side, middle, (width / inner(side), height / inner(side))),
-        Sampling::KeepAspect { side } => {
+        Sampling::KeepAspect { side } | Sampling::Upright { side } => {
             let step = width.max(height) / inner(side);
             both(side, middle, (step, step))
         }

@@ -46,6 +46,12 @@ pub enum Sampling {
         /// Pixels a side, 8 to 1024.
         side: u16,
     },
+    /// As [`Sampling::KeepAspect`], of the hand turned [upright](HandImage::upright_turn_deg): however a camera was rolled,
+    /// the descriptor is about the same.
+    Upright {
+        /// Pixels a side, 8 to 1024.
+        side: u16,
+    },
 }
 
 /// What happens to the grey values inside the hand before gradients are taken.
@@ -109,9 +115,18 @@ impl Default for DescriptorParams {
 }
 
 impl DescriptorParams {
+    /// The names of descriptors of pictures.
+    pub const NAMES: [&str; 3] = ["default", "upright", "paper"];
+
     /// The paper's descriptor: B = 4, L = 3, D = 84.
     pub fn paper() -> Self {
         Self { kind: DescriptorKind::Paper, bins: 4, levels: 3, sampling: Sampling::Native, tone: Tone::AsIs }
+    }
+
+    /// The default's values, of hands turned upright: for views with any roll, of which one then stands for all others that differ
+    /// in nothing else. Where all cameras are level, turning throws away what that tells.
+    pub fn upright() -> Self {
+        Self { sampling: Sampling::Upright { side: 48 }, ..Self::default() }
     }
 
     /// Vectors of `dim` values that came from elsewhere.
@@ -124,19 +139,21 @@ impl DescriptorParams {
         !matches!(self.kind, DescriptorKind::Raw { .. })
     }
 
-    /// The parameters that a name stands for: `paper` or `default`.
+    /// The parameters that a name stands for: one of [`Self::NAMES`].
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
             "paper" => Some(Self::paper()),
             "default" => Some(Self::default()),
+            "upright" => Some(Self::upright()),
             _ => None,
         }
     }
 
-    /// `paper`, `default` or `raw`.
+    /// One of [`Self::NAMES`], or `raw`.
     pub fn name(&self) -> &'static str {
         match self.kind {
             DescriptorKind::Paper => "paper",
+            DescriptorKind::Default if matches!(self.sampling, Sampling::Upright { .. }) => "upright",
             DescriptorKind::Default => "default",
             DescriptorKind::Raw { .. } => "raw",
         }
@@ -170,7 +187,10 @@ impl DescriptorParams {
             return Err(ParamsError::Levels(self.levels));
         }
         match self.sampling {
-            Sampling::Stretch { side } | Sampling::KeepAspect { side } | Sampling::Moments { side }
+            Sampling::Stretch { side }
+            | Sampling::KeepAspect { side }
+            | Sampling::Moments { side }
+            | Sampling::Upright { side }
                 if self.sampling != clamped.sampling =>
             {
                 Err(ParamsError::Side(side))
@@ -199,6 +219,7 @@ impl DescriptorParams {
                 Sampling::Stretch { side } => Sampling::Stretch { side: fit(side) },
                 Sampling::KeepAspect { side } => Sampling::KeepAspect { side: fit(side) },
                 Sampling::Moments { side } => Sampling::Moments { side: fit(side) },
+                Sampling::Upright { side } => Sampling::Upright { side: fit(side) },
             },
             tone: match self.tone {
                 Tone::AsIs => Tone::AsIs,
@@ -217,6 +238,7 @@ impl DescriptorParams {
             Sampling::Stretch { side } => (1, side),
             Sampling::KeepAspect { side } => (2, side),
             Sampling::Moments { side } => (3, side),
+            Sampling::Upright { side } => (4, side),
         };
         let (tone, contrast) = match self.tone {
             Tone::AsIs => (0u8, 0.0),
@@ -234,6 +256,17 @@ impl DescriptorParams {
         bytes.extend(contrast.to_le_bytes());
         bytes.extend(dim.into_iter().flat_map(u32::to_le_bytes));
         xxh3_64(&bytes)
+    }
+
+    /// By how many degrees, clockwise on the picture, a hand image is turned before it is described: 0 unless [`Self::sampling`] is
+    /// [`Sampling::Upright`]. What an index holds and answers are orientations of turned hands: [`crate::NewEntry::turned`] and
+    /// [`crate::turned_orientation`] go from one to the other.
+    #[must_use]
+    pub fn turn_deg(&self, hand: &HandImage) -> f64 {
+        match self.sampling {
+            Sampling::Upright { .. } => hand.upright_turn_deg(),
+            _ => 0.0,
+        }
     }
 
     /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many pictures.

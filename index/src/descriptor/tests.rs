@@ -96,7 +96,7 @@ proptest! {
 
     #[test]
     fn a_describer_that_is_used_again_says_the_same(first in hands(), second in hands()) {
-        for params in [DescriptorParams::default(), DescriptorParams::paper()] {
+        for params in DescriptorParams::NAMES.iter().filter_map(|name| DescriptorParams::by_name(name)) {
             let mut describer = Describer::new(&params);
             describer.describe(&first);
             prop_assert_eq!(describer.describe(&second), params.describe(&second));
@@ -107,7 +107,7 @@ proptest! {
     fn every_parameter_in_range_gives_finite_values(
         hand in hands(), bins in 0..40u32, levels in 0..7u32, side in 0..100u16, contrast in -1.0..2.0f32
     ) {
-        for sampling in [Sampling::Native, Sampling::Stretch { side }, Sampling::KeepAspect { side }, Sampling::Moments { side }] {
+        for sampling in [Sampling::Native, Sampling::Stretch { side }, Sampling::KeepAspect { side }, Sampling::Moments { side }, Sampling::Upright { side }] {
             let tone = Tone::Normalised { contrast };
             let params = DescriptorParams { bins, levels, sampling, tone, ..DescriptorParams::default() };
             let descriptor = params.describe(&hand);
@@ -213,6 +213,7 @@ fn different_parameters_have_different_fingerprints() {
     let base = DescriptorParams::default();
     let others = [
         DescriptorParams::paper(),
+        DescriptorParams::upright(),
         DescriptorParams { bins: 5, ..base },
         DescriptorParams { levels: 3, ..base },
         DescriptorParams { sampling: Sampling::KeepAspect { side: 64 }, ..base },
@@ -240,4 +241,34 @@ fn parameters_out_of_range_are_told() {
     assert!(
         message(DescriptorParams { tone: Tone::Normalised { contrast: f32::NAN }, ..base }).contains("NaN")
     );
+}
+
+#[test]
+fn names_are_read_back() {
+    for name in DescriptorParams::NAMES {
+        assert_eq!(DescriptorParams::by_name(name).expect("a name").name(), name);
+    }
+}
+
+#[test]
+fn an_upright_descriptor_hardly_changes_with_the_camera_s_roll() {
+    // A wedge: long, and thinner at one end.
+    let hand = block(64, 80, |x, y| if x.abs_diff(32) * 4 <= y { 40 + (x * 2 + y) as u8 } else { 0 });
+    let hand = HandImage::from_segmented(64, 80, &on_black(&hand), 0).expect("a wedge is a hand");
+    let (upright, level) = (DescriptorParams::upright(), DescriptorParams::default());
+    let apart = |params: &DescriptorParams, degrees: f64| {
+        distance(&params.describe(&hand), &params.describe(&hand.rotated(degrees.to_radians())))
+    };
+    for degrees in [-170.0, -95.0, -30.0, 12.0, 77.0, 140.0] {
+        let (turned, as_it_is) = (apart(&upright, degrees), apart(&level, degrees));
+        assert!(turned < 0.35 * as_it_is, "{degrees}: {turned} and {as_it_is}");
+    }
+    let mut describer = Describer::new(&upright);
+    let turned = hand.rotated(upright.turn_deg(&hand).to_radians());
+    assert_eq!(describer.describe_turned(&turned), describer.describe(&hand));
+}
+
+/// The pixels of a whole picture.
+fn on_black(hand: &HandImage) -> Vec<u8> {
+    hand.pixels().to_vec()
 }

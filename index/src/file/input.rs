@@ -3,6 +3,7 @@
 use super::atomic::WriteError;
 use super::catalogue::{ClassInfo, HashInfo, Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
+use crate::rotation::turned_orientation;
 use crate::search::build::HashParams;
 use crate::search::effort::Measured;
 use crate::vote::{Calibration, Sigma};
@@ -71,6 +72,18 @@ pub struct NewEntry {
     pub descriptor: Vec<f32>,
     /// A picture of [`IndexParams::thumbnail_side`] squared grey values, if any.
     pub thumbnail: Option<Vec<u8>>,
+}
+
+impl NewEntry {
+    /// The entry, had its picture been turned clockwise by `turn_deg` degrees, as [`DescriptorParams::turn_deg`] says: its orientation and
+    /// its camera's roll are those of the turned picture. Its descriptor and thumbnail stay.
+    #[must_use]
+    pub fn turned(self, turn_deg: f64) -> Self {
+        let orientation = turned_orientation(turn_deg, &self.orientation);
+        // A camera that rolls one way sees the picture turn the other way.
+        let roll_deg = (f64::from(self.roll_deg) - turn_deg).rem_euclid(360.0) as f32;
+        Self { orientation, roll_deg, ..self }
+    }
 }
 
 /// Why an index cannot be built.

@@ -104,4 +104,65 @@ proptest! {
         let ratio = area(&hand.rotated(angle)) / area(&hand);
         prop_assert!((0.7..1.4).contains(&ratio), "{}", ratio);
     }
+
+    #[test]
+    fn a_turned_hand_is_turned_upright_by_so_much_less(angle in -180.0..180.0f64) {
+        let hand = wedge();
+        let turned = hand.rotated(angle.to_radians());
+        let apart = hand.upright_turn_deg() - angle - turned.upright_turn_deg();
+        prop_assert!(around(apart) < 3.0, "{apart}");
+    }
+
+    #[test]
+    fn a_turn_is_of_whole_tenths_within_one_turn(hand in specks()) {
+        let turn = hand.upright_turn_deg();
+        prop_assert!((-180.0..180.0).contains(&turn));
+        prop_assert!((turn * 10.0 - (turn * 10.0).round()).abs() < 1e-9);
+        prop_assert_eq!(turn, hand.rotated(0.0).upright_turn_deg());
+    }
+}
+
+/// A hand that points up and to the right, thinner at its end.
+fn wedge() -> HandImage {
+    let mut grey = vec![0u8; 90 * 90];
+    for (x, y) in (0..90usize).flat_map(|y| (0..90usize).map(move |x| (x, y))) {
+        // Along the diagonal from the lower left, 10 to 80; across it, ever less.
+        let (along, across) = ((x + 89 - y) / 2, x.abs_diff(89 - y));
+        if (10..80).contains(&along) && across * 5 < 90 - along {
+            grey[y * 90 + x] = 200;
+        }
+    }
+    HandImage::from_segmented(90, 90, &grey, 0).expect("the wedge is large enough")
+}
+
+/// Any masks.
+fn specks() -> impl Strategy<Value = HandImage> {
+    (8..20usize, 8..20usize).prop_flat_map(|(width, height)| {
+        prop::collection::vec(0..4u8, width * height).prop_filter_map("a mask too small", move |mask| {
+            HandImage::from_mask(width, height, &vec![90; width * height], &mask).ok()
+        })
+    })
+}
+
+/// How far an angle is from whole turns, in degrees.
+fn around(degrees: f64) -> f64 {
+    let within = degrees.rem_euclid(360.0);
+    within.min(360.0 - within)
+}
+
+#[test]
+fn the_thin_end_points_down_and_a_mirror_image_turns_the_other_way() {
+    let hand = wedge();
+    // It points up and to the right: 135 degrees clockwise from there is down.
+    assert!(around(hand.upright_turn_deg() - 135.0) < 1.0, "{}", hand.upright_turn_deg());
+    assert!(around(hand.mirrored().upright_turn_deg() + hand.upright_turn_deg()) < 0.2);
+    let upright = hand.rotated(hand.upright_turn_deg().to_radians());
+    assert!(upright.height() > 2 * upright.width());
+    assert!(around(upright.upright_turn_deg()) < 1.5, "{}", upright.upright_turn_deg());
+}
+
+#[test]
+fn a_hand_with_no_axis_is_turned_somehow() {
+    let square = HandImage::from_mask(9, 9, &[90; 81], &[1; 81]).expect("a square is a hand");
+    assert!((-180.0..180.0).contains(&square.upright_turn_deg()));
 }

@@ -101,6 +101,7 @@ pub(crate) fn fill(mut writer: IndexWriter, azimuths: u16, elevations: u16) -> I
         let elevation = f64::from(e) * 90.0 / f64::from(elevations);
         let orientation = view(azimuth, elevation);
         let hand = hand(class, 0.0, &orientation);
+        let turn_deg = descriptor.turn_deg(&hand);
         let entry = NewEntry {
             class,
             stage: (a % 2) as u8,
@@ -114,7 +115,7 @@ pub(crate) fn fill(mut writer: IndexWriter, azimuths: u16, elevations: u16) -> I
             thumbnail: (thumbnail_side > 0).then(|| hand.thumbnail(thumbnail_side)),
             ..NewEntry::default()
         };
-        writer.push(entry).expect("the entry fits");
+        writer.push(entry.turned(turn_deg)).expect("the entry fits");
     }
     writer
 }

@@ -1,7 +1,7 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
-//! The index holds right hands, upright as the world is. A left hand's picture is flipped, and a camera that is not
-//! level is undone by turning the picture; the hypothesis whose neighbours are nearest is the answer, and its
+//! The index holds right hands. A left hand's picture is flipped; all are turned as the index's descriptors want it (upright, by
+//! default), and besides by as many angles as are to be tried. The hypothesis whose neighbours are nearest is the answer, and its
 //! orientation is turned and flipped back.
 
 use grasp_index::{
@@ -17,7 +17,8 @@ use super::{RecogniseError, RecogniseOptions, Side, Timings};
 pub struct Hypothesis {
     /// Which hand.
     pub side: Side,
-    /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees clockwise, 0..360.
+    /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees clockwise, 0..360: to stand as the index's
+    /// pictures do, and by the angle that was tried.
     pub roll_deg: f64,
     /// The hand image as it was described: flipped for a left hand, then turned.
     pub image: HandImage,
@@ -39,15 +40,16 @@ impl Hypothesis {
         in_picture(self.side, self.roll_deg, entry)
     }
 
-    /// The mean distance of the neighbours, larger the more the picture had to be turned; the smallest is the answer.
-    fn unlikeliness(&self) -> f64 {
+    /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
+    fn unlikeliness(&self, tried_deg: f64) -> f64 {
         let sum: f64 = self.neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
-        let tilt = self.roll_deg.min(360.0 - self.roll_deg) / 180.0;
+        let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
         sum / self.neighbours.len().max(1) as f64 * (1.0 + TILT_PENALTY * tilt)
     }
 }
 
-/// How much larger the distance of a picture counts that was turned upside down: cameras are mostly level.
+/// How much larger the distance of a picture counts that was turned the other way up: cameras are mostly level, and an upright hand is
+/// mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
 
 fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
@@ -70,11 +72,13 @@ pub(super) fn best(
     let search = SearchOptions { k, effort: options.effort };
     let mut best: Option<(f64, Hypothesis)> = None;
     let mut describer = Describer::new(&index.catalogue().descriptor);
+    let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
-        let degrees = turn as f64 / rolls as f64 * 360.0;
+        let tried = turn as f64 / rolls as f64 * 360.0;
+        let degrees = (upright + tried).rem_euclid(360.0);
         let turned = timings.time(
             |t| &mut t.descriptor_ms,
-            || if turn == 0 { hand.clone() } else { hand.rotated(degrees.to_radians()) },
+            || if degrees == 0.0 { hand.clone() } else { hand.rotated(degrees.to_radians()) },
         );
         for &side in options.hand.sides() {
             let (roll_deg, image, descriptor) = timings.time(
@@ -85,7 +89,7 @@ pub(super) fn best(
                         Side::Right => (degrees, turned.clone()),
                         Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
                     };
-                    let descriptor = describer.describe(&image);
+                    let descriptor = describer.describe_turned(&image);
                     (roll_deg, image, descriptor)
                 },
             );
@@ -94,7 +98,7 @@ pub(super) fn best(
             let Search { neighbours, cost } = found;
             let hypothesis =
                 Hypothesis { side, roll_deg, image, descriptor, neighbours, cost, vote, tried: 0 };
-            let distance = hypothesis.unlikeliness();
+            let distance = hypothesis.unlikeliness(tried);
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, hypothesis));
             }
