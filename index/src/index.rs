@@ -201,13 +201,17 @@ impl Index {
 
     /// Searches the index, query after query.
     pub fn searcher(&self) -> Searcher<'_> {
-        let cold = self.cold().into_iter().collect();
-        Searcher::new(self.stored(), self.hash(), &self.catalogue().measured, cold)
+        let files = vec![self.bytes()];
+        Searcher::new(self.stored(), self.hash(), &self.catalogue().measured, files, self.was_cold())
     }
 
-    /// The file, before it is searched for the first time.
-    pub(crate) fn cold(&self) -> Option<&Bytes> {
-        self.is_cold.swap(false, Ordering::Relaxed).then_some(&self.file.bytes)
+    pub(crate) fn bytes(&self) -> &Bytes {
+        &self.file.bytes
+    }
+
+    /// Whether no search has been made yet; from now on one has.
+    pub(crate) fn was_cold(&self) -> bool {
+        self.is_cold.swap(false, Ordering::Relaxed)
     }
 
     pub(crate) fn hash(&self) -> Box<dyn Hash + '_> {

@@ -116,8 +116,10 @@ impl Segments {
             Originals::F32 | Originals::F16 => Values::Several(self),
         };
         let stored = Stored { dim: first.dim(), entries: self.entries, values };
-        let cold = self.indexes.iter().filter_map(Index::cold).collect();
-        Searcher::new(stored, Box::new(hash), &first.catalogue().measured, cold)
+        let files = self.indexes.iter().map(Index::bytes).collect();
+        // All of them are asked, and none is cold any more.
+        let is_cold = self.indexes.iter().filter(|index| index.was_cold()).count() > 0;
+        Searcher::new(stored, Box::new(hash), &first.catalogue().measured, files, is_cold)
     }
 
     /// The nearest neighbours of a descriptor in all indexes. For many queries, [`Self::searcher`] is faster.

@@ -4,8 +4,9 @@ mod support;
 
 use grasp_index::{
     CannotRecognise, ClassInfo, DescriptorParams, Effort, Index, IndexParams, IndexWriter, Kept, NewEntry,
-    SearchOptions, SectionKind, VoteOptions,
+    SearchError, SearchOptions, SectionKind, VoteOptions,
 };
+use std::ops::ControlFlow;
 
 const DIM: usize = 5;
 
@@ -64,6 +65,27 @@ fn vectors_alone_can_be_searched_and_tell_nothing_else() {
         let is_empty = empty.iter().chain(&texts).any(|&kind| kind == section.kind);
         assert!(!is_empty || section.length == 0, "{:?}", section.kind);
     }
+}
+
+#[test]
+fn true_neighbours_of_many_are_those_of_each_and_can_be_stopped() {
+    let index = built(Kept::nothing());
+    let queries: Vec<f32> = (0..40).flat_map(|n| vector(n * 3 + 1)).collect();
+    let mut one_by_one = Vec::new();
+    for query in queries.chunks(DIM) {
+        one_by_one.extend(index.search(query, &exact()).expect("the query fits").neighbours);
+    }
+    let mut searcher = index.searcher();
+    let on_all_threads = searcher.exact(&queries, 3, &|_| ControlFlow::Continue(()));
+    assert_eq!(on_all_threads, Ok(Some(one_by_one.clone())));
+    let mut in_a_batch = Vec::new();
+    searcher.batch(&queries, &exact(), &mut in_a_batch).expect("the queries fit");
+    assert_eq!(in_a_batch, one_by_one);
+    assert_eq!(searcher.exact(&queries, 3, &|_| ControlFlow::Break(())), Ok(None));
+    let too_short = searcher.exact(&queries[1..], 3, &|_| ControlFlow::Continue(()));
+    assert_eq!(too_short, Err(SearchError::WrongLength { expected: DIM, found: DIM - 1 }));
+    let none = searcher.exact(&queries, 0, &|_| ControlFlow::Continue(()));
+    assert_eq!(none, Err(SearchError::NoNeighbours));
 }
 
 #[test]

@@ -11,7 +11,6 @@ use std::ops::Deref;
 use std::path::Path;
 
 /// Files of at least so many bytes are taken to be larger than what memory is left for them.
-#[cfg(unix)]
 const LARGE: usize = 2 << 30;
 
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
@@ -105,6 +104,14 @@ impl Bytes {
         }
     }
 
+    /// Asks for `part` of a large file, which will be read next and from front to back, as [`Self::will_need`] does: it may have been
+    /// told that it [`Self::will_jump`].
+    pub(crate) fn will_pass(&self, part: &[u8]) {
+        if self.len() >= LARGE {
+            self.will_need(part);
+        }
+    }
+
     /// Copies bytes that are in memory already, because those need not be aligned.
     pub(crate) fn copy(bytes: &[u8]) -> Self {
         let mut held = AlignedVec::with_capacity(bytes.len());
@@ -131,6 +138,27 @@ impl<'a> Written<'a> {
         // changes or truncates it unless it goes out of its way; then what holds for `Bytes::map` holds here.
         let map = unsafe { Mmap::map(&*file)? };
         Ok(Self::Mapped(map, PhantomData))
+    }
+
+    /// Tells the operating system that the file will be read here and there from now on: that it should not read on beyond each page that
+    /// is touched. What is in memory is there already, since it has just been written; the rest did not fit.
+    pub(crate) fn will_jump(&self) {
+        #[cfg(unix)]
+        self.advise(memmap2::Advice::Random);
+    }
+
+    /// Tells it that the file will be read from front to back from now on, by several threads at several places.
+    pub(crate) fn will_pass(&self) {
+        #[cfg(unix)]
+        self.advise(memmap2::Advice::Sequential);
+    }
+
+    #[cfg(unix)]
+    fn advise(&self, advice: memmap2::Advice) {
+        if let Self::Mapped(map, _) = self {
+            // A system that knows no advice is as right without.
+            let _ = map.advise(advice);
+        }
     }
 }
 

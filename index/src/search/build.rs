@@ -8,7 +8,7 @@ use super::random::{self, Random, RandomHash, RandomHyperplanes, tune};
 use super::searcher::{Scratch, hashed};
 use super::simd::Simd;
 use super::stored::{Stored, Values};
-use super::{Hash, Neighbour, Rows, SearchOptions};
+use super::{Hash, Neighbour, Rows, SearchOptions, Source};
 use crate::file::catalogue::HashInfo;
 use crate::file::sections::SectionKind;
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ enum Table {
 
 /// Makes the hash that `params` asks for and measures it. `step` stops the work by returning an error.
 pub(crate) fn build<E: Send>(
-    rows: Rows<'_>,
+    source: Source<'_>,
     keeps_descriptors: bool,
     held_out: Rows<'_>,
     params: HashParams,
@@ -73,15 +73,20 @@ pub(crate) fn build<E: Send>(
     step: &dyn Fn(Step, f64) -> Result<(), E>,
 ) -> Result<Built, E> {
     step(Step::Tune, 0.0)?;
+    let rows = source.rows;
     let table = match params {
         HashParams::Learned => Table::Learned(fit(rows, Simd::best(), &|share| step(Step::Fill, share))?),
         HashParams::Random(params) => {
             let size = match params {
-                RandomParams::Auto => tune::choose(rows, held_out, sigma, seed),
+                RandomParams::Auto => {
+                    tune::choose(source, held_out, sigma, seed, &|share| step(Step::Tune, share))?
+                }
                 RandomParams::Fixed { k, t, buckets } => RandomHash { planes: k, tables: t, buckets },
             };
             step(Step::Fill, 0.0)?;
+            source.file.will_jump();
             let (normals, offsets) = random::draw(rows, size.tables, size.planes, seed);
+            source.file.will_pass();
             let hash = RandomHyperplanes { size, dim: rows.dim, normals: &normals, offsets: &offsets };
             let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
             Table::Random { size, normals, offsets, tables }
@@ -89,7 +94,8 @@ pub(crate) fn build<E: Send>(
     };
     step(Step::Measure, 0.0)?;
     let stored = stored(rows, keeps_descriptors);
-    let measured = measure::measure(rows, stored, held_out, &*table.hash(rows), sigma, seed);
+    let go_on = |share| step(Step::Measure, share);
+    let measured = measure::measure(source, stored, held_out, &*table.hash(rows), sigma, seed, &go_on)?;
     Ok(Built { table, keeps_descriptors, measured })
 }
 
@@ -123,13 +129,14 @@ impl Built {
     /// Held-out rows, moved by `noise` in units of `sigma`, each with the `k` entries that a search finds by default.
     pub(crate) fn ask(
         &self,
-        rows: Rows<'_>,
+        source: Source<'_>,
         held_out: Rows<'_>,
         k: usize,
         noise: [f64; 2],
         sigma: f64,
         seed: u64,
     ) -> Vec<(u32, Vec<Neighbour>)> {
+        let rows = source.rows;
         let hash = self.table.hash(rows);
         let enough = self.measured.enough(SearchOptions::default().effort);
         let probes = enough.or(self.measured.curve.last()).map_or(1, |point| point.probes);
@@ -138,7 +145,10 @@ impl Built {
         let find = |scratch: &mut Scratch, (row, vector): (u32, Vec<f32>)| {
             (row, hashed(stored, &*hash, Simd::best(), &vector, k, probes, scratch).neighbours)
         };
-        queries.into_par_iter().map_init(Scratch::default, find).collect()
+        source.file.will_jump();
+        let found = queries.into_par_iter().map_init(Scratch::default, find).collect();
+        source.file.will_pass();
+        found
     }
 
     /// The bytes of one of the hash's sections; none for a section that is another's.

@@ -16,9 +16,16 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     accumulate(a, b, |x, y| x * y)
 }
 
+/// Both, as far as the shorter goes.
+#[inline(always)]
+pub(crate) fn alike<'v>(a: &'v [f32], b: &'v [f32]) -> (&'v [f32], &'v [f32]) {
+    let length = a.len().min(b.len());
+    (&a[..length], &b[..length])
+}
+
 #[inline(always)]
 fn accumulate(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
-    let (a, b) = (&a[..a.len().min(b.len())], &b[..a.len().min(b.len())]);
+    let (a, b) = alike(a, b);
     let ((whole_a, rest_a), (whole_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut lanes = [0.0f32; LANES];
     for (x, y) in whole_a.iter().zip(whole_b) {

@@ -1,11 +1,17 @@
 //! The k nearest of the rows that are measured.
 
+use super::Neighbour;
 use super::simd::Simd;
-use super::{Neighbour, Rows};
+use super::stored::Stored;
 use rayon::prelude::*;
 
-/// Rows that are measured against one query after another while they are in the cache.
-const TILE: usize = 128;
+/// Bytes of values that are measured against one query after another while they are in the nearest cache.
+const TILE: usize = 32 << 10;
+/// Bytes of values that all threads have measured before any goes on, so that they read a file together: many tiles, and read in a
+/// fraction of a second.
+const BLOCK: usize = 16 << 20;
+/// Neighbours that are kept at a time, 32 MB of them: for more, the rows are gone through again.
+const KEPT: usize = 4 << 20;
 
 /// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts as infinitely far.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +19,8 @@ pub(crate) struct Nearest {
     k: usize,
     /// Ascending.
     kept: Vec<Neighbour>,
+    /// No squared distance above is among the nearest; some that are below it are not either.
+    bound: f32,
 }
 
 impl Nearest {
@@ -25,11 +33,16 @@ impl Nearest {
     pub(crate) fn reset(&mut self, k: usize) {
         self.k = k;
         self.kept.clear();
+        self.bound = f32::INFINITY;
     }
 
     /// k is small: a sorted list beats a heap.
     #[inline]
     pub(crate) fn offer(&mut self, id: u32, squared: f32) {
+        // Most are too far, and need no root to show it.
+        if squared > self.bound {
+            return;
+        }
         // Of the NaNs, which only a damaged file can bring about, some sort before every number.
         let squared = if squared.is_nan() { f32::INFINITY } else { squared };
         // Compared as it is told: of two squares, one root may come, and what several indexes tell is merged by it.
@@ -43,6 +56,11 @@ impl Nearest {
         }
         let at = self.kept.partition_point(is_before);
         self.kept.insert(at, offered);
+        if let (true, Some(last)) = (self.kept.len() >= self.k, self.kept.last()) {
+            // A root is rounded by less than that.
+            let squared = f64::from(last.distance).powi(2) * (1.0 + 1e-6);
+            self.bound = squared as f32;
+        }
     }
 
     pub(crate) fn neighbours(&self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
@@ -50,39 +68,198 @@ impl Nearest {
     }
 }
 
-/// The k nearest of all rows.
-pub(crate) fn nearest(rows: Rows<'_>, query: &[f32], k: usize) -> Vec<Neighbour> {
-    let mut nearest = Nearest::new(k);
-    let each = |at: usize, squared| nearest.offer(at as u32, squared);
-    Simd::best().distances(query, rows.values.chunks_exact(rows.dim.max(1)), each);
-    nearest.neighbours().collect()
+/// Who measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Threads {
+    /// The calling thread, which may be one of many that each have queries of their own.
+    One,
+    /// All, each for its share of the queries.
+    All,
 }
 
-/// The k nearest of all rows for each of many queries, but for the row that the query itself is. The rows are read
-/// once for each thread, not once for each query.
-pub(crate) fn nearest_of_many(
-    rows: Rows<'_>,
-    queries: &[(Option<u32>, Vec<f32>)],
+/// What is done before a block is looked at.
+pub(crate) type Before<'f, 'a, E> = dyn FnMut(f64, &[(u32, Stored<'a>)]) -> Result<(), E> + 'f;
+
+/// The k nearest of all rows for each query. `queries` holds them in rows of the length of a stored row; to `found` is appended a
+/// row of `k` neighbours for each, filled up as [`append`] does. The rows are gone through once, in order, whatever the number of
+/// queries, unless these want more neighbours than are kept at a time ([`KEPT`]). Before each block, `before` hears what share of the
+/// work is done and which blocks are still to come, this one first; it stops the work by an error.
+pub(crate) fn nearest_of_many<'a, E>(
+    stored: Stored<'a>,
+    queries: &[f32],
     k: usize,
-) -> Vec<Vec<Neighbour>> {
-    let simd = Simd::best();
-    let chunk = queries.len().div_ceil(rayon::current_num_threads()).max(1);
-    let chunks: Vec<Vec<Vec<Neighbour>>> = queries
-        .par_chunks(chunk)
-        .map(|queries| {
-            let mut nearest = vec![Nearest::new(k); queries.len()];
-            for (start, tile) in (0u32..).step_by(TILE).zip(rows.values.chunks(TILE * rows.dim)) {
-                for ((itself, query), nearest) in queries.iter().zip(&mut nearest) {
-                    simd.distances(query, tile.chunks_exact(rows.dim), |at, squared| {
-                        let id = start + at as u32;
-                        if *itself != Some(id) {
-                            nearest.offer(id, squared);
-                        }
-                    });
+    threads: Threads,
+    found: &mut Vec<Neighbour>,
+    before: &mut Before<'_, 'a, E>,
+) -> Result<(), E> {
+    let (simd, dim) = (Simd::best(), stored.dim.max(1));
+    let blocks = stored.blocks(BLOCK);
+    let at_once = (KEPT / k.max(1)).max(1);
+    let passes = (queries.len() / dim).div_ceil(at_once);
+    for (pass, queries) in queries.chunks(at_once * dim).enumerate() {
+        let mut nearest = vec![Nearest::new(k); queries.len() / dim];
+        let mut to_come = &blocks[..];
+        while let Some((&(first, block), rest)) = to_come.split_first() {
+            let at = pass * blocks.len() + blocks.len() - to_come.len();
+            before(at as f64 / (passes * blocks.len()) as f64, to_come)?;
+            to_come = rest;
+            match threads {
+                Threads::One => look(simd, first, block, queries, &mut nearest),
+                Threads::All => {
+                    let share = nearest.len().div_ceil(rayon::current_num_threads()).max(1);
+                    let shares = nearest.par_chunks_mut(share).zip(queries.par_chunks(share * dim));
+                    shares.for_each(|(nearest, queries)| look(simd, first, block, queries, nearest));
                 }
             }
-            nearest.iter().map(|nearest| nearest.neighbours().collect()).collect()
-        })
-        .collect();
-    chunks.into_iter().flatten().collect()
+        }
+        nearest.iter().for_each(|nearest| append(nearest.neighbours(), k, found));
+    }
+    Ok(())
+}
+
+/// Offers each row of a block, whose first has the number `first`, to the nearest of each query.
+fn look(simd: Simd, first: u32, block: Stored<'_>, queries: &[f32], nearest: &mut [Nearest]) {
+    let mut widened = Vec::new();
+    for (start, tile) in block.blocks(TILE) {
+        let Some(values) = tile.widened(&mut widened) else { continue };
+        let start = first.saturating_add(start);
+        for (query, nearest) in queries.chunks_exact(block.dim).zip(&mut *nearest) {
+            simd.distances(query, values.chunks_exact(block.dim), |at, squared| {
+                nearest.offer(start.saturating_add(at as u32), squared);
+            });
+        }
+    }
+}
+
+/// Appends a row of `k` neighbours. Where there are fewer, the rest has the id `u32::MAX` and an infinite distance.
+pub(crate) fn append(neighbours: impl Iterator<Item = Neighbour>, k: usize, found: &mut Vec<Neighbour>) {
+    let end = found.len() + k;
+    found.extend(neighbours);
+    found.resize(end, Neighbour { id: u32::MAX, distance: f32::INFINITY });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stored::{Several, Values};
+    use super::super::{Rows, distance};
+    use super::*;
+    use half::f16;
+    use half::slice::HalfFloatSliceExt as _;
+    use proptest::prelude::*;
+    use std::convert::Infallible;
+
+    const NONE: Neighbour = Neighbour { id: u32::MAX, distance: f32::INFINITY };
+
+    /// Each query by itself: all distances, sorted.
+    fn one_by_one(rows: Rows<'_>, queries: &[f32], k: usize) -> Vec<Neighbour> {
+        let mut found = Vec::new();
+        for query in queries.chunks_exact(rows.dim) {
+            let ids = 0..rows.len() as u32;
+            let measured = |id| {
+                let squared = distance::squared(query, rows.get(id).expect("there is such a row"));
+                Neighbour { id, distance: if squared.is_nan() { f32::INFINITY } else { squared.sqrt() } }
+            };
+            let mut all: Vec<Neighbour> = ids.map(measured).collect();
+            all.sort_by(Neighbour::by_distance);
+            all.resize(all.len().max(k), NONE);
+            found.extend(&all[..k]);
+        }
+        found
+    }
+
+    fn at_once(stored: Stored<'_>, queries: &[f32], k: usize, threads: Threads) -> Vec<Neighbour> {
+        let mut found = Vec::new();
+        let Ok(()) =
+            nearest_of_many(stored, queries, k, threads, &mut found, &mut |_, _| Ok::<(), Infallible>(()));
+        found
+    }
+
+    /// Two files.
+    #[derive(Debug)]
+    struct Two<'a>(Stored<'a>, Stored<'a>);
+
+    impl Several for Two<'_> {
+        fn of(&self, id: u32) -> Option<(Stored<'_>, u32)> {
+            Some(id.checked_sub(self.0.entries as u32).map_or((self.0, id), |id| (self.1, id)))
+        }
+
+        fn all(&self) -> Vec<(u32, Stored<'_>)> {
+            vec![(0, self.0), (self.0.entries as u32, self.1)]
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_batch_finds_what_each_query_finds_to_the_bit(
+            dim in 1..70usize, rows in 1..90usize, queries in 0..7usize, k in 1..100usize, seed: u64, grid: bool, split in 0..90usize,
+        ) {
+            let mut state = seed | 1;
+            let mut draw = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                // On a grid, equal distances are frequent.
+                if grid { (state >> 62) as f32 } else { (state >> 40) as f32 / 1e6 }
+            };
+            let halves: Vec<f16> = (0..rows * dim).map(|_| f16::from_f32(draw())).collect();
+            let values = halves.to_f32_vec();
+            let queries: Vec<f32> = (0..queries * dim).map(|_| draw()).collect();
+            let of = |values, entries| Stored { dim, entries, values };
+            let split = split.min(rows);
+            let (first, second) = values.split_at(split * dim);
+            let two = Two(of(Values::F32(first), split), of(Values::F16(&halves[split * dim..]), rows - split));
+            let expected = one_by_one(Rows { values: &values, dim }, &queries, k);
+            prop_assert_eq!(second.len(), (rows - split) * dim);
+            for kept in [Values::F32(&values), Values::F16(&halves), Values::Several(&two)] {
+                for threads in [Threads::One, Threads::All] {
+                    prop_assert_eq!(&at_once(of(kept, rows), &queries, k, threads), &expected);
+                }
+            }
+            prop_assert!(at_once(of(Values::None, rows), &queries, k, Threads::One).iter().all(|near| *near == NONE));
+        }
+
+        #[test]
+        fn blocks_are_all_entries_in_order(dim in 1..9usize, entries in 0..50usize, bytes in 0..500usize) {
+            let values: Vec<f32> = (0..dim * entries).map(|at| at as f32).collect();
+            let stored = Stored { dim, entries, values: Values::F32(&values) };
+            let mut all: Vec<f32> = Vec::new();
+            for (first, block) in stored.blocks(bytes) {
+                let mut widened = Vec::new();
+                let values = block.widened(&mut widened).expect("one file");
+                prop_assert_eq!((first as usize * dim, block.entries * dim), (all.len(), values.len()));
+                prop_assert!(size_of_val(values) <= bytes.max(dim * size_of::<f32>()));
+                prop_assert_eq!(block.bytes().len(), size_of_val(values));
+                all.extend(values);
+            }
+            prop_assert_eq!(all, values);
+        }
+    }
+
+    #[test]
+    fn blocks_and_passes_make_one_search() {
+        // More than a block, and not a whole number of tiles.
+        let (dim, rows) = (1000, BLOCK / 4000 + 77);
+        let values: Vec<f32> = (0..rows * dim).map(|at| ((at * 7919) % 1009) as f32).collect();
+        let stored = Stored { dim, entries: rows, values: Values::F32(&values) };
+        let queries: Vec<f32> = (0..3 * dim).map(|at| ((at * 31) % 1009) as f32).collect();
+        let expected = one_by_one(Rows { values: &values, dim }, &queries, 20);
+        let (mut found, mut heard) = (Vec::new(), Vec::new());
+        let told = nearest_of_many(stored, &queries, 20, Threads::All, &mut found, &mut |done, to_come| {
+            heard.push((done, to_come.len()));
+            Ok::<(), ()>(())
+        });
+        assert_eq!((told, found), (Ok(()), expected));
+        assert_eq!(heard, [(0.0, 2), (0.5, 1)]);
+
+        // So many neighbours that each query has a pass of its own.
+        let few = Stored { dim: 1, entries: 2, values: Values::F32(&[4.0, 1.0]) };
+        let found = at_once(few, &[0.0, 5.0], KEPT, Threads::One);
+        let ids: Vec<u32> = found.chunks(KEPT).flat_map(|row| [row[0].id, row[1].id, row[2].id]).collect();
+        assert_eq!(ids, [1, 0, u32::MAX, 0, 1, u32::MAX]);
+
+        let (mut found, mut calls) = (Vec::new(), 0);
+        let stopped = nearest_of_many(stored, &queries, 20, Threads::One, &mut found, &mut |_, _| {
+            calls += 1;
+            if calls == 2 { Err("enough") } else { Ok(()) }
+        });
+        assert_eq!((stopped, found.len(), calls), (Err("enough"), 0, 2));
+    }
 }

@@ -1,10 +1,11 @@
 //! Queries that an index has not seen, and what searches with more and more effort find of their neighbours.
 
 use super::effort::{EPS_GRID, EffortPoint, Measured};
+use super::exact::{Threads, nearest_of_many};
 use super::searcher::{Scratch, hashed};
 use super::simd::Simd;
 use super::stored::Stored;
-use super::{Hash, Neighbour, Rows, distance, exact};
+use super::{Hash, Neighbour, Rows, Source, distance};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -36,22 +37,31 @@ pub(crate) struct Query {
 }
 
 /// Draws queries from `held_out`, or, where that holds none, from the rows themselves, and finds their `k` nearest. `stream`
-/// tells one set from another.
-pub(crate) fn queries(
-    rows: Rows<'_>,
+/// tells one set from another. `go_on` hears what share of that is done, and stops it by an error.
+pub(crate) fn queries<E>(
+    source: Source<'_>,
     held_out: Rows<'_>,
     sigma: f64,
     k: usize,
     seed: u64,
     stream: u64,
-) -> Vec<Query> {
-    let own = held_out.len() == 0;
+    go_on: &dyn Fn(f64) -> Result<(), E>,
+) -> Result<Vec<Query>, E> {
+    let (rows, own) = (source.rows, held_out.len() == 0);
+    source.file.will_jump();
     let moved = moved(if own { rows } else { held_out }, QUERIES, NOISE, sigma, seed, stream);
-    let moved: Vec<(Option<u32>, Vec<f32>)> =
-        moved.into_iter().map(|(row, vector)| (own.then_some(row), vector)).collect();
-    let nearest = exact::nearest_of_many(rows, &moved, k);
-    let queries = moved.into_iter().zip(nearest);
-    queries.map(|((itself, vector), nearest)| Query { itself, vector, nearest }).collect()
+    source.file.will_pass();
+    let vectors: Vec<f32> = moved.iter().flat_map(|(_, vector)| vector).copied().collect();
+    // One more, because the row that a query was made from is among them.
+    let wanted = (k + 1).min(rows.len());
+    let mut found = Vec::new();
+    nearest_of_many(rows.into(), &vectors, wanted, Threads::All, &mut found, &mut |done, _| go_on(done))?;
+    let query = |((row, vector), found): ((u32, Vec<f32>), &[Neighbour])| {
+        let itself = own.then_some(row);
+        let others = found.iter().filter(|near| Some(near.id) != itself);
+        Query { itself, vector, nearest: others.take(k).copied().collect() }
+    };
+    Ok(moved.into_iter().zip(found.chunks_exact(wanted.max(1))).map(query).collect())
 }
 
 /// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of `sigma`. Each is told with the row that it was made from.
@@ -90,9 +100,17 @@ pub(crate) fn is_near_enough(neighbour: &Neighbour, nearest: &[Neighbour], eps: 
 }
 
 /// Searches for the queries with more and more probes, until nearly all is found.
-fn curve(rows: Rows<'_>, stored: Stored<'_>, hash: &dyn Hash, queries: &[Query]) -> Vec<EffortPoint> {
+fn curve<E>(
+    rows: Rows<'_>,
+    stored: Stored<'_>,
+    hash: &dyn Hash,
+    queries: &[Query],
+    go_on: &dyn Fn(f64) -> Result<(), E>,
+) -> Result<Vec<EffortPoint>, E> {
     let mut curve: Vec<EffortPoint> = Vec::new();
-    for probes in ladder(hash.most_probes()) {
+    let steps = ladder(hash.most_probes()).count();
+    for (at, probes) in ladder(hash.most_probes()).enumerate() {
+        go_on(at as f64 / steps as f64)?;
         let point = point(rows, stored, hash, queries, probes);
         curve.push(point);
         // Where twice the effort finds no more, nothing will.
@@ -104,7 +122,7 @@ fn curve(rows: Rows<'_>, stored: Stored<'_>, hash: &dyn Hash, queries: &[Query])
             break;
         }
     }
-    curve
+    Ok(curve)
 }
 
 /// 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, ... and last `most`.
@@ -151,22 +169,23 @@ fn point(rows: Rows<'_>, stored: Stored<'_>, hash: &dyn Hash, queries: &[Query],
     }
 }
 
-/// Measures a hash, as it searches an index that keeps what `stored` does, on queries that it was not chosen by.
-pub(crate) fn measure(
-    rows: Rows<'_>,
+/// Measures a hash, as it searches an index that keeps what `stored` does, on queries that it was not chosen by. `go_on` hears what share
+/// of that is done, and stops it by an error.
+pub(crate) fn measure<E>(
+    source: Source<'_>,
     stored: Stored<'_>,
     held_out: Rows<'_>,
     hash: &dyn Hash,
     sigma: f64,
     seed: u64,
-) -> Measured {
-    let queries = queries(rows, held_out, sigma, RECALL_K, seed, 2);
-    Measured {
-        queries: queries.len() as u32,
-        held_out: held_out.len() > 0,
-        noise: NOISE,
-        curve: curve(rows, stored, hash, &queries),
-    }
+    go_on: &dyn Fn(f64) -> Result<(), E>,
+) -> Result<Measured, E> {
+    let half = |from: f64| move |done: f64| go_on(from + done / 2.0);
+    let queries = queries(source, held_out, sigma, RECALL_K, seed, 2, &half(0.0))?;
+    source.file.will_jump();
+    let curve = curve(source.rows, stored, hash, &queries, &half(0.5))?;
+    source.file.will_pass();
+    Ok(Measured { queries: queries.len() as u32, held_out: held_out.len() > 0, noise: NOISE, curve })
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ pub(crate) mod simd;
 pub(crate) mod smallest;
 pub(crate) mod stored;
 
+use crate::file::bytes::Written;
 use exact::Nearest;
 use searcher::Scratch;
 use simd::Simd;
@@ -228,6 +229,13 @@ impl<'a> Rows<'a> {
         let start = (id as usize).checked_mul(self.dim)?;
         self.values.get(start..start.checked_add(self.dim)?)
     }
+}
+
+/// The descriptors that an index is made of, where they have been written: who reads them says how.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) rows: Rows<'a>,
+    pub(crate) file: &'a Written<'a>,
 }
 
 /// Checks queries and what is wanted of their search.

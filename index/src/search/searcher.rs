@@ -2,13 +2,15 @@
 
 use super::blocks::QuantisedQuery;
 use super::effort::Measured;
-use super::exact::Nearest;
+use super::exact::{self, Nearest, Threads, append};
 use super::simd::Simd;
 use super::smallest::Smallest;
 use super::stored::Stored;
 use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist, check};
 use crate::file::bytes::Bytes;
 use std::collections::HashMap;
+use std::convert::Infallible;
+use std::ops::ControlFlow;
 
 /// Searches one index, query after query. Each thread has its own.
 pub struct Searcher<'a> {
@@ -17,8 +19,9 @@ pub struct Searcher<'a> {
     measured: &'a Measured,
     simd: Simd,
     scratch: [Scratch; STAGES],
-    /// The files, until the first search: what that one needs is read ahead.
-    cold: Vec<&'a Bytes>,
+    files: Vec<&'a Bytes>,
+    /// Before the first search: what that one needs is read ahead.
+    is_cold: bool,
 }
 
 /// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
@@ -56,9 +59,10 @@ impl<'a> Searcher<'a> {
         stored: Stored<'a>,
         hash: Box<dyn Hash + 'a>,
         measured: &'a Measured,
-        cold: Vec<&'a Bytes>,
+        files: Vec<&'a Bytes>,
+        is_cold: bool,
     ) -> Self {
-        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default(), cold }
+        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default(), files, is_cold }
     }
 
     /// The nearest neighbours of a descriptor.
@@ -72,7 +76,7 @@ impl<'a> Searcher<'a> {
         }
         check(query, options)?;
         let Some((probes, predicted_recall)) = self.probes(options.effort)? else {
-            let all = exhaustive(self.stored, query, options.k, SearchCost::default());
+            let all = exhaustive(self.stored, &self.files, query, options.k, SearchCost::default());
             return all.ok_or(SearchError::NoOriginals);
         };
         self.warm(query, options.k, probes);
@@ -134,9 +138,8 @@ impl<'a> Searcher<'a> {
         check(queries, options)?;
         let k = options.k;
         let Some((probes, _)) = self.probes(options.effort)? else {
-            for query in queries.chunks_exact(dim) {
-                append(stored.nearest(query, k).ok_or(SearchError::NoOriginals)?.into_iter(), k, found);
-            }
+            let Ok(()) =
+                exact::nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
             return Ok(());
         };
         let queries: Vec<&[f32]> = queries.chunks_exact(dim).collect();
@@ -171,13 +174,42 @@ impl<'a> Searcher<'a> {
         Ok(())
     }
 
+    /// The true nearest neighbours of many descriptors, as [`Self::batch`] with [`Effort::Exact`] finds them, on all threads, which go
+    /// through the index together. `go_on` hears what share of the work is done, 0 to 1, and stops it by breaking: then there is
+    /// no answer.
+    ///
+    /// # Errors
+    /// [`SearchError`], when a query does not fit the index.
+    pub fn exact(
+        &mut self,
+        queries: &[f32],
+        k: usize,
+        go_on: &dyn Fn(f64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<Neighbour>>, SearchError> {
+        let (stored, dim) = (self.stored, self.stored.dim.max(1));
+        let rest = queries.len() % dim;
+        if rest != 0 {
+            return Err(SearchError::WrongLength { expected: dim, found: rest });
+        }
+        let options = SearchOptions { k, effort: Effort::Exact };
+        check(queries, &options)?;
+        self.probes(options.effort)?;
+        let (mut found, mut announce) = (Vec::new(), ahead(&self.files));
+        let mut before = |done: f64, to_come: &[(u32, Stored<'a>)]| {
+            let Ok(()) = announce(done, to_come);
+            if go_on(done).is_break() { Err(()) } else { Ok(()) }
+        };
+        let searched = exact::nearest_of_many(stored, queries, k, Threads::All, &mut found, &mut before);
+        Ok(searched.is_ok().then_some(found))
+    }
+
     /// Before the first search of a file: asks for all buckets at once, and then for all descriptors, where one after the
     /// other would wait for the disk as often.
     fn warm(&mut self, query: &[f32], k: usize, probes: u32) {
-        let files = std::mem::take(&mut self.cold);
-        if files.is_empty() {
+        if !std::mem::take(&mut self.is_cold) {
             return;
         }
+        let files = &self.files;
         files.iter().for_each(|bytes| bytes.will_jump());
         // A file knows what is its own.
         let will_need = |part: &[u8]| files.iter().for_each(|bytes| bytes.will_need(part));
@@ -237,7 +269,7 @@ pub(crate) fn hashed(
         ..SearchCost::default()
     };
     if scratch.candidates.len() < wanted
-        && let Some(all) = exhaustive(stored, query, k, SearchCost { fell_back: true, ..cost })
+        && let Some(all) = exhaustive(stored, &[], query, k, SearchCost { fell_back: true, ..cost })
     {
         return all;
     }
@@ -247,10 +279,31 @@ pub(crate) fn hashed(
 }
 
 /// Measures every entry; `None` where no descriptors are kept.
-pub(crate) fn exhaustive(stored: Stored<'_>, query: &[f32], k: usize, cost: SearchCost) -> Option<Search> {
-    let neighbours = stored.nearest(query, k)?;
+pub(crate) fn exhaustive(
+    stored: Stored<'_>,
+    files: &[&Bytes],
+    query: &[f32],
+    k: usize,
+    cost: SearchCost,
+) -> Option<Search> {
+    if !stored.are_kept() {
+        return None;
+    }
+    let (mut neighbours, k) = (Vec::new(), k.min(stored.entries));
+    let Ok(()) = exact::nearest_of_many(stored, query, k, Threads::One, &mut neighbours, &mut ahead(files));
     let found_all = SearchCost { share_of_database: 1.0, exact: true, predicted_recall: Some(1.0), ..cost };
     Some(Search { neighbours, cost: SearchCost { reranked: stored.entries as u32, ..found_all } })
+}
+
+/// Has the blocks that are to be looked at next read ahead, so that they come while the one before is looked at.
+fn ahead<'a>(files: &[&Bytes]) -> impl FnMut(f64, &[(u32, Stored<'a>)]) -> Result<(), Infallible> {
+    const BLOCKS: usize = 2;
+    |_, to_come| {
+        for (_, block) in to_come.iter().take(BLOCKS) {
+            files.iter().for_each(|file| file.will_pass(block.bytes()));
+        }
+        Ok(())
+    }
 }
 
 /// Measures the candidates' distances, by their descriptors where these are kept, and keeps the k nearest.
@@ -270,11 +323,4 @@ pub(crate) fn rerank(
         hash.estimate(scratch, &mut nearest);
     }
     scratch.measured = nearest;
-}
-
-/// Appends a row of `k` neighbours.
-fn append(neighbours: impl Iterator<Item = Neighbour>, k: usize, found: &mut Vec<Neighbour>) {
-    let end = found.len() + k;
-    found.extend(neighbours);
-    found.resize(end, Neighbour { id: u32::MAX, distance: f32::INFINITY });
 }

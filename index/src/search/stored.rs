@@ -1,8 +1,8 @@
 //! The descriptors that an index keeps, by which distances are measured.
 
-use super::exact::{self, Nearest};
+use super::Rows;
+use super::exact::Nearest;
 use super::simd::{self, Simd};
-use super::{Neighbour, Rows};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use std::borrow::Cow;
@@ -125,27 +125,51 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// The k nearest of all entries; `None` where no descriptors are kept.
-    pub(crate) fn nearest(&self, query: &[f32], k: usize) -> Option<Vec<Neighbour>> {
+    /// All entries in blocks of at most `bytes` (of values as wide as a query's; of one entry, where it has more), each with the number
+    /// of its first entry: no block where no descriptors are kept. A block is of one file.
+    pub(crate) fn blocks(&self, bytes: usize) -> Vec<(u32, Stored<'a>)> {
+        let entries = (bytes / size_of::<f32>() / self.dim.max(1)).max(1);
+        let length = entries * self.dim.max(1);
+        let numbered = |(at, values): (usize, Values<'a>)| {
+            let start = at * entries;
+            (start as u32, Self { entries: entries.min(self.entries.saturating_sub(start)), values, ..*self })
+        };
         match self.values {
-            Values::F32(values) => Some(exact::nearest(Rows { values, dim: self.dim }, query, k)),
-            Values::F16(_) => {
-                let mut nearest = Nearest::new(k);
-                let ids: Vec<u32> = (0..self.entries as u32).collect();
-                self.measure(Simd::best(), query, &ids, &mut Vec::new(), &mut nearest);
-                Some(nearest.neighbours().collect())
-            }
-            Values::None => None,
+            Values::F32(values) => values.chunks(length).map(Values::F32).enumerate().map(numbered).collect(),
+            Values::F16(values) => values.chunks(length).map(Values::F16).enumerate().map(numbered).collect(),
+            Values::None => Vec::new(),
             Values::Several(several) => {
-                let mut found = Vec::new();
-                for (start, stored) in several.all() {
-                    let numbered = |near: Neighbour| Neighbour { id: near.id.saturating_add(start), ..near };
-                    found.extend(stored.nearest(query, k)?.into_iter().map(numbered));
-                }
-                found.sort_unstable_by(Neighbour::by_distance);
-                found.truncate(k);
-                Some(found)
+                let of_a_file = |(start, stored): (u32, Stored<'a>)| {
+                    let blocks = stored.blocks(bytes).into_iter();
+                    blocks.map(move |(first, block)| (start.saturating_add(first), block))
+                };
+                several.all().into_iter().flat_map(of_a_file).collect()
             }
+        }
+    }
+
+    /// The values of a block, widened to `into` where need be.
+    pub(crate) fn widened<'r>(&self, into: &'r mut Vec<f32>) -> Option<&'r [f32]>
+    where
+        'a: 'r,
+    {
+        match self.values {
+            Values::F32(values) => Some(values),
+            Values::F16(values) => {
+                into.resize(values.len(), 0.0);
+                values.convert_to_f32_slice(into);
+                Some(into)
+            }
+            Values::None | Values::Several(_) => None,
+        }
+    }
+
+    /// The bytes of a block as they are kept.
+    pub(crate) fn bytes(&self) -> &'a [u8] {
+        match self.values {
+            Values::F32(values) => bytemuck::cast_slice(values),
+            Values::F16(values) => bytemuck::cast_slice(values),
+            Values::None | Values::Several(_) => &[],
         }
     }
 }

@@ -10,7 +10,6 @@ use grasp_index::{
     BuildError, DescriptorParams, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, Kept, Neighbour,
     NewEntry, RandomParams, SearchOptions,
 };
-use rayon::prelude::*;
 
 use super::data::Prepared;
 use super::table::Row;
@@ -143,18 +142,11 @@ fn build(data: &Prepared, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<
 
 /// The true neighbours, by comparing with every entry, on all threads.
 fn exact(index: &Index, queries: &[f32]) -> anyhow::Result<Truth> {
-    let dim = index.dim().max(1);
-    let options = SearchOptions { k: K, effort: Effort::Exact };
-    let found: Vec<Vec<Neighbour>> = queries
-        .par_chunks(16 * dim)
-        .map(|queries| {
-            interrupt::check()?;
-            let mut found = Vec::new();
-            index.searcher().batch(queries, &options, &mut found)?;
-            Ok(found)
-        })
-        .collect::<anyhow::Result<_>>()?;
-    Ok(found.concat())
+    let go_on = |_| match interrupt::check() {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(_) => ControlFlow::Break(()),
+    };
+    Ok(index.searcher().exact(queries, K, &go_on)?.ok_or(Interrupted)?)
 }
 
 fn median_ns(rounds: &[Duration]) -> f64 {

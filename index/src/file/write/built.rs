@@ -5,7 +5,7 @@ use crate::file::catalogue::Originals;
 use crate::file::input::{BuildError, IndexParams, Phase};
 use crate::file::sections::SectionKind;
 use crate::search::build::{self, HashParams, RandomParams, Step};
-use crate::search::{Neighbour, Rows};
+use crate::search::{Neighbour, Rows, Source};
 use crate::vote::{
     Calibration, Example, MOST_VOTERS, Sigma, calibrate, measure_sigma, noise_of_the_farthest,
     noise_of_the_vote,
@@ -20,9 +20,9 @@ pub(super) struct Built {
 }
 
 impl Built {
-    /// Measures, chooses and hashes `rows`, the descriptors of the entries in `columns`.
+    /// Measures, chooses and hashes the rows of `source`, the descriptors of the entries in `columns`.
     pub(super) fn new(
-        rows: Rows<'_>,
+        source: Source<'_>,
         columns: &Columns,
         params: &IndexParams,
         progress: &dyn Fn(Phase, f64) -> ControlFlow<()>,
@@ -31,6 +31,7 @@ impl Built {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(BuildError::Stopped),
         };
+        let rows = source.rows;
         let tables = match params.hash {
             HashParams::Random(RandomParams::Fixed { t, .. }) => u64::from(t),
             HashParams::Random(RandomParams::Auto) | HashParams::Learned => 1,
@@ -51,12 +52,19 @@ impl Built {
         };
         let spread = sigma.mean_distance;
         let keeps_descriptors = params.originals != Originals::None;
-        let search =
-            build::build(rows, keeps_descriptors, held_out, params.hash, spread, params.seed, &search_step)?;
+        let search = build::build(
+            source,
+            keeps_descriptors,
+            held_out,
+            params.hash,
+            spread,
+            params.seed,
+            &search_step,
+        )?;
         let mut calibration = params.calibration;
         if !params.held_out_classes.is_empty() {
             step(Phase::Calibrate, 0.0)?;
-            let asked = |noise, k| search.ask(rows, held_out, k, noise, sigma.mean_distance, params.seed);
+            let asked = |noise, k| search.ask(source, held_out, k, noise, sigma.mean_distance, params.seed);
             let hands = params.hand_shapes.len();
             let class = |row: u32| params.held_out_classes.get(row as usize).copied();
             let vote =

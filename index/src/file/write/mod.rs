@@ -15,7 +15,7 @@ use super::catalogue::{Catalogue, Originals};
 use super::header::{self, Header};
 use super::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 use super::sections::{ElementType, Section, SectionKind};
-use crate::search::Rows;
+use crate::search::{Rows, Source};
 use built::Built;
 use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
@@ -193,7 +193,7 @@ impl IndexWriter {
         };
         let values = written.get(header::LENGTH..).unwrap_or(&[]);
         let rows = Rows { values: bytemuck::cast_slice(values), dim: params.descriptor.dim() };
-        let built = Built::new(rows, columns, params, progress)?;
+        let built = Built::new(Source { rows, file: &written }, columns, params, progress)?;
         drop(written);
         let sections = self.sections(in_place, &built, progress)?;
         let catalogue = self.catalogue(&built, sections);

@@ -2,9 +2,9 @@
 //! then measured.
 
 use super::{RandomHash, RandomHyperplanes, draw};
-use crate::search::Rows;
 use crate::search::effort::EPS;
 use crate::search::measure::{self, is_near_enough};
+use crate::search::{Rows, Source};
 use rayon::prelude::*;
 
 /// The share of queries whose nearest found shall be within `1 + EPS` of the true nearest: 0.95 is wanted, and a little
@@ -22,9 +22,18 @@ fn buckets_for(rows: usize) -> u32 {
     (rows.min(1 << 20) as u32).next_power_of_two().max(16)
 }
 
-/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest distances and products.
-pub(crate) fn choose(rows: Rows<'_>, held_out: Rows<'_>, sigma: f64, seed: u64) -> RandomHash {
-    let queries = measure::queries(rows, held_out, sigma, TRUE_NEIGHBOURS, seed, 1);
+/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest distances and products. `go_on` stops the
+/// work by an error.
+pub(crate) fn choose<E>(
+    source: Source<'_>,
+    held_out: Rows<'_>,
+    sigma: f64,
+    seed: u64,
+    go_on: &dyn Fn(f64) -> Result<(), E>,
+) -> Result<RandomHash, E> {
+    let queries = measure::queries(source, held_out, sigma, TRUE_NEIGHBOURS, seed, 1, go_on)?;
+    let rows = source.rows;
+    source.file.will_jump();
     let (normals, offsets) = draw(rows, MAX_TABLES, MAX_PLANES, seed);
     let all = RandomHash { planes: MAX_PLANES, tables: MAX_TABLES, buckets: 1 };
     let hash = RandomHyperplanes { size: all, dim: rows.dim, normals: &normals, offsets: &offsets };
@@ -44,6 +53,7 @@ pub(crate) fn choose(rows: Rows<'_>, held_out: Rows<'_>, sigma: f64, seed: u64) 
             Reach::of(&own, &good, &sample)
         })
         .collect();
+    source.file.will_pass();
     let cost = |planes: u32, tables: u32| {
         let (success, share) = totals(&reach, planes, tables);
         (success, share * rows.len() as f64 + f64::from(planes * tables))
@@ -54,7 +64,7 @@ pub(crate) fn choose(rows: Rows<'_>, held_out: Rows<'_>, sigma: f64, seed: u64) 
         .filter(|((success, _), ..)| *success >= AIM)
         .min_by(|((_, a), ..), ((_, b), ..)| a.total_cmp(b));
     let (planes, tables) = cheapest.map_or((1, MAX_TABLES), |(_, planes, tables)| (planes, tables));
-    RandomHash { planes, tables, buckets: buckets_for(rows.len()) }
+    Ok(RandomHash { planes, tables, buckets: buckets_for(rows.len()) })
 }
 
 /// What one query reaches with the first K planes of the first T tables, for every K and T at once: rows that agree

@@ -2,11 +2,14 @@
 
 use super::portable;
 use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
+use crate::search::distance;
 use crate::search::smallest::Smallest;
 use std::arch::x86_64::{
-    __m128i, _CMP_LE_OQ, _mm_loadu_si128, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps,
-    _mm256_cvtepu8_epi16, _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_madd_epi16, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps,
+    __m128i, __m256, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32, _mm_loadu_ps, _mm_loadu_si128,
+    _mm_movehl_ps, _mm_mul_ps, _mm_setzero_ps, _mm_shuffle_ps, _mm_sub_ps, _mm256_add_epi32, _mm256_add_ps,
+    _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_extractf128_ps,
+    _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_madd_epi16, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps,
     _mm256_setzero_si256, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
 };
 
@@ -55,9 +58,48 @@ fn load(codes: &[u8; 16]) -> __m128i {
 pub(super) fn distances<'a>(
     query: &[f32],
     rows: impl Iterator<Item = &'a [f32]>,
-    each: impl FnMut(usize, f32),
+    mut each: impl FnMut(usize, f32),
 ) {
-    portable::distances(query, rows, each);
+    for (at, row) in rows.enumerate() {
+        each(at, squared(query, row));
+    }
+}
+
+/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and added in its order.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn squared(a: &[f32], b: &[f32]) -> f32 {
+    let (a, b) = distance::alike(a, b);
+    let ((whole_a, rest_a), (whole_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut lanes = [_mm256_setzero_ps(); 2];
+    for (a, b) in whole_a.iter().zip(whole_b) {
+        let eights = a.as_chunks::<8>().0.iter().zip(b.as_chunks::<8>().0);
+        for (sum, (a, b)) in lanes.iter_mut().zip(eights) {
+            // SAFETY: both arrays have eight f32; an unaligned load takes any address.
+            let step = unsafe { _mm256_sub_ps(_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr())) };
+            *sum = _mm256_add_ps(*sum, _mm256_mul_ps(step, step));
+        }
+    }
+    sum_up(_mm256_add_ps(lanes[0], lanes[1]), rest_a, rest_b)
+}
+
+/// The sum of eight lanes, and of the squared differences of what is left, fewer than sixteen values.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn sum_up(eight: __m256, a: &[f32], b: &[f32]) -> f32 {
+    let ((fours_a, rest_a), (fours_b, rest_b)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut four = _mm_setzero_ps();
+    for (a, b) in fours_a.iter().zip(fours_b) {
+        // SAFETY: both arrays have four f32; an unaligned load takes any address.
+        let step = unsafe { _mm_sub_ps(_mm_loadu_ps(a.as_ptr()), _mm_loadu_ps(b.as_ptr())) };
+        four = _mm_add_ps(four, _mm_mul_ps(step, step));
+    }
+    let tail: f32 = rest_a.iter().zip(rest_b).map(|(&a, &b)| (a - b) * (a - b)).sum();
+    let halves = _mm_add_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+    let four = _mm_add_ps(halves, four);
+    // Values 0 + 2 and 1 + 3.
+    let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+    _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps::<1>(two, two))) + tail
 }
 
 #[target_feature(enable = "avx2")]

@@ -1,12 +1,14 @@
 //! AVX-512 with VNNI: one register holds four axes of sixteen vectors, and one instruction multiplies them by four
 //! values of the query and adds the products up.
 
-use super::portable;
+use super::{avx2, portable};
 use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
+use crate::search::distance;
 use crate::search::smallest::Smallest;
 use std::arch::x86_64::{
-    __m512i, _CMP_LE_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps,
-    _mm512_dpbusd_epi32, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32,
+    __m512i, _CMP_LE_OQ, _mm256_add_ps, _mm256_castpd_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_castps_pd,
+    _mm512_castps512_ps256, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_dpbusd_epi32,
+    _mm512_extractf64x4_pd, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32,
     _mm512_set1_ps, _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps,
     _mm512_sub_epi32, _mm512_sub_ps,
 };
@@ -61,9 +63,27 @@ fn load(codes: &[u8], at: usize) -> __m512i {
 pub(super) fn distances<'a>(
     query: &[f32],
     rows: impl Iterator<Item = &'a [f32]>,
-    each: impl FnMut(usize, f32),
+    mut each: impl FnMut(usize, f32),
 ) {
-    portable::distances(query, rows, each);
+    for (at, row) in rows.enumerate() {
+        each(at, squared(query, row));
+    }
+}
+
+/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and added in its order.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+fn squared(a: &[f32], b: &[f32]) -> f32 {
+    let (a, b) = distance::alike(a, b);
+    let ((whole_a, rest_a), (whole_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut lanes = _mm512_setzero_ps();
+    for (a, b) in whole_a.iter().zip(whole_b) {
+        // SAFETY: both arrays have sixteen f32; an unaligned load takes any address.
+        let step = unsafe { _mm512_sub_ps(_mm512_loadu_ps(a.as_ptr()), _mm512_loadu_ps(b.as_ptr())) };
+        lanes = _mm512_add_ps(lanes, _mm512_mul_ps(step, step));
+    }
+    let upper = _mm256_castpd_ps(_mm512_extractf64x4_pd::<1>(_mm512_castps_pd(lanes)));
+    avx2::sum_up(_mm256_add_ps(_mm512_castps512_ps256(lanes), upper), rest_a, rest_b)
 }
 
 /// As [`portable::project`], to the bit: products and sums are rounded one by one.
