@@ -157,6 +157,50 @@ fn a_hangup_opens_the_index_anew() {
     assert_eq!(ask(&service).header("grasp-index-generation"), Some("2"));
 }
 
+/// How many entries the served index has, as the service says.
+fn entries(service: &Service) -> u64 {
+    service.get("/v1/index").json()["entries"].as_u64().unwrap()
+}
+
+#[test]
+fn an_index_that_grows_and_shrinks_is_picked_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let builder = |arguments: &[&str]| {
+        let outcome = run(program("grasp-builder").args(arguments).current_dir(folder));
+        assert_eq!(outcome.status, 0, "{arguments:?}: {}", outcome.stderr);
+    };
+    let served = folder.join("grasp.idx");
+    builder(&["build", "--step", "60", "--stage", "grasp", "--hand-shape", "mean"]);
+    let service = start(&served, "0.01");
+    let answers_as_the_file = || {
+        let (told, expected) = (ask(&service), answer_of(&served));
+        assert_eq!((told.status, told.text()), (200, expected.clone()));
+        expected
+    };
+    let first = (entries(&service), answers_as_the_file());
+
+    builder(&["add", "grasp.idx", "--step", "60", "--stage", "grasp", "--hand-shape", "broad"]);
+    service.wait_until("the added entries", |service| entries(service) > first.0);
+    let grown = (entries(&service), answers_as_the_file());
+    assert_ne!(grown.1, first.1);
+    let hands = &service.get("/v1/index").json()["hand_shapes"];
+    assert_eq!(hands.as_array().unwrap().len(), 2, "{hands}");
+
+    builder(&["remove", "grasp.idx", "--hand-shape", "broad"]);
+    service.wait_until("the removal", |service| entries(service) == first.0);
+    assert_eq!(answers_as_the_file(), first.1);
+
+    let slender = ["--step", "60", "--stage", "grasp", "--hand-shape", "slender"];
+    builder(&[&["add", "grasp.idx", "--segment", "new.idx"], &slender[..]].concat());
+    assert_eq!(entries(&service), first.0, "a segment is another file");
+    builder(&["compact", "grasp.idx", "new.idx", "--out", "grasp.idx"]);
+    service.wait_until("the joined entries", |service| entries(service) > first.0);
+    answers_as_the_file();
+    assert_eq!(service.metric("grasp_index_generation"), 4.0);
+    assert_eq!(service.metric("grasp_index_reload_failures_total"), 0.0);
+}
+
 #[test]
 fn a_builder_at_work_or_killed_disturbs_nobody() {
     let folder = tempfile::tempdir().unwrap();
