@@ -21,10 +21,11 @@ pub struct Segment {
 }
 
 /// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, in order, as many entries in each as can be.
+/// What a run that was killed has left there is removed.
 ///
 /// # Errors
-/// When the index is damaged or has fewer entries, or a segment cannot be written; what was at that segment's place is then as it was.
-/// [`Interrupted`] when the user asked to stop.
+/// When the index is damaged or has fewer entries, or a segment cannot be written; then no segment of this index stays, and what was
+/// at the place of those that were not begun is as it was. [`Interrupted`] when the user asked to stop.
 pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow::Result<Vec<Segment>> {
     let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
     // What is flipped in it would be sealed as sound.
@@ -32,9 +33,10 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
         bail!("{} is unsound: {problem}", path.display());
     }
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
+    clear(out);
     let ends = ends(&index, count)?;
     let bar = progress.bar(u64::from(count), "splitting", "segments");
-    let mut segments = Vec::with_capacity(ends.len());
+    let mut written = Written::default();
     let mut start = 0;
     for (end, number) in ends.into_iter().zip(1..) {
         let path = out.join(file_name(number, count));
@@ -50,12 +52,42 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
             Err(BuildError::Stopped) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{} was not written", path.display()))?,
         };
-        segments.push(Segment { path, entries, bytes });
+        written.0.push(Segment { path, entries, bytes });
         start = end;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(segments)
+    Ok(std::mem::take(&mut written.0))
+}
+
+/// Segments on their way. Some of them are no index: dropped before all are there, they go.
+#[derive(Default)]
+struct Written(Vec<Segment>);
+
+impl Drop for Written {
+    fn drop(&mut self) {
+        // Nothing can be done about a failure here.
+        self.0.iter().for_each(|segment| drop(std::fs::remove_file(&segment.path)));
+    }
+}
+
+/// Removes from `folder` what a run that was killed has left of segments on their way. What another program is writing is locked, and stays.
+pub(crate) fn clear(folder: &Path) {
+    let Ok(entries) = folder.read_dir() else { return };
+    for name in entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()) {
+        let on_its_way = name.strip_prefix('.').and_then(|name| name.strip_suffix(".part"));
+        if let Some(name) = on_its_way.filter(|name| is_segment(name)) {
+            // Taken over, as a run of as many segments would, and dropped.
+            drop(AtomicFile::create(&folder.join(name)));
+        }
+    }
+}
+
+/// Whether [`file_name`] makes such names.
+fn is_segment(name: &str) -> bool {
+    let numbers = name.strip_suffix(".idx").and_then(|name| name.split_once("-of-"));
+    let numbers = numbers.and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+    numbers.is_some_and(|(number, count)| name == file_name(number, count))
 }
 
 /// The name of a segment's file; in the order of the names are the entries.
@@ -130,5 +162,11 @@ mod tests {
     #[test]
     fn names_sort_as_segments_do() {
         assert_eq!([file_name(3, 4), file_name(3, 12)], ["3-of-4.idx", "03-of-12.idx"]);
+        assert!(is_segment("3-of-4.idx") && is_segment("03-of-12.idx"));
+        assert!(
+            ["3-of-12.idx", "a-of-4.idx", "3-of-4", "grasp.idx", "+3-of-4.idx"]
+                .iter()
+                .all(|name| !is_segment(name))
+        );
     }
 }

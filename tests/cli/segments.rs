@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use grasp_index::npy::{NpyHeader, NpyType};
 use grasp_index::{Effort, Index, SearchOptions, Segments, SegmentsError};
@@ -157,6 +158,84 @@ fn segments_of_one_index_answer_as_it_does_at_any_effort() {
     let said = refused(&["split", "single.idx", "--segments", "9999", "--out-dir", "none"]);
     assert!(said.contains("segments at most, not 9999"), "{said}");
     assert!(refused(&["merge", "parts", "--segments", "2"]).contains("--out-dir"));
+}
+
+fn files_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_merge_that_is_killed_or_stopped_leaves_nothing_to_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    done(
+        "grasp-builder",
+        folder,
+        &["shard", "--shard", "1/1", "--out", "parts", "--step", "30", "--hands", "5"],
+    );
+    let merge = |count: &str| ["merge", "parts", "--segments", count, "--out-dir", "out"].map(str::to_owned);
+    let out = folder.join("out");
+    let names = |count: u32| (1..=count).map(|at| format!("{at}-of-{count}.idx")).collect::<Vec<_>>();
+    done("grasp-builder", folder, &["merge", "parts", "--out", "single.idx"]);
+    done("grasp-builder", folder, &["split", "single.idx", "--segments", "3", "--out-dir", "expected"]);
+    let are_right = || {
+        assert_eq!(files_in(&out), names(3));
+        for name in names(3) {
+            let [found, expected] =
+                ["out", "expected"].map(|of| fs::read(folder.join(of).join(&name)).unwrap());
+            assert!(found == expected, "{name}");
+        }
+    };
+    // While the index is on its way, when it is there, and when segments are; the program's end may come before.
+    for begun in ["..whole.idx.part", ".whole.idx", ".1-of-4.idx.part", ".3-of-4.idx.part"] {
+        for signal in ["-KILL", "-INT"] {
+            let _ = fs::remove_dir_all(&out);
+            let mut command = program("grasp-builder");
+            command.args(merge("4")).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+            let mut merging = command.spawn().unwrap();
+            while !out.join(begun).exists() && merging.try_wait().unwrap().is_none() {
+                std::hint::spin_loop();
+            }
+            let told =
+                Command::new("kill").args([signal, &merging.id().to_string()]).stderr(Stdio::null()).status();
+            told.unwrap();
+            let status = merging.wait().unwrap();
+            match signal {
+                "-INT" if status.success() => assert_eq!(files_in(&out), names(4), "{begun}"),
+                "-INT" => assert_eq!((status.code(), files_in(&out)), (Some(130), Vec::new()), "{begun}"),
+                _ => {
+                    names(4).iter().for_each(|name| drop(fs::remove_file(out.join(name))));
+                    done("grasp-builder", folder, &merge("3").each_ref().map(String::as_str));
+                    are_right();
+                }
+            }
+        }
+    }
+    let _ = fs::remove_dir_all(&out);
+    fs::create_dir(&out).unwrap();
+    // All that could be left at once: an index of other parts, and rubbish.
+    fs::copy(small_index(), out.join(".whole.idx")).unwrap();
+    for rubbish in ["..whole.idx.part", ".1-of-4.idx.part", ".17-of-99.idx.part", ".2-of-3.idx.part"] {
+        fs::write(out.join(rubbish), "rubbish").unwrap();
+    }
+    done("grasp-builder", folder, &merge("3").each_ref().map(String::as_str));
+    are_right();
+    // What is nobody's leftover stays.
+    fs::write(out.join(".1-of-4.txt.part"), "notes").unwrap();
+    fs::write(out.join(".4-of-9.idx.part"), "rubbish").unwrap();
+    done("grasp-builder", folder, &["split", "single.idx", "--segments", "3", "--out-dir", "out"]);
+    assert_eq!(files_in(&out), [&[".1-of-4.txt.part".to_owned()][..], &names(3)].concat());
+    fs::remove_file(out.join(".1-of-4.txt.part")).unwrap();
+    are_right();
+    // A disk that is full: nothing of this merge, and what was there before.
+    let builder = program("grasp-builder").get_program().to_owned();
+    let script = "trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\"";
+    let full = run(Command::new("sh").args(["-c", script]).arg(builder).args(merge("4")).current_dir(folder));
+    assert!(full.status == 2 && full.stderr.contains("cannot write"), "{}", full.stderr);
+    are_right();
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::build::tell;
 use super::split::{parse_count, tell_segments};
 use crate::interrupt;
 use crate::merge::merge;
-use crate::split::split;
+use crate::split::{clear, split};
 
 /// Make an index of all its parts: byte for byte the one that a single `build` of the same options makes.
 ///
@@ -34,8 +34,19 @@ pub(crate) struct Merge {
     out_dir: Option<PathBuf>,
 }
 
-/// The index between merging and splitting.
+/// The index between merging and splitting. What is left of a run that was killed is an index: the next one goes on from it if it is
+/// made of the same parts, and replaces it otherwise.
 const WHOLE: &str = ".whole.idx";
+
+/// Removes the file when it has served, however that ends.
+struct Whole(PathBuf);
+
+impl Drop for Whole {
+    fn drop(&mut self) {
+        // Nothing can be done about a failure here.
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
 
 impl Merge {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
@@ -50,12 +61,12 @@ impl Merge {
     fn run_segments(&self, count: u32, folder: &Path, global: &Global) -> anyhow::Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-        let whole = folder.join(WHOLE);
-        let report = merge(&self.parts, &whole, global.progress())?;
-        let segments = split(&whole, count, folder, global.progress());
-        // Where this fails, the next merge goes on from it.
-        let _ = std::fs::remove_file(&whole);
-        let segments = segments?;
+        // Before the index takes their room.
+        clear(folder);
+        let whole = Whole(folder.join(WHOLE));
+        let report = merge(&self.parts, &whole.0, global.progress())?;
+        let segments = split(&whole.0, count, folder, global.progress())?;
+        drop(whole);
         tell(folder, &report, false)?;
         tell_segments(&segments)
     }
