@@ -12,7 +12,7 @@ use grasp_index::{AtomicFile, Catalogue, HashInfo, HashParams, Index, NewEntry, 
 use grasp_renders::RenderPlan;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::build::{Described, Gathered, INPUTS, Known, Names, Recipe, Report, Source, tool};
+use crate::build::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
 use crate::progress::Progress;
@@ -33,6 +33,8 @@ pub struct Growth {
     pub more: Option<Source>,
     /// What the held-out hands are posed and looked at like, by which the index is measured.
     pub plan: RenderPlan,
+    /// The options that make this plan.
+    pub options: String,
 }
 
 /// Makes the index `out`, which may be one of those that it is made of.
@@ -180,6 +182,7 @@ fn recipe(first: &Catalogue, growth: &Growth, names: &Names) -> Recipe {
             _ => HashParams::Learned,
         },
         originals: first.originals,
+        seen: matches!(held_out, HeldOut::Rendered(_)).then(|| growth.options.clone()),
         held_out,
         thumbnail_side: first.thumbnail_side,
         seed: first.seed,
@@ -188,7 +191,7 @@ fn recipe(first: &Catalogue, growth: &Growth, names: &Names) -> Recipe {
 
 /// Where the index comes from: what the others say of themselves, and what is done here.
 fn origin(indexes: &[Index], growth: &Growth, recipe: &Recipe) -> anyhow::Result<Vec<(String, String)>> {
-    let own = [INPUTS, "tool", "held out"];
+    let own = [INPUTS, OPTIONS, "tool", "held out"];
     let mut origin = vec![tool()];
     let of_the_others = indexes.iter().flat_map(|index| &index.catalogue().provenance);
     origin.extend(of_the_others.filter(|(key, _)| !own.contains(&key.as_str())).cloned());
@@ -198,6 +201,7 @@ fn origin(indexes: &[Index], growth: &Growth, recipe: &Recipe) -> anyhow::Result
     if let Some(source) = &growth.more {
         origin.extend(source.origin(recipe)?.into_iter().filter(|(key, _)| !own.contains(&key.as_str())));
     }
+    origin.extend(recipe.seen.clone().map(|seen| (OPTIONS.to_owned(), seen)));
     origin.extend(recipe.held_out.provenance()?.map(|held_out| ("held out".to_owned(), held_out)));
     Ok(origin)
 }

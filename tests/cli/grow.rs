@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use grasp_index::{Index, Section};
-use grasp_tests::{Outcome, program, run};
+use grasp_tests::{Outcome, program, run, workspace};
 
 fn builder(folder: &Path, arguments: &[&str]) -> Outcome {
     run(program("grasp-builder").args(arguments).current_dir(folder))
@@ -82,8 +82,68 @@ fn hand_shapes_are_added_as_they_are_rendered() {
             .concat(),
     );
     done(folder, &[&["build", "--hand-shape", "mean", "--out", "grown.idx"], &views[..]].concat());
+    fs::copy(folder.join("grown.idx"), folder.join("again.idx")).unwrap();
     done(folder, &[&["add", "grown.idx", "--hand-shape", "broad"], &views[..]].concat());
     assert_same(folder, "grown.idx", "both.idx");
+    // The index knows by itself how its hands are seen.
+    done(folder, &["add", "again.idx", "--hand-shape", "broad"]);
+    assert_same(folder, "again.idx", "both.idx");
+}
+
+#[test]
+fn an_index_knows_how_its_hands_are_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let seen = ["--stage", "reach", "--step", "90", "--forearm", "30"];
+    let build = |out: &str, hands: &[&str]| {
+        let hands = hands.iter().flat_map(|hand| ["--hand-shape", hand]);
+        done(folder, &[&["build", "--out", out], &seen[..], &hands.collect::<Vec<_>>()].concat());
+    };
+    build("mean.idx", &["mean"]);
+    build("both.idx", &["mean", "slender"]);
+    let inspected = done(folder, &["inspect", "both.idx"]);
+    assert!(inspected.contains("--preset=paper --stage=reach --step=90 --forearm=30"), "{inspected}");
+
+    let copied = |name: &str| fs::copy(folder.join(name), folder.join("grown.idx")).unwrap();
+    copied("mean.idx");
+    done(folder, &["add", "grown.idx", "--hand-shape", "slender"]);
+    assert_same(folder, "grown.idx", "both.idx");
+    done(folder, &["remove", "grown.idx", "--hand-shape", "slender"]);
+    assert_same(folder, "grown.idx", "mean.idx");
+    done(folder, &["add", "mean.idx", "--hand-shape", "slender", "--segment", "slender.idx"]);
+    let joined = builder(folder, &["compact", "mean.idx", "slender.idx", "--out", "joined.idx"]);
+    assert_eq!((joined.status, joined.stderr.as_str()), (0, ""));
+    assert_same(folder, "joined.idx", "both.idx");
+    // And says so of what came of it.
+    assert!(done(folder, &["inspect", "joined.idx"]).contains("--stage=reach"));
+}
+
+#[test]
+fn indexes_of_every_release_grow_and_say_what_they_do_not_know() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for name in ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx"] {
+        fs::copy(workspace().join("index/tests/fixtures").join(name), folder.join(name)).unwrap();
+        let outcome = builder(folder, &["compact", name, "--out", "new.idx"]);
+        assert_eq!(outcome.status, 0, "{name}: {}", outcome.stderr);
+        let says =
+            format!("{name} does not say how its hands are seen: it is taken to be as in the paper's preset");
+        assert!(outcome.stderr.contains(&says), "{}", outcome.stderr);
+        let [old, new] = [name, "new.idx"].map(|name| Index::open(folder.join(name)).unwrap());
+        assert!(new.verify().is_sound());
+        assert_eq!(
+            (new.len(), new.catalogue().hand_shapes.clone()),
+            (old.len(), old.catalogue().hand_shapes.clone())
+        );
+        if name == "v3.idx" {
+            // From now on it says so.
+            let again = builder(folder, &["compact", "new.idx", "--out", "new.idx"]);
+            assert_eq!((again.status, again.stderr.as_str()), (0, ""));
+            let both = builder(folder, &["compact", "new.idx", name, "--out", "both.idx"]);
+            assert_eq!(both.status, 0, "{}", both.stderr);
+            assert!(both.stderr.contains("are seen in different ways"), "{}", both.stderr);
+        }
+    }
 }
 
 #[test]

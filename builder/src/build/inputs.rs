@@ -7,6 +7,8 @@ use super::Source;
 
 /// Where the number stands in the provenance.
 pub(crate) const KEY: &str = "inputs";
+/// Where the provenance tells the options by which hands are seen.
+pub(crate) const OPTIONS: &str = "options";
 
 /// The running hash of the parameters and entries of an index.
 pub(super) struct Inputs {
@@ -19,8 +21,8 @@ pub(crate) fn tool() -> (String, String) {
     ("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())
 }
 
-/// Where an index of `source` comes from, measured by what `held_out` tells of.
-pub(super) fn origin(source: &Source, held_out: Option<String>) -> Vec<(String, String)> {
+/// Where an index of `source` comes from, measured by what `held_out` tells of, on hands that are seen by the options `seen`.
+pub(super) fn origin(source: &Source, held_out: Option<String>, seen: Option<&str>) -> Vec<(String, String)> {
     let mut provenance = vec![tool()];
     match source {
         Source::Plan(plan) => {
@@ -40,6 +42,7 @@ pub(super) fn origin(source: &Source, held_out: Option<String>) -> Vec<(String, 
         })),
         Source::Vectors(vectors) => provenance.push(("vectors".to_owned(), vectors.provenance())),
     }
+    provenance.extend(seen.map(|seen| (OPTIONS.to_owned(), seen.to_owned())));
     provenance.extend(held_out.map(|held_out| ("held out".to_owned(), held_out)));
     provenance
 }

@@ -30,7 +30,7 @@ use crate::interrupt;
 use crate::progress::Progress;
 
 pub(crate) use gather::Gathered;
-pub(crate) use inputs::{KEY as INPUTS, tool};
+pub(crate) use inputs::{KEY as INPUTS, OPTIONS, tool};
 pub(crate) use known::Known;
 use known::KnownPicture;
 pub(crate) use names::Names;
@@ -62,6 +62,9 @@ pub struct Recipe {
     pub originals: Originals,
     /// What the search is measured by.
     pub held_out: HeldOut,
+    /// The options by which the held-out hands are seen, and the index's own if it renders them: the index says so, for those that are
+    /// added later. `None` where no hand is rendered.
+    pub seen: Option<String>,
     /// The side of the thumbnails in pixels; 0 keeps none.
     pub thumbnail_side: u32,
     /// What all randomness comes from.
@@ -160,7 +163,7 @@ impl Source {
 
     /// Where an index of this source and recipe comes from, as its provenance says.
     pub(crate) fn origin(&self, recipe: &Recipe) -> anyhow::Result<Vec<(String, String)>> {
-        Ok(inputs::origin(self, recipe.held_out.provenance()?))
+        Ok(inputs::origin(self, recipe.held_out.provenance()?, recipe.seen.as_deref()))
     }
 
     /// A number for all that some of the [`Self::pieces`] are made from: as long as it is the same, so are their entries.

@@ -105,7 +105,13 @@ impl IndexOptions {
         self.descriptor.as_ref().map(by_name).transpose()
     }
 
-    fn recipe(&self, source: &Source, held_out: HeldOut, seed: u64) -> anyhow::Result<Recipe> {
+    fn recipe(
+        &self,
+        source: &Source,
+        held_out: HeldOut,
+        plan: &PlanOptions,
+        seed: u64,
+    ) -> anyhow::Result<Recipe> {
         let hash = match (self.hash.as_str(), self.planes, self.tables) {
             ("random", Some(k), Some(t)) => {
                 HashParams::Random(RandomParams::Fixed { k, t, buckets: self.buckets })
@@ -134,7 +140,8 @@ impl IndexOptions {
                 (descriptor, 0)
             }
         };
-        Ok(Recipe { descriptor, hash, originals, held_out, thumbnail_side, seed })
+        let seen = matches!(held_out, HeldOut::Rendered(_)).then(|| plan.to_string());
+        Ok(Recipe { descriptor, hash, originals, held_out, seen, thumbnail_side, seed })
     }
 }
 
@@ -166,7 +173,7 @@ impl WorkOptions {
     /// The source and the recipe that the options describe.
     pub(super) fn work(&self) -> anyhow::Result<(Source, Recipe)> {
         let (source, held_out) = self.source()?;
-        let recipe = self.index.recipe(&source, held_out, self.seed)?;
+        let recipe = self.index.recipe(&source, held_out, &self.plan, self.seed)?;
         if source.is_empty() {
             bail!("the render sets hold no picture");
         }

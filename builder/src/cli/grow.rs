@@ -1,22 +1,24 @@
 //! `grasp-builder add`, `remove` and `compact`.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use grasp_index::Index;
-use grasp_renders::{Preset, RenderPlan};
+use grasp_renders::Preset;
 
 use super::Global;
 use super::build::tell;
 use super::plan::PlanOptions;
-use crate::build::{RenderSet, Source};
+use crate::build::{OPTIONS, RenderSet, Source};
 use crate::grow::{Growth, grow};
 use crate::interrupt;
 
 /// Add render sets or hand shapes to an index.
 ///
 /// What the index holds is taken over, not described again, and its parameters are kept; a picture that it holds already is not added
-/// twice. It is replaced in one step, and the answers are those of an index built of the same entries from nothing (to the last
+/// twice. Hands are posed and seen as those that it was built with, but for what the options below say; --preset takes another plan
+/// altogether. The index is replaced in one step, and the answers are those of an index built of the same entries from nothing (to the last
 /// bit where it keeps descriptors as they are; --originals f16 hashes rounded ones). With --segment the index is not touched.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -48,9 +50,10 @@ pub(crate) struct Remove {
     /// The hand shape to remove (may be repeated).
     #[arg(long, value_name = "NAME", required = true)]
     hand_shape: Vec<String>,
-    /// The preset that the index was built with: it is measured and calibrated on held-out hands that are seen likewise.
-    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
-    preset: Preset,
+    /// Measure and calibrate it on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as those that it
+    /// was built with.
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
 }
 
 /// Join indexes that are alike in everything but their entries.
@@ -62,18 +65,19 @@ pub(crate) struct Compact {
     /// The index to write, which may be one of them.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
     out: PathBuf,
-    /// The preset that the indexes were built with: what comes of them is measured and calibrated on held-out hands that are seen likewise.
-    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
-    preset: Preset,
+    /// Measure and calibrate what comes of them on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as
+    /// those that the first was built with.
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
 }
 
 impl Add {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        let seen = seen(self.plan.clone(), std::slice::from_ref(&self.index))?;
+        let options = seen.options.to_string();
         // The seed of the index's own renders.
-        let name = || format!("cannot use the index {}", self.index.display());
-        let seed = Index::open(&self.index).with_context(name)?.catalogue().seed;
-        let plan = self.plan.plan(seed)?;
+        let plan = seen.options.plan(seen.seed)?;
         let more = if self.renders.is_empty() {
             Source::Plan(Box::new(plan.clone()))
         } else {
@@ -87,6 +91,7 @@ impl Add {
             without: Vec::new(),
             more: Some(more),
             plan,
+            options,
         };
         let out = self.segment.as_ref().unwrap_or(&self.index);
         tell(out, &grow(&growth, out, global.progress())?, true)
@@ -96,12 +101,14 @@ impl Add {
 impl Remove {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        let seen = seen(PlanOptions::of(self.preset), std::slice::from_ref(&self.index))?;
         let growth = Growth {
             indexes: vec![self.index.clone()],
             keep: true,
             without: self.hand_shape.clone(),
             more: None,
-            plan: RenderPlan::preset(self.preset),
+            plan: seen.options.plan(seen.seed)?,
+            options: seen.options.to_string(),
         };
         tell(&self.index, &grow(&growth, &self.index, global.progress())?, false)
     }
@@ -110,13 +117,62 @@ impl Remove {
 impl Compact {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        let seen = seen(PlanOptions::of(self.preset), &self.indexes)?;
         let growth = Growth {
             indexes: self.indexes.clone(),
             keep: true,
             without: Vec::new(),
             more: None,
-            plan: RenderPlan::preset(self.preset),
+            plan: seen.options.plan(seen.seed)?,
+            options: seen.options.to_string(),
         };
         tell(&self.out, &grow(&growth, &self.out, global.progress())?, false)
     }
+}
+
+/// How the hands of indexes are seen.
+struct Seen {
+    options: PlanOptions,
+    seed: u64,
+}
+
+/// The options `own`, and beside them those that the first of the indexes was built with, unless a preset is named.
+fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
+    let mut kept = Vec::with_capacity(indexes.len());
+    let mut seed = 0;
+    for path in indexes {
+        let name = || format!("cannot use the index {}", path.display());
+        let index = Index::open(path).with_context(name)?;
+        let catalogue = index.catalogue();
+        if kept.is_empty() {
+            seed = catalogue.seed;
+        }
+        // Of vectors of unknown making, no hands are held out.
+        if own.names_a_preset() || !catalogue.descriptor.describes_pictures() {
+            return Ok(Seen { options: own, seed });
+        }
+        let text = catalogue.provenance.iter().find(|(key, _)| key == OPTIONS).map(|(_, text)| text);
+        kept.push(text.and_then(|text| PlanOptions::kept(text)));
+    }
+    let mut kept = kept.into_iter();
+    let first = kept.next().flatten();
+    let says = |options: &Option<PlanOptions>| options.as_ref().map(ToString::to_string);
+    let differs = kept.any(|other| says(&other) != says(&first));
+    // Nobody may be there to be told.
+    let mut stderr = std::io::stderr();
+    if first.is_none() {
+        let _ = writeln!(
+            stderr,
+            "grasp-builder: {} does not say how its hands are seen: it is taken to be as in the paper's preset; name another with \
+             --preset",
+            indexes.first().map_or_else(String::new, |path| path.display().to_string())
+        );
+    } else if differs {
+        let _ = writeln!(
+            stderr,
+            "grasp-builder: the hands of these indexes are seen in different ways: the search is measured as that of the first was; name \
+             another way with --preset"
+        );
+    }
+    Ok(Seen { options: own.or(first.unwrap_or_default()), seed })
 }

@@ -1,21 +1,23 @@
-//! Which hands, objects and views to render: the options that `render` and `build` share.
+//! Which hands, objects and views to render: the options that `render` and `build` share, and that an index keeps for what is added to it.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
+use clap::Parser;
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
 
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
-    /// A named plan: `paper` is one hand shape, 6 grasps, 900 views; `wide` is 155 hand shapes at all stages, in varied
+    /// A named plan: `paper`, the default, is one hand shape, 6 grasps, 900 views; `wide` is 155 hand shapes at all stages, in varied
     /// poses, with objects of all sizes, seen from everywhere with any roll. The options below change it.
-    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
-    preset: Preset,
+    #[arg(long, value_name = "NAME")]
+    preset: Option<Preset>,
     /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
     /// renders that hand alone.
     #[arg(long, value_name = "N", conflicts_with = "hand_shape", value_parser = clap::value_parser!(u32).range(0..=100_000))]
@@ -63,7 +65,78 @@ pub(super) struct PlanOptions {
     distance_variation: Option<f64>,
 }
 
+/// A line of options, as an index keeps them.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[command(flatten)]
+    options: PlanOptions,
+}
+
+/// The options that say how hands are posed and seen; those that say whose hands they are, and files, are left out.
+impl fmt::Display for PlanOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "--preset={}", self.preset.unwrap_or(Preset::Paper))?;
+        self.stage.iter().try_for_each(|stage| write!(f, " --stage={}", stage.name()))?;
+        if let Some([low, high]) = self.elevations {
+            write!(f, " --elevations={low}..{high}")?;
+        }
+        let counts = [("rolls", self.rolls), ("views", self.views)];
+        for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count?))) {
+            write!(f, " --{name}={count}")?;
+        }
+        let numbers = [
+            ("step", self.step),
+            ("examples", self.examples),
+            ("distance", self.distance),
+            ("forearm", self.forearm),
+            ("light-variation", self.light_variation),
+            ("distance-variation", self.distance_variation),
+        ];
+        // Numbers are written so that they read back exactly.
+        let mut numbers = numbers.into_iter().filter_map(|(name, number)| Some((name, number?)));
+        numbers.try_for_each(|(name, number)| write!(f, " --{name}={number}"))
+    }
+}
+
 impl PlanOptions {
+    /// Those of a preset alone.
+    pub(super) fn of(preset: Option<Preset>) -> Self {
+        Self { preset, ..Self::default() }
+    }
+
+    /// Whether a preset is named.
+    pub(super) fn names_a_preset(&self) -> bool {
+        self.preset.is_some()
+    }
+
+    /// The options that an index keeps; `None` where it is not they that the text says.
+    pub(super) fn kept(text: &str) -> Option<Self> {
+        let options = Line::try_parse_from(text.split(' ')).ok()?.options;
+        // An index may come from anywhere: it says how hands are seen, and names no files.
+        Some(Self { hands: None, hand_shape: Vec::new(), hand_model: Vec::new(), grasps: None, ..options })
+    }
+
+    /// These options, and where they say nothing, those.
+    pub(super) fn or(self, those: Self) -> Self {
+        let has_grid = self.step.is_some() || self.elevations.is_some() || self.rolls.is_some();
+        let (is_grid, is_random) = (has_grid || self.views.is_none(), self.views.is_some() || !has_grid);
+        Self {
+            preset: self.preset.or(those.preset),
+            stage: if self.stage.is_empty() { those.stage } else { self.stage },
+            step: self.step.or(those.step.filter(|_| is_grid)),
+            elevations: self.elevations.or(those.elevations.filter(|_| is_grid)),
+            rolls: self.rolls.or(those.rolls.filter(|_| is_grid)),
+            views: self.views.or(those.views.filter(|_| is_random)),
+            examples: self.examples.or(those.examples),
+            distance: self.distance.or(those.distance),
+            forearm: self.forearm.or(those.forearm),
+            light_variation: self.light_variation.or(those.light_variation),
+            distance_variation: self.distance_variation.or(those.distance_variation),
+            ..self
+        }
+    }
+
     /// How many hand shapes are asked for.
     pub(super) fn hands(&self) -> Option<usize> {
         self.hands.map(|hands| hands as usize)
@@ -81,7 +154,7 @@ impl PlanOptions {
 
     /// The plan that the options describe.
     pub(super) fn plan(&self, seed: u64) -> anyhow::Result<RenderPlan> {
-        let mut plan = RenderPlan::preset(self.preset);
+        let mut plan = RenderPlan::preset(self.preset.unwrap_or(Preset::Paper));
         plan.seed = seed;
         if let Some(hands) = self.hands {
             plan = plan.with_hands(hands as usize);
@@ -171,4 +244,44 @@ fn elevations(text: &str) -> Result<[f64; 2], String> {
         return Err(format!("`{text}`: elevations rise from -90 at least to 90 at most"));
     }
     Ok(range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(line: &str) -> PlanOptions {
+        PlanOptions::kept(line).expect("these are options")
+    }
+
+    #[test]
+    fn an_index_keeps_options_that_make_the_same_plan() {
+        for line in [
+            "--preset=paper",
+            "--preset=wide --stage=reach --stage=grasp",
+            "--preset=wide --elevations=-84..84 --rolls=7 --step=51.42857142857143",
+            "--preset=paper --views=3 --examples=0.1 --distance=3.7 --forearm=33.3 --light-variation=0.3 --distance-variation=0.07",
+        ] {
+            let (kept, again) = (options(line), options(&options(line).to_string()));
+            assert_eq!(kept.to_string(), line);
+            assert_eq!(kept.plan(3).unwrap(), again.plan(3).unwrap());
+        }
+        assert_eq!(PlanOptions::default().to_string(), "--preset=paper");
+        for odd in ["", "wide", "--preset=huge", "--preset=paper --step", "--preset=paper --seed=3"] {
+            assert!(PlanOptions::kept(odd).is_none_or(|kept| kept.to_string() == "--preset=paper"), "{odd}");
+        }
+        let foreign = options("--preset=paper --grasps=/etc/passwd --hand-model=x.glb --hands=9");
+        assert_eq!(foreign.plan(0).unwrap(), PlanOptions::default().plan(0).unwrap());
+    }
+
+    #[test]
+    fn what_is_said_now_goes_before_what_was_said_then() {
+        let or = |own: &str, kept: &str| options(own).or(options(kept)).to_string();
+        let kept = "--preset=wide --stage=grasp --views=9 --forearm=20";
+        assert_eq!(or("--forearm=0", kept), "--preset=wide --stage=grasp --views=9 --forearm=0");
+        assert_eq!(or("--step=30", kept), "--preset=wide --stage=grasp --step=30 --forearm=20");
+        let grid = "--preset=paper --rolls=2 --step=60";
+        assert_eq!(or("--views=4 --stage=reach", grid), "--preset=paper --stage=reach --views=4");
+        assert_eq!(or("--step=30", grid), "--preset=paper --rolls=2 --step=30");
+    }
 }

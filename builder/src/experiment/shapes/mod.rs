@@ -48,6 +48,7 @@ pub fn run(
             hash: HashParams::Learned,
             originals: Originals::default(),
             held_out: HeldOut::Rendered(Box::new(Hands::of_a_build(&plan, &[], seed))),
+            seen: None,
             // Nobody looks at the neighbours of these.
             thumbnail_side: 0,
             seed,
