@@ -205,7 +205,7 @@ fn nothing_tells_a_label_before_the_end() {
     }
     assert!(heads.iter().all(|head| *head == heads[0]), "{heads:?}");
     // The page and what it is made of name the grasps, in their fixed order, and no picture.
-    for path in ["/", "/quiz.js", "/quiz.css", "/choices"] {
+    for path in ["/", "/quiz.js", "/look.css", "/quiz.css", "/choices"] {
         check(&served.get(path));
         let text = served.get(path).text();
         assert!(!text.contains("http://") && !text.contains("https://"), "{path} reaches out");

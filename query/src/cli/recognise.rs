@@ -105,6 +105,9 @@ struct Means<'a> {
     prior: Option<Vec<f64>>,
 }
 
+/// The name of standard input, among the pictures and in records.
+const STANDARD_INPUT: &str = "-";
+
 /// A picture and what was found in it.
 type Found = Result<Recognition, Record>;
 
@@ -140,7 +143,7 @@ impl Recognise {
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
         for group in self.groups() {
-            if group == [Path::new("-")] {
+            if group == [Path::new(STANDARD_INPUT)] {
                 self.run_stream(&means, &mut filter, &mut output)?;
                 continue;
             }
@@ -186,7 +189,7 @@ impl Recognise {
 
     /// The pictures in their order, standard input by itself.
     fn groups(&self) -> impl Iterator<Item = &[PathBuf]> {
-        let stdin = Path::new("-");
+        let stdin = Path::new(STANDARD_INPUT);
         self.images.chunk_by(move |a, b| a != stdin && b != stdin)
     }
 
@@ -194,34 +197,17 @@ impl Recognise {
         if self.undrawn.load(Ordering::Relaxed) { super::ERROR } else { output.status }
     }
 
-    /// Standard input, frame by frame: each is answered before the next is awaited.
     fn run_stream(
         &self,
         means: &Means<'_>,
         filter: &mut Option<Filter>,
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
-        let mut frames = Frames::new(io::stdin().lock());
-        let name = || "-".to_owned();
-        let Some(first) = frames.next() else {
-            let empty = RecogniseError::Decode(picture::DecodeError::Empty);
-            return output.write(&Record::not_recognised(name(), None, &empty));
-        };
-        // A picture alone has no frame number: only what follows tells a stream from it.
-        let mut held = Some(first);
-        let mut number = 0;
-        while let Some(frame) = held.take() {
-            let is_stream = number > 0 || frames.has_more();
-            let frame_number = is_stream.then_some(number);
-            let found = match frame {
-                Ok(bytes) => self.find(means, name(), frame_number, &bytes),
-                Err(error) => Err(Record::failed(name(), frame_number, "stream", error.to_string())),
-            };
-            output.write(&self.finish(means, name(), frame_number, found, filter.as_mut()))?;
-            held = frames.next();
-            number += 1;
-        }
-        Ok(())
+        each_frame(|frame, bytes| {
+            let name = || STANDARD_INPUT.to_owned();
+            let found = bytes.and_then(|bytes| self.find(means, name(), frame, &bytes));
+            output.write(&self.finish(means, name(), frame, found, filter.as_mut()))
+        })
     }
 
     fn find_in_file(&self, means: &Means<'_>, path: &Path) -> Found {
@@ -329,6 +315,31 @@ impl Recognise {
         }
         Ok(MaskSource::Skin)
     }
+}
+
+/// Standard input, frame by frame: each is answered before the next is awaited. `answer` is given a frame's number, where there are
+/// several, and its bytes, or the record of why there are none.
+fn each_frame(
+    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut frames = Frames::new(io::stdin().lock());
+    let name = || STANDARD_INPUT.to_owned();
+    let Some(first) = frames.next() else {
+        let empty = RecogniseError::Decode(picture::DecodeError::Empty);
+        return answer(None, Err(Record::not_recognised(name(), None, &empty)));
+    };
+    // A picture alone has no frame number: only what follows tells a stream from it.
+    let mut held = Some(first);
+    let mut number = 0;
+    while let Some(frame) = held.take() {
+        let is_stream = number > 0 || frames.has_more();
+        let frame_number = is_stream.then_some(number);
+        let bytes = frame.map_err(|error| Record::failed(name(), frame_number, "stream", error.to_string()));
+        answer(frame_number, bytes)?;
+        held = frames.next();
+        number += 1;
+    }
+    Ok(())
 }
 
 fn is_png(path: &Path) -> bool {

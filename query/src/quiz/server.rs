@@ -16,6 +16,7 @@ use tokio::net::TcpListener;
 
 use super::result::QuizResult;
 use super::{CHOICES, Quiz, Refused, State};
+use crate::serve::LOOK;
 
 /// An answer is some dozen bytes.
 const MOST_BYTES: usize = 1024;
@@ -75,6 +76,7 @@ pub async fn serve(
 pub fn router(table: Table) -> Router {
     Router::new()
         .route("/", get(async || page("text/html; charset=utf-8", include_bytes!("page/index.html"))))
+        .route("/look.css", get(async || page("text/css; charset=utf-8", LOOK)))
         .route("/quiz.css", get(async || page("text/css; charset=utf-8", include_bytes!("page/quiz.css"))))
         .route(
             "/quiz.js",

@@ -43,6 +43,7 @@ use gate::{Gate, Place};
 use listen::Connections;
 pub use listen::Listener;
 use metrics::Metrics;
+pub(crate) use page::LOOK;
 use parameters::{PictureParameters, SearchParameters};
 use problem::Problem;
 use recognise::Form;

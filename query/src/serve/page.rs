@@ -7,9 +7,13 @@ use axum::routing::get;
 
 use super::Shared;
 
+/// What all pages look alike in.
+pub(crate) const LOOK: &[u8] = include_bytes!("page/look.css");
+
 /// Path, content type and bytes of each file of the page.
-const FILES: [(&str, &str, &[u8]); 9] = [
+const FILES: [(&str, &str, &[u8]); 10] = [
     ("/", "text/html; charset=utf-8", include_bytes!("page/index.html")),
+    ("/look.css", "text/css; charset=utf-8", LOOK),
     ("/page.css", "text/css; charset=utf-8", include_bytes!("page/page.css")),
     ("/page.js", "text/javascript; charset=utf-8", include_bytes!("page/page.js")),
     ("/hand.js", "text/javascript; charset=utf-8", include_bytes!("page/hand.js")),

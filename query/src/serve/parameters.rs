@@ -135,7 +135,13 @@ impl PictureParameters {
     /// The parameters that mean these options; a service that is sent them recognises as this program would.
     pub fn of(options: &RecogniseOptions) -> Self {
         let vote = options.vote;
+        let Efforts { recall, eps, success, probes, exact } = Efforts::of(options.effort);
         let mut parameters = Self {
+            recall,
+            eps,
+            success,
+            probes,
+            exact,
             hand: Some(options.hand),
             rolls: Some(options.rolls),
             k: options.k,
@@ -149,14 +155,6 @@ impl PictureParameters {
             Accept::Always => parameters.accept = Some(AcceptChoice::Always),
             Accept::Calibrated => parameters.accept = Some(AcceptChoice::Calibrated),
             Accept::Within(farthest) => parameters.unknown_at = Some(farthest),
-        }
-        match options.effort {
-            Effort::Recall(recall) => parameters.recall = Some(recall),
-            Effort::Success { eps, success } => {
-                (parameters.eps, parameters.success) = (Some(eps), Some(success));
-            }
-            Effort::Probes(probes) => parameters.probes = Some(probes),
-            Effort::Exact => parameters.exact = true,
         }
         parameters
     }
@@ -186,7 +184,7 @@ impl PictureParameters {
             hand: self.hand.unwrap_or(defaults.hand),
             rolls: count("rolls", self.rolls, MOST_ROLLS)?.unwrap_or(defaults.rolls),
             k: count("k", self.k, MOST_K)?,
-            effort: effort(self.recall, self.eps, self.success, self.probes, self.exact)?,
+            effort: self.efforts().effort()?,
             vote: VoteOptions {
                 sigma: positive("sigma", self.sigma)?,
                 sigma_scale: positive("sigma_scale", self.sigma_scale)?,
@@ -197,6 +195,11 @@ impl PictureParameters {
         })
     }
 
+    fn efforts(&self) -> Efforts {
+        let &Self { recall, eps, success, probes, exact, .. } = self;
+        Efforts { recall, eps, success, probes, exact }
+    }
+
     /// The depths that are hand, where any are named.
     pub(super) fn depth_range(&self) -> Result<Option<DepthRange>, String> {
         let parse = |text: &String| text.parse().map_err(|error| format!("depth_range: {error}"));
@@ -205,25 +208,22 @@ impl PictureParameters {
 }
 
 impl SearchParameters {
+    fn efforts(&self) -> Efforts {
+        let &Self { recall, eps, success, probes, exact, .. } = self;
+        Efforts { recall, eps, success, probes, exact }
+    }
+
     /// The parameters that mean these options.
     pub fn of(options: &SearchOptions) -> Self {
-        let mut parameters = Self { k: Some(options.k), ..Self::default() };
-        match options.effort {
-            Effort::Recall(recall) => parameters.recall = Some(recall),
-            Effort::Success { eps, success } => {
-                (parameters.eps, parameters.success) = (Some(eps), Some(success));
-            }
-            Effort::Probes(probes) => parameters.probes = Some(probes),
-            Effort::Exact => parameters.exact = true,
-        }
-        parameters
+        let Efforts { recall, eps, success, probes, exact } = Efforts::of(options.effort);
+        Self { k: Some(options.k), recall, eps, success, probes, exact, shortlist: false }
     }
 
     /// The options that these parameters mean, or what is wrong with them.
     pub(super) fn options(&self) -> Result<SearchOptions, String> {
         Ok(SearchOptions {
             k: count("k", self.k, MOST_K)?.unwrap_or(SearchOptions::default().k),
-            effort: effort(self.recall, self.eps, self.success, self.probes, self.exact)?,
+            effort: self.efforts().effort()?,
         })
     }
 }
@@ -246,36 +246,56 @@ fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, String> {
     }
 }
 
-/// What is wanted of the search. Whether the numbers can be is checked when it is searched.
-fn effort(
+/// What is wanted of the search, as both kinds of requests name it. (They cannot share it as fields: numbers in a query are text, which
+/// serde does not hand on to what is flattened into another.)
+#[derive(Clone, Copy, Debug, Default)]
+struct Efforts {
     recall: Option<f64>,
     eps: Option<f64>,
     success: Option<f64>,
     probes: Option<u32>,
     exact: bool,
-) -> Result<Effort, String> {
-    let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];
-    if named.into_iter().filter(|is_named| *is_named).count() > 1 {
-        return Err("only one of recall, eps, probes and exact can be given".into());
-    }
-    let share = |name: &str, value: f64| {
-        let is_share = value > 0.0 && value <= 1.0;
-        is_share.then_some(value).ok_or(format!("{name} is {value}: a share above 0 and at most 1 is needed"))
-    };
-    match (recall, eps, success, probes) {
-        (_, None, Some(_), _) => Err("success needs eps".into()),
-        (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
-        (_, Some(eps), success, _) => {
-            if !(eps.is_finite() && eps >= 0.0) {
-                return Err(format!("eps is {eps}: a number of 0 or more is needed"));
-            }
-            let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
-            Ok(Effort::Success { eps, success })
+}
+
+impl Efforts {
+    fn of(effort: Effort) -> Self {
+        let none = Self::default();
+        match effort {
+            Effort::Recall(recall) => Self { recall: Some(recall), ..none },
+            Effort::Success { eps, success } => Self { eps: Some(eps), success: Some(success), ..none },
+            Effort::Probes(probes) => Self { probes: Some(probes), ..none },
+            Effort::Exact => Self { exact: true, ..none },
         }
-        (.., Some(0)) => Err("probes is 0: a whole number of 1 or more is needed".into()),
-        (.., Some(probes)) => Ok(Effort::Probes(probes)),
-        _ if exact => Ok(Effort::Exact),
-        _ => Ok(SearchOptions::default().effort),
+    }
+
+    /// The effort that is meant. Whether the numbers can be is checked when it is searched.
+    fn effort(self) -> Result<Effort, String> {
+        let Self { recall, eps, success, probes, exact } = self;
+        let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];
+        if named.into_iter().filter(|is_named| *is_named).count() > 1 {
+            return Err("only one of recall, eps, probes and exact can be given".into());
+        }
+        let share = |name: &str, value: f64| {
+            let is_share = value > 0.0 && value <= 1.0;
+            is_share
+                .then_some(value)
+                .ok_or(format!("{name} is {value}: a share above 0 and at most 1 is needed"))
+        };
+        match (recall, eps, success, probes) {
+            (_, None, Some(_), _) => Err("success needs eps".into()),
+            (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
+            (_, Some(eps), success, _) => {
+                if !(eps.is_finite() && eps >= 0.0) {
+                    return Err(format!("eps is {eps}: a number of 0 or more is needed"));
+                }
+                let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
+                Ok(Effort::Success { eps, success })
+            }
+            (.., Some(0)) => Err("probes is 0: a whole number of 1 or more is needed".into()),
+            (.., Some(probes)) => Ok(Effort::Probes(probes)),
+            _ if exact => Ok(Effort::Exact),
+            _ => Ok(SearchOptions::default().effort),
+        }
     }
 }
 

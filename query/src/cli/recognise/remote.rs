@@ -7,11 +7,10 @@ use anyhow::Context as _;
 use grasp_index::AtomicFile;
 use rayon::prelude::*;
 
-use super::{Form, Output, Recognise, is_png};
+use super::{Form, Output, Recognise, STANDARD_INPUT, each_frame, is_png};
 use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
 use crate::output::record::Record;
-use crate::picture::{self, Frames};
-use crate::recognise::RecogniseError;
+use crate::picture;
 use crate::serve::DESCRIBED;
 use crate::serve::parameters::PictureParameters;
 
@@ -32,7 +31,7 @@ impl Recognise {
         let mut output = Output { form: self.form(), status: crate::cli::SUCCESS, out: io::stdout().lock() };
         let at_once = 4 * rayon::current_num_threads();
         for group in self.groups() {
-            if group == [Path::new("-")] {
+            if group == [Path::new(STANDARD_INPUT)] {
                 self.stream_remote(&clients, &mut output)?;
                 continue;
             }
@@ -57,26 +56,13 @@ impl Recognise {
     }
 
     fn stream_remote(&self, clients: &Clients, output: &mut Output<impl Write>) -> anyhow::Result<()> {
-        let mut frames = Frames::new(io::stdin().lock());
-        let name = || "-".to_owned();
-        let Some(first) = frames.next() else {
-            let empty = RecogniseError::Decode(picture::DecodeError::Empty);
-            return output.write(&Record::not_recognised(name(), None, &empty));
-        };
-        let mut held = Some(first);
-        let mut number = 0;
-        while let Some(frame) = held.take() {
-            let is_stream = number > 0 || frames.has_more();
-            let frame_number = is_stream.then_some(number);
-            let told = match frame {
-                Ok(bytes) => self.ask(clients, name(), frame_number, bytes)?,
-                Err(error) => Told::Own(Record::failed(name(), frame_number, "stream", error.to_string())),
+        each_frame(|frame, bytes| {
+            let told = match bytes {
+                Ok(bytes) => self.ask(clients, STANDARD_INPUT.to_owned(), frame, bytes)?,
+                Err(record) => Told::Own(record),
             };
-            output.write_told(&told)?;
-            held = frames.next();
-            number += 1;
-        }
-        Ok(())
+            output.write_told(&told)
+        })
     }
 
     fn ask(
