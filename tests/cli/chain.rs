@@ -21,7 +21,7 @@ fn an_index_answers_for_its_own_render() {
     let set = folder.path().join("set");
     let rendered = run(program("grasp-builder").args(["render", "--step", "30", "--out"]).arg(&set));
     assert_eq!(rendered.status, 0, "{}", rendered.stderr);
-    finds_its_own(&set, &small_index(), 1e-3, 1e-6);
+    finds_its_own(&set, small_index(), 1e-3, 1e-6);
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn an_index_knows_how_its_hands_are_seen() {
 fn indexes_of_every_release_grow_and_say_what_they_do_not_know() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for name in ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx"] {
+    for name in ["v2.idx", "v2-learned.idx", "v3.idx", "v3-learned.idx", "v4.idx", "v4-learned.idx"] {
         fs::copy(workspace().join("index/tests/fixtures").join(name), folder.join(name)).unwrap();
         let outcome = builder(folder, &["compact", name, "--out", "new.idx"]);
         assert_eq!(outcome.status, 0, "{name}: {}", outcome.stderr);
