@@ -251,10 +251,10 @@ fn names_are_read_back() {
 }
 
 #[test]
-fn an_upright_descriptor_hardly_changes_with_the_camera_s_roll() {
+fn an_upright_descriptor_hardly_changes_with_the_roll_of_the_camera() {
     // A wedge: long, and thinner at one end.
     let hand = block(64, 80, |x, y| if x.abs_diff(32) * 4 <= y { 40 + (x * 2 + y) as u8 } else { 0 });
-    let hand = HandImage::from_segmented(64, 80, &on_black(&hand), 0).expect("a wedge is a hand");
+    let hand = HandImage::from_segmented(64, 80, hand.pixels(), 0).expect("a wedge is a hand");
     let (upright, level) = (DescriptorParams::upright(), DescriptorParams::default());
     let apart = |params: &DescriptorParams, degrees: f64| {
         distance(&params.describe(&hand), &params.describe(&hand.rotated(degrees.to_radians())))
@@ -266,9 +266,4 @@ fn an_upright_descriptor_hardly_changes_with_the_camera_s_roll() {
     let mut describer = Describer::new(&upright);
     let turned = hand.rotated(upright.turn_deg(&hand).to_radians());
     assert_eq!(describer.describe_turned(&turned), describer.describe(&hand));
-}
-
-/// The pixels of a whole picture.
-fn on_black(hand: &HandImage) -> Vec<u8> {
-    hand.pixels().to_vec()
 }

@@ -12,7 +12,8 @@ pub(super) struct RecogniseArguments {
     /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
     #[arg(long, value_enum, default_value_t = HandChoice::Auto)]
     hand: HandChoice,
-    /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it is.
+    /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it
+    /// is, or upright where the index's descriptors are.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
     rolls: usize,
     /// How many neighbours vote; without it, what the index was calibrated with.

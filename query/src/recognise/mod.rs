@@ -32,7 +32,8 @@ pub const DEFAULT_ROLLS: usize = 1;
 pub struct RecogniseOptions {
     /// Which hand the pictures show.
     pub hand: HandChoice,
-    /// How many turns about the optical axis are tried, evenly over the circle; 1 takes the picture as it is.
+    /// How many turns about the optical axis are tried, evenly over the circle, beside the one that the index's descriptors want
+    /// ([`grasp_index::DescriptorParams::turn_deg`]); 1 tries none besides.
     pub rolls: usize,
     /// How many neighbours vote; `None` takes the index's own number.
     pub k: Option<usize>,
