@@ -173,6 +173,9 @@ impl HandImage {
     /// y down: a positive angle is clockwise on the picture), cropped anew. Where the hand had the orientation
     /// `camera_from_hand`, it now has `Rz(radians) * camera_from_hand`.
     pub fn rotated(&self, radians: f64) -> Self {
+        if radians == 0.0 {
+            return self.clone();
+        }
         let (sin, cos) = radians.sin_cos();
         let (w, h) = (self.width as f64, self.height as f64);
         // The last digits of a quarter turn's sine must not add a pixel.

@@ -237,7 +237,7 @@ fn complete(
         Err(error) => return Err(error).with_context(|| format!("cannot use {}", entry.file)),
     };
     let turn_deg = recipe.descriptor.turn_deg(&hand);
-    let hand = if turn_deg == 0.0 { hand } else { hand.rotated(turn_deg.to_radians()) };
+    let hand = hand.rotated(turn_deg.to_radians());
     let descriptor = Describer::new(&recipe.descriptor).describe_turned(&hand);
     let thumbnail = (recipe.thumbnail_side > 0).then(|| hand.thumbnail(recipe.thumbnail_side as usize));
     Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, false)))

@@ -66,12 +66,7 @@ impl Describer {
     /// Writes the descriptor of a hand image into `out`. Where `out` is shorter than [`DescriptorParams::dim`], the
     /// rest of the descriptor is dropped; where it is longer, its end is left alone.
     pub fn describe_into(&mut self, hand: &HandImage, out: &mut [f32]) {
-        let turn = self.params.turn_deg(hand);
-        if turn == 0.0 {
-            self.describe_as_is(hand, out);
-        } else {
-            self.describe_as_is(&hand.rotated(turn.to_radians()), out);
-        }
+        self.describe_as_is(&hand.rotated(self.params.turn_deg(hand).to_radians()), out);
     }
 
     /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or as somebody wants to try.

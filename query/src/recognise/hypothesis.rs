@@ -1,7 +1,7 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
-//! The index holds right hands. A left hand's picture is flipped; all are turned as the index's descriptors want it (upright, by
-//! default), and besides by as many angles as are to be tried. The hypothesis whose neighbours are nearest is the answer, and its
+//! The index holds right hands. A left hand's picture is flipped; all are turned as the index's descriptors want it (upright, in
+//! one of the preset `wide`), and besides by as many angles as are to be tried. The hypothesis whose neighbours are nearest is the answer, and its
 //! orientation is turned and flipped back.
 
 use grasp_index::{
@@ -76,10 +76,7 @@ pub(super) fn best(
     for turn in 0..rolls {
         let tried = turn as f64 / rolls as f64 * 360.0;
         let degrees = (upright + tried).rem_euclid(360.0);
-        let turned = timings.time(
-            |t| &mut t.descriptor_ms,
-            || if degrees == 0.0 { hand.clone() } else { hand.rotated(degrees.to_radians()) },
-        );
+        let turned = timings.time(|t| &mut t.descriptor_ms, || hand.rotated(degrees.to_radians()));
         for &side in options.hand.sides() {
             let (roll_deg, image, descriptor) = timings.time(
                 |t| &mut t.descriptor_ms,
