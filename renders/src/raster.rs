@@ -194,14 +194,14 @@ fn shrink(grey: &[f32], side: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Mesh, surface_nets};
+    use crate::mesh::{Balls, Mesh, surface_nets};
     use proptest::prelude::*;
 
     const FRONT: Light = Light { toward: Vector3::new(0.0, 0.0, -1.0), ambient: 0.3 };
 
     fn ball(radius: f64, centre: Vector3<f64>) -> Mesh {
         let half = Vector3::repeat(radius + 0.3);
-        surface_nets(centre - half, centre + half, 0.1, |p| (p - centre).norm() - radius)
+        surface_nets(centre - half, centre + half, 0.1, &Balls(vec![(centre, radius)]))
     }
 
     fn drawing(hand: Mesh, black: Mesh) -> Drawing {

@@ -16,7 +16,7 @@ use crate::raster::{self, Drawing, Light};
 use crate::view::{View, world_from_hand};
 
 /// Changes whenever the same parameters give other pixels than before.
-pub const RENDERER_VERSION: u32 = 2;
+pub const RENDERER_VERSION: u32 = 3;
 
 /// How a picture is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,7 +172,7 @@ impl SceneSpec {
         let (low, high) = surface.bounds();
         // A margin of two cells: the surface must not touch the grid's border.
         let margin = Vector3::repeat(2.0 * self.look.cell);
-        let hand = surface_nets(low - margin, high + margin, self.look.cell, |p| surface.distance(p));
+        let hand = surface_nets(low - margin, high + margin, self.look.cell, &surface);
         (hand, Vector3::new(surface.cut_x(), 0.0, 0.0))
     }
 
@@ -359,8 +359,7 @@ mod tests {
             let (pose, _) = spec.pose(&skeleton);
             let surface = HandSurface::new(&skeleton, &pose, 0.0);
             let (low, high) = surface.bounds();
-            let mesh =
-                surface_nets(low.add_scalar(-0.008), high.add_scalar(0.008), 0.004, |p| surface.distance(p));
+            let mesh = surface_nets(low.add_scalar(-0.008), high.add_scalar(0.008), 0.004, &surface);
             assert!(mesh.is_closed(), "{name} has a hole");
             // A hand has 250 to 600 ml.
             assert!((1.8e-4..8e-4).contains(&mesh.volume()), "{name}: {} m3", mesh.volume());

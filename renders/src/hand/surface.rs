@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::{Chain, Digit, HandPose, Skeleton};
-use crate::mesh::{round_cone, round_triangle, smooth_union};
+use crate::mesh::{Field, round_cone, round_triangle, smooth_union};
 
 /// How wide the creases are filled, in metres.
 const PALM_BLEND: f64 = 0.014;
@@ -37,7 +37,7 @@ impl Cone {
 pub(crate) struct HandSurface {
     palm: Vec<Cone>,
     webs: Vec<([V; 3], f64)>,
-    digits: [[Cone; 3]; 5],
+    digits: Vec<(Digit, [Cone; 3])>,
     cut: f64,
 }
 
@@ -45,41 +45,17 @@ impl HandSurface {
     /// The skin of a hand in a pose, cut `forearm` metres behind the wrist.
     pub(crate) fn new(skeleton: &Skeleton, pose: &HandPose, forearm: f64) -> HandSurface {
         let chains = skeleton.chains(pose);
-        let digits = chains.map(|chain| {
+        let bones = |chain: &Chain| {
             std::array::from_fn(|i| Cone {
                 a: chain.points[i],
                 b: chain.points[i + 1],
                 ra: chain.radii[i],
                 rb: chain.radii[i + 1],
             })
-        });
+        };
+        let digits = Digit::ALL.map(|digit| (digit, bones(&chains[digit as usize]))).to_vec();
         let cut = WRIST_CUT + forearm.max(0.0);
         HandSurface { palm: palm(skeleton, &chains, cut), webs: webs(skeleton, &chains), digits, cut }
-    }
-
-    /// Signed distance to the skin in metres (at most that far near blends), negative inside.
-    pub(crate) fn distance(&self, p: &V) -> f64 {
-        let mut palm = f64::INFINITY;
-        for cone in &self.palm {
-            palm = smooth_union(palm, cone.distance(p), PALM_BLEND);
-        }
-        for (corners, radius) in &self.webs {
-            let [a, b, c] = corners;
-            palm = smooth_union(palm, round_triangle(p, a, b, c, *radius), FINGER_ROOT_BLEND);
-        }
-        let mut skin = palm;
-        for (i, bones) in self.digits.iter().enumerate() {
-            let [first, second, third] = bones.map(|bone| bone.distance(p));
-            // Bones of a digit share the ball of their joint: nothing to fill there. The thumb's first bone
-            // lies wholly in its ball, so the second takes part in the blend.
-            let blended = if i == Digit::Thumb as usize {
-                smooth_union(palm, first.min(second), THUMB_BLEND)
-            } else {
-                smooth_union(palm, first, FINGER_ROOT_BLEND).min(second)
-            };
-            skin = skin.min(blended).min(third);
-        }
-        skin.max(-self.cut - p.x)
     }
 
     /// The x coordinate of the cut, in metres.
@@ -91,7 +67,7 @@ impl HandSurface {
     pub(crate) fn bounds(&self) -> (V, V) {
         let mut low = V::repeat(f64::INFINITY);
         let mut high = V::repeat(f64::NEG_INFINITY);
-        for cone in self.palm.iter().chain(self.digits.iter().flatten()) {
+        for cone in self.palm.iter().chain(self.digits.iter().flat_map(|(_, bones)| bones)) {
             for (c, r) in [(cone.a, cone.ra), (cone.b, cone.rb)] {
                 low = low.inf(&(c - V::repeat(r + PALM_BLEND)));
                 high = high.sup(&(c + V::repeat(r + PALM_BLEND)));
@@ -100,6 +76,58 @@ impl HandSurface {
         low.x = low.x.max(-self.cut - 0.005);
         (low, high)
     }
+}
+
+impl Field for HandSurface {
+    /// At most the distance in metres near blends.
+    fn distance(&self, p: &V) -> f64 {
+        let mut palm = f64::INFINITY;
+        for cone in &self.palm {
+            palm = smooth_union(palm, cone.distance(p), PALM_BLEND);
+        }
+        for (corners, radius) in &self.webs {
+            let [a, b, c] = corners;
+            palm = smooth_union(palm, round_triangle(p, a, b, c, *radius), FINGER_ROOT_BLEND);
+        }
+        let mut skin = palm;
+        for (digit, bones) in &self.digits {
+            let [first, second, third] = bones.map(|bone| bone.distance(p));
+            // Bones of a digit share the ball of their joint: nothing to fill there. The thumb's first bone
+            // lies wholly in its ball, so the second takes part in the blend.
+            let blended = if *digit == Digit::Thumb {
+                smooth_union(palm, first.min(second), THUMB_BLEND)
+            } else {
+                smooth_union(palm, first, FINGER_ROOT_BLEND).min(second)
+            };
+            skin = skin.min(blended).min(third);
+        }
+        skin.max(-self.cut - p.x)
+    }
+
+    fn near(&self, centre: &V, radius: f64) -> HandSurface {
+        // A part takes part in a blend where it lies no farther than the blend is wide beyond the nearest part, and what
+        // it adds there may take part in the next.
+        let bones = |(_, bones): &(Digit, [Cone; 3])| {
+            bones.iter().map(|bone| bone.distance(centre)).fold(f64::INFINITY, f64::min)
+        };
+        let web = |([a, b, c], radius): &([V; 3], f64)| round_triangle(centre, a, b, c, *radius);
+        let palm: Vec<f64> = self.palm.iter().map(|cone| cone.distance(centre)).collect();
+        let webs: Vec<f64> = self.webs.iter().map(web).collect();
+        let digits: Vec<f64> = self.digits.iter().map(bones).collect();
+        let least = palm.iter().chain(&webs).chain(&digits).copied().fold(f64::INFINITY, f64::min);
+        let limit = least + 2.0 * radius + 1.5 * PALM_BLEND;
+        HandSurface {
+            palm: within(&self.palm, &palm, limit),
+            webs: within(&self.webs, &webs, limit),
+            digits: within(&self.digits, &digits, limit),
+            cut: self.cut,
+        }
+    }
+}
+
+/// The parts whose distance is within a limit.
+fn within<T: Copy>(parts: &[T], distances: &[f64], limit: f64) -> Vec<T> {
+    parts.iter().zip(distances).filter(|(_, distance)| **distance <= limit).map(|(part, _)| *part).collect()
 }
 
 /// Bodies of the palm: the four metacarpals, the pad under the knuckles, the two balls of the hand, the wrist.

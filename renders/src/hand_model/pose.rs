@@ -152,12 +152,12 @@ impl Cut<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::surface_nets;
+    use crate::mesh::{Balls, surface_nets};
 
     #[test]
     fn a_cut_ball_is_closed_and_half_as_large() {
         let low = Vector3::repeat(-1.3);
-        let ball = surface_nets(low, -low, 0.1, |p| p.norm() - 1.0);
+        let ball = surface_nets(low, -low, 0.1, &Balls(vec![(Vector3::zeros(), 1.0)]));
         let whole = ball.volume();
         let half = cut(ball.clone(), 0.0131);
         assert!(half.is_closed());

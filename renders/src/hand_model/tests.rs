@@ -84,7 +84,7 @@ impl File {
         let surface = HandSurface::new(&skeleton, &REST, 0.02);
         let (low, high) = surface.bounds();
         let margin = V::repeat(2.0 * cell);
-        let mesh = surface_nets(low - margin, high + margin, cell, |p| surface.distance(p));
+        let mesh = surface_nets(low - margin, high + margin, cell, &surface);
         let mut numbers = Vec::new();
         let mut views = Vec::new();
         let mut accessors = Vec::new();
