@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use grasp_index::{
     BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
 };
-use grasp_renders::{HandShape, Look, Preset, RenderPlan, SceneSpec, Stage, View, Views};
+use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -172,7 +172,7 @@ impl Hands {
         let count = self.a_grasp * plan.grasps.len();
         let hand_shapes: Vec<_> = self.hand_shapes.iter().cloned().map(Arc::new).collect();
         // Hands in an index may all be posed alike; those that it is asked for are not.
-        let people = RenderPlan::preset(Preset::Wide).variation;
+        let people = Variation::PEOPLE;
         let mut in_turn = hand_shapes.iter().cycle();
         let mut scenes = Vec::with_capacity(count);
         for grasp in plan.grasps.iter().cloned().map(Arc::new) {
@@ -186,6 +186,7 @@ impl Hands {
                     stage: plan.stages.get(stage).copied().unwrap_or(Stage::Grasp),
                     object: grasp.object.object(size),
                     example: None,
+                    held: None,
                     look: plan.look.clone(),
                     // Another light than that of the index's own views from the same direction.
                     seed: plan.seed.wrapping_add(FIRST_SEED),

@@ -34,8 +34,8 @@ mod view;
 pub mod render_set;
 
 pub use grasp::{
-    Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement, Stage,
-    StagePose, UnknownStage,
+    Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
+    RecordedPose, Stage, StagePose, UnknownStage,
 };
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,

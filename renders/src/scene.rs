@@ -8,7 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::grasp::{Example, Grasp, Object, Stage, grip};
+use crate::grasp::{Example, Grasp, Object, Stage, grip, hold};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
 use crate::hand_model::HandModel;
 use crate::mesh::{Mesh, surface_nets};
@@ -70,6 +70,8 @@ pub struct SceneSpec {
     pub object: Object,
     /// Posed like this, and not by closing the fingers on the object.
     pub example: Option<Example>,
+    /// Posed like this, with the object fitted into the hand. An example takes precedence.
+    pub held: Option<HandPose>,
     /// Seen how.
     pub look: Look,
     /// Seed of the variations of light and distance.
@@ -118,14 +120,14 @@ pub struct Render {
 impl fmt::Debug for SceneSpec {
     /// All fields, a model only where there is one: pictures of our own hands are the same as before there were models.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let SceneSpec { hand_shape, hand_model, grasp, stage, object, example, look, seed } = self;
+        let SceneSpec { hand_shape, hand_model, grasp, stage, object, example, held, look, seed } = self;
         let mut all = f.debug_struct("SceneSpec");
         all.field("hand_shape", hand_shape);
         if let Some(model) = hand_model {
             all.field("hand_model", model);
         }
         all.field("grasp", grasp).field("stage", stage).field("object", object);
-        all.field("example", example).field("look", look).field("seed", seed).finish()
+        all.field("example", example).field("held", held).field("look", look).field("seed", seed).finish()
     }
 }
 
@@ -181,7 +183,10 @@ impl SceneSpec {
         if let Some(example) = &self.example {
             return (example.pose, example.object.mesh());
         }
-        let held = grip(skeleton, &self.grasp, self.object);
+        let held = match &self.held {
+            None => grip(skeleton, &self.grasp, self.object),
+            Some(pose) => hold(skeleton, &self.grasp, self.object, pose),
+        };
         let stage = self.grasp.stage(self.stage);
         let mut object = held.object;
         object.centre += held.away * stage.away;
@@ -337,6 +342,7 @@ mod tests {
             hand_model: None,
             object: grasp.object.object(0.5),
             example: None,
+            held: None,
             grasp: Arc::new(grasp),
             stage,
             look: Look::default(),

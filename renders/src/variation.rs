@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
-use crate::grasp::{Example, Grasp, Object, Placement};
+use crate::grasp::{Example, Grasp, Object, Placement, RecordedPose};
 use crate::hand::{Digit, HandPose, JOINTS, joint_limits};
 use crate::random::{between, normal, unit};
 use crate::scene::SceneSpec;
@@ -20,6 +20,11 @@ const EXAMPLE_PLACE: f64 = 0.003;
 const EXAMPLE_SIZE: f64 = 0.2;
 /// How far the way left to the object spreads at the stages before the grasp (logarithm of the ratio).
 const AWAY: f64 = 0.4;
+/// The power of an evenly drawn number that a forearm's length goes by: half of the arms are shorter than a third of the
+/// longest. Pictures show more cuffs and watches near the wrist than bare arms up to the elbow.
+const SHORT_ARMS: f64 = 1.5;
+/// How far on the way from one recorded pose to another a scene's pose lies; a little before the first, too.
+const MIXED: [f64; 2] = [-0.2, 0.5];
 
 /// How far scenes differ. Spreads are standard deviations; what is 0 stays as the data say.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +42,12 @@ pub struct Variation {
     pub closure: f64,
     /// The share of scenes that are posed like one of the grasp's examples.
     pub examples: f64,
-    /// Narrowest and widest sleeve, as shares of the wrist, and shortest and longest bare forearm in metres (all alike):
-    /// `None` leaves the plan's.
-    pub arms: Option<([f64; 2], [f64; 2])>,
+    /// The share of scenes that are posed like people's recorded hands ([`RecordedPose`]) in the same grasp.
+    pub recorded: f64,
+    /// Narrowest and widest sleeve, as shares of the wrist, every width as likely: `None` leaves the plan's.
+    pub sleeve: Option<[f64; 2]>,
+    /// Shortest and longest bare forearm in metres, shorter ones more often: `None` leaves the plan's.
+    pub forearm: Option<[f64; 2]>,
 }
 
 impl Variation {
@@ -51,7 +59,23 @@ impl Variation {
         size: 0.0,
         closure: 0.0,
         examples: 0.0,
-        arms: None,
+        recorded: 0.0,
+        sleeve: None,
+        forearm: None,
+    };
+
+    /// As people's hands, objects and arms differ; measured on development pictures of two hands that this project did
+    /// not make. Longer arms or fewer examples help one of the two and cost the other as much.
+    pub const PEOPLE: Variation = Variation {
+        joints: 0.65,
+        tilt_deg: 6.0,
+        place: 0.04,
+        size: 0.4,
+        closure: 0.12,
+        examples: 0.5,
+        recorded: 0.25,
+        sleeve: Some([1.05, 1.5]),
+        forearm: Some([0.0, 0.16]),
     };
 
     /// The scene, varied as its own parameters' hash says: the same scene is varied in the same way.
@@ -62,17 +86,23 @@ impl Variation {
         let mut rng = ChaCha8Rng::seed_from_u64(spec.params_hash());
         let rng = &mut rng;
         let noise = self.joint_noise(rng);
-        if let Some((sleeve, forearm)) = self.arms {
+        if let Some(sleeve) = self.sleeve {
             spec.look.sleeve = between(rng, sleeve);
-            spec.look.forearm = between(rng, forearm);
+        }
+        if let Some(forearm) = self.forearm {
+            let [shortest, longest] = forearm;
+            spec.look.forearm = shortest + (longest - shortest) * unit(rng).powf(SHORT_ARMS);
         }
         let examples: Vec<&Example> = spec.grasp.examples.iter().filter(|e| e.stage == spec.stage).collect();
-        if !examples.is_empty() && unit(rng) < self.examples {
-            let which = (unit(rng) * examples.len() as f64) as usize;
-            let example = self.example(examples[which.min(examples.len() - 1)], &noise, rng);
+        let posed_like = unit(rng);
+        if let Some(example) = pick(&examples, rng).filter(|_| posed_like < self.examples) {
+            let example = self.example(example, &noise, rng);
             spec.object = example.object.object;
             spec.example = Some(example);
             return spec;
+        }
+        if (self.examples..self.examples + self.recorded).contains(&posed_like) {
+            spec.held = self.recorded(&spec.grasp.name, &noise, rng);
         }
         spec.object = self.object(&spec, rng);
         spec.grasp = Arc::new(self.grasp(&spec.grasp, &noise, rng));
@@ -95,6 +125,19 @@ impl Variation {
             })
         });
         HandPose { digits }
+    }
+
+    /// A pose somewhere between two recorded ones of a grasp, varied; `None` where none was recorded.
+    fn recorded(&self, grasp: &str, noise: &HandPose, rng: &mut ChaCha8Rng) -> Option<HandPose> {
+        let of_grasp = RecordedPose::all().iter().filter(|recorded| recorded.grasp == grasp);
+        // The surer its label, the more often a pose is taken.
+        let poses: Vec<&HandPose> = of_grasp
+            .flat_map(|recorded| std::iter::repeat_n(&recorded.pose, usize::from(recorded.confidence)))
+            .collect();
+        let (first, second) = (*pick(&poses, rng)?, *pick(&poses, rng)?);
+        let mut pose = first.toward(second, between(rng, MIXED));
+        add(&mut pose, noise);
+        Some(pose)
     }
 
     fn example(&self, example: &Example, noise: &HandPose, rng: &mut ChaCha8Rng) -> Example {
@@ -156,6 +199,12 @@ impl Variation {
             None => UnitQuaternion::identity(),
         }
     }
+}
+
+/// One of several, every one as likely; `None` of none.
+fn pick<'a, T>(all: &'a [T], rng: &mut ChaCha8Rng) -> Option<&'a T> {
+    let which = (unit(rng) * all.len() as f64) as usize;
+    all.get(which.min(all.len().checked_sub(1)?))
 }
 
 /// Adds `noise` to the angles of a pose and keeps them within the joints' limits.

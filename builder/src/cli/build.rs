@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::builder::ArgPredicate;
 use grasp_index::{DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams};
-use grasp_renders::RenderPlan;
+use grasp_renders::{Preset, RenderPlan};
 
 use super::Global;
+use super::form::Form;
 use super::plan::PlanOptions;
-use crate::build::{Recipe, RenderSet, Report, Source, THUMBNAIL_SIDE, Vectors, build};
+use crate::build::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
 
@@ -23,7 +24,8 @@ use crate::interrupt;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder build --out grasp.idx
+  grasp-builder build --out grasp.idx                       the default: recognises hands of any shape, from any side
+  grasp-builder build --preset paper --out paper.idx        the paper's 6 x 900 views of one hand
   grasp-builder build --hands 30 --rolls 12 --step 12 --out many.idx
   grasp-builder build renders blender-renders --out grasp.idx --descriptor paper
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
@@ -70,10 +72,10 @@ struct VectorOptions {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to make of it")]
 struct IndexOptions {
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright, for views with any roll (the default of
-    /// `--preset wide`); or `paper` for the paper's own form. With --descriptors, how the rows were made: `raw` (somehow else),
-    /// unless this is given.
-    #[arg(long, value_name = "NAME", default_value_if("preset", "wide", "upright"), value_parser = DescriptorParams::NAMES)]
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright, for views with any roll (the
+    /// default of `--preset standard` and `wide`); or `paper` for the paper's own form. With --descriptors, how the rows
+    /// were made: `raw` (somehow else), unless this is given.
+    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
     descriptor: Option<String>,
     /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones as in the paper.
     #[arg(long, default_value = "learned", default_value_if("tables", ArgPredicate::IsPresent, "random"), value_name = "NAME", value_parser = ["learned", "random"])]
@@ -87,13 +89,14 @@ struct IndexOptions {
     /// Buckets a table (the paper's H), for --tables and --planes.
     #[arg(long, value_name = "H", default_value_t = 4096, requires = "tables", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     buckets: u32,
-    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`; the default of
-    /// `--preset wide`), or none.
-    #[arg(long, default_value = "f32", default_value_if("preset", "wide", "f16"), value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
-    originals: String,
-    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. `--preset wide` keeps 20.
-    #[arg(long, value_name = "PIXELS", default_value_t = THUMBNAIL_SIDE, default_value_if("preset", "wide", "20"), value_parser = clap::value_parser!(u32).range(0..=1024))]
-    thumbnails: u32,
+    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`; the
+    /// default of `--preset standard` and `wide`), or none.
+    #[arg(long, value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
+    originals: Option<String>,
+    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. By default 48 for
+    /// pictures of render sets and `--preset paper`, 20 for the larger presets.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    thumbnails: Option<u32>,
 }
 
 impl IndexOptions {
@@ -122,11 +125,23 @@ impl IndexOptions {
             }
             _ => HashParams::Learned,
         };
-        let originals = Originals::by_name(&self.originals)
-            .with_context(|| format!("there is no form of descriptors named {}", self.originals))?;
+        let form = match source {
+            Source::Plan(_) => Form::of(plan.preset()),
+            Source::Sets(_) | Source::Vectors(_) => Form::of(Preset::Paper),
+        };
+        let originals = self.originals.as_deref().unwrap_or(form.originals);
+        let originals = Originals::by_name(originals)
+            .with_context(|| format!("there is no form of descriptors named {originals}"))?;
         let named = self.descriptor()?;
         let (descriptor, thumbnail_side) = match source {
-            Source::Plan(_) | Source::Sets(_) => (named.unwrap_or_default(), self.thumbnails),
+            Source::Plan(_) | Source::Sets(_) => {
+                let default = || {
+                    DescriptorParams::by_name(form.descriptor)
+                        .with_context(|| format!("there is no descriptor named {}", form.descriptor))
+                };
+                let descriptor = named.map_or_else(default, Ok)?;
+                (descriptor, self.thumbnails.unwrap_or(form.thumbnail_side))
+            }
             Source::Vectors(vectors) => {
                 let descriptor = named.unwrap_or(DescriptorParams::raw(vectors.dim()));
                 if descriptor.dim() != vectors.dim() as usize {
@@ -157,7 +172,7 @@ impl WorkOptions {
             let held_out = self.vectors.held_out.clone().map_or(HeldOut::Nothing, HeldOut::File);
             return Ok((Source::Vectors(Box::new(vectors)), held_out));
         }
-        let plan = self.plan.plan(seed)?;
+        let plan = self.plan().plan(seed)?;
         if self.renders.is_empty() {
             let held_out = held_out(&plan, &[]);
             return Ok((Source::Plan(Box::new(plan)), held_out));
@@ -170,10 +185,16 @@ impl WorkOptions {
         Ok((Source::Sets(sets), held_out(&plan, &known)))
     }
 
+    /// Which renders to make. Render sets may show anything: the search is measured on hands seen as in the paper.
+    fn plan(&self) -> PlanOptions {
+        let plan = self.plan.clone();
+        if self.renders.is_empty() { plan } else { plan.otherwise(Preset::Paper) }
+    }
+
     /// The source and the recipe that the options describe.
     pub(super) fn work(&self) -> anyhow::Result<(Source, Recipe)> {
         let (source, held_out) = self.source()?;
-        let recipe = self.index.recipe(&source, held_out, &self.plan, self.seed)?;
+        let recipe = self.index.recipe(&source, held_out, &self.plan(), self.seed)?;
         if source.is_empty() {
             bail!("the render sets hold no picture");
         }

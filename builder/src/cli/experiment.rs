@@ -10,6 +10,7 @@ use grasp_index::DescriptorParams;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 
 use super::Global;
+use super::form::Form;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;
 use crate::experiment::scale::plot::{self, PAPER_EXPONENT};
@@ -85,16 +86,16 @@ struct Shapes {
     /// Numbers of hand shapes: the mean hand, the named ones, then hands sampled from the human range.
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100", value_parser = clap::value_parser!(u32).range(1..=9999))]
     counts: Vec<u32>,
-    /// What is rendered of each hand shape: `paper`, or `wide` with object sizes, the lower half-sphere and rolls.
+    /// What is rendered of each hand shape: `paper`, `standard` or `wide`, as for `build`.
     #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
     preset: Preset,
     /// Step between views in degrees, in azimuth and elevation.
     #[arg(long, value_name = "DEG", value_parser = parse_step)]
     step: Option<f64>,
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright (the default of `--preset wide`); or
-    /// `paper` for the paper's own form.
-    #[arg(long, value_name = "NAME", default_value = "default", default_value_if("preset", "wide", "upright"), value_parser = DescriptorParams::NAMES)]
-    descriptor: String,
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright; or `paper` for the paper's
+    /// own form. By default as `build` does for the preset.
+    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
+    descriptor: Option<String>,
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
@@ -166,8 +167,9 @@ impl Shapes {
             };
             plan.views = Views::Grid(grid);
         }
-        let descriptor = DescriptorParams::by_name(&self.descriptor)
-            .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
+        let name = self.descriptor.as_deref().unwrap_or(Form::of(self.preset).descriptor);
+        let descriptor = DescriptorParams::by_name(name)
+            .with_context(|| format!("there is no descriptor named {name}"))?;
         let counts = self.counts.iter().copied().collect();
         let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
         let mut stderr = std::io::stderr();

@@ -174,5 +174,5 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
              another way with --preset"
         );
     }
-    Ok(Seen { options: own.or(first.unwrap_or_default()), seed })
+    Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanOptions::of(Some(Preset::Paper)))), seed })
 }

@@ -4,6 +4,7 @@ mod build;
 mod completions;
 mod experiment;
 mod export;
+mod form;
 mod grow;
 mod inspect;
 mod man;

@@ -14,8 +14,9 @@ const MOST_VIEWS: f64 = 1e6;
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
-    /// A named plan: `paper`, the default, is one hand shape, 6 grasps, 900 views; `wide` is 155 hand shapes at all stages, in varied
-    /// poses, with objects of all sizes, seen from everywhere with any roll. The options below change it.
+    /// A named plan, which the options below change. `standard`: 40 hand shapes at all stages, in varied poses, with
+    /// objects of all sizes, seen from everywhere with any roll. `wide`: the same of 155 hand shapes, six times as many
+    /// views. `paper`: one hand shape, 6 grasps, 900 views on a grid; implied by --step, --elevations and --rolls.
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
     /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
@@ -54,7 +55,8 @@ pub(super) struct PlanOptions {
     /// Distance of the camera, in hand lengths.
     #[arg(long, value_name = "LENGTHS")]
     distance: Option<f64>,
-    /// Length of the forearm behind the wrist in millimetres; 0 cuts at the wrist.
+    /// Length of the bare forearm behind the wrist in millimetres, the same in all scenes; 0 cuts at the wrist. By
+    /// default `standard` and `wide` draw arms of 0 to 160 mm, `paper` none.
     #[arg(long, value_name = "MM")]
     forearm: Option<f64>,
     /// How far the light may move from view to view, 0 to 1.
@@ -76,7 +78,7 @@ struct Line {
 /// The options that say how hands are posed and seen; those that say whose hands they are, and files, are left out.
 impl fmt::Display for PlanOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "--preset={}", self.preset.unwrap_or(Preset::Paper))?;
+        write!(f, "--preset={}", self.preset())?;
         self.stage.iter().try_for_each(|stage| write!(f, " --stage={}", stage.name()))?;
         if let Some([low, high]) = self.elevations {
             write!(f, " --elevations={low}..{high}")?;
@@ -105,6 +107,22 @@ impl PlanOptions {
         Self { preset, ..Self::default() }
     }
 
+    /// These options with a preset, where they name none.
+    pub(super) fn otherwise(self, preset: Preset) -> Self {
+        Self { preset: self.preset.or(Some(preset)), ..self }
+    }
+
+    /// The preset: the one that is named, or the one that these options fit.
+    pub(super) fn preset(&self) -> Preset {
+        let fits = if self.has_grid() { Preset::Paper } else { Preset::Standard };
+        self.preset.unwrap_or(fits)
+    }
+
+    /// Whether any of the options of a grid of views is given.
+    fn has_grid(&self) -> bool {
+        self.step.is_some() || self.elevations.is_some() || self.rolls.is_some()
+    }
+
     /// Whether a preset is named.
     pub(super) fn names_a_preset(&self) -> bool {
         self.preset.is_some()
@@ -119,7 +137,7 @@ impl PlanOptions {
 
     /// These options, and where they say nothing, those.
     pub(super) fn or(self, those: Self) -> Self {
-        let has_grid = self.step.is_some() || self.elevations.is_some() || self.rolls.is_some();
+        let has_grid = self.has_grid();
         let (is_grid, is_random) = (has_grid || self.views.is_none(), self.views.is_some() || !has_grid);
         Self {
             preset: self.preset.or(those.preset),
@@ -154,7 +172,7 @@ impl PlanOptions {
 
     /// The plan that the options describe.
     pub(super) fn plan(&self, seed: u64) -> anyhow::Result<RenderPlan> {
-        let mut plan = RenderPlan::preset(self.preset.unwrap_or(Preset::Paper));
+        let mut plan = RenderPlan::preset(self.preset());
         plan.seed = seed;
         if let Some(hands) = self.hands {
             plan = plan.with_hands(hands as usize);
@@ -184,7 +202,10 @@ impl PlanOptions {
         }
         let look = &mut plan.look;
         look.distance = self.distance.unwrap_or(look.distance);
-        look.forearm = self.forearm.map_or(look.forearm, |millimetres| millimetres / 1000.0);
+        if let Some(millimetres) = self.forearm {
+            look.forearm = millimetres / 1000.0;
+            plan.variation.forearm = None;
+        }
         look.light_variation = self.light_variation.unwrap_or(look.light_variation);
         look.distance_variation = self.distance_variation.unwrap_or(look.distance_variation);
         if plan.renders() == 0 {
@@ -199,9 +220,7 @@ impl PlanOptions {
             return Ok(Views::Random(count as usize));
         }
         let mut grid = match preset {
-            Views::Random(_) if self.step.is_none() && self.elevations.is_none() && self.rolls.is_none() => {
-                return Ok(preset);
-            }
+            Views::Random(_) if !self.has_grid() => return Ok(preset),
             Views::Random(_) => ViewGrid { elevation_deg: [-84.0, 84.0], ..ViewGrid::default() },
             Views::Grid(grid) => grid,
         };
@@ -266,12 +285,25 @@ mod tests {
             assert_eq!(kept.to_string(), line);
             assert_eq!(kept.plan(3).unwrap(), again.plan(3).unwrap());
         }
-        assert_eq!(PlanOptions::default().to_string(), "--preset=paper");
+        assert_eq!(PlanOptions::default().to_string(), "--preset=standard");
         for odd in ["", "wide", "--preset=huge", "--preset=paper --step", "--preset=paper --seed=3"] {
             assert!(PlanOptions::kept(odd).is_none_or(|kept| kept.to_string() == "--preset=paper"), "{odd}");
         }
         let foreign = options("--preset=paper --grasps=/etc/passwd --hand-model=x.glb --hands=9");
-        assert_eq!(foreign.plan(0).unwrap(), PlanOptions::default().plan(0).unwrap());
+        assert_eq!(foreign.plan(0).unwrap(), PlanOptions::of(Some(Preset::Paper)).plan(0).unwrap());
+    }
+
+    #[test]
+    fn an_option_changes_the_preset_that_it_stands_beside() {
+        let forearms = |line: &str| -> Vec<f64> {
+            let plan = options(line).plan(0).unwrap().with_hands(1);
+            plan.scenes().iter().map(|scene| scene.look.forearm).collect()
+        };
+        assert!(forearms("--preset=wide --forearm=50").iter().all(|metres| *metres == 0.05));
+        assert!(forearms("--preset=wide").windows(2).any(|pair| pair[0] != pair[1]));
+        assert_eq!(options("--step=30").preset(), Preset::Paper);
+        assert_eq!(options("--preset=wide --step=30").preset(), Preset::Wide);
+        assert_eq!(options("--hands=9").preset(), Preset::Standard);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use grasp_index::DescriptorParams;
 
+use super::form::Form;
 use super::plan::PlanOptions;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};
@@ -33,10 +34,10 @@ pub(crate) struct Queries {
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright (the default of `--preset wide`); or
-    /// `paper` for the paper's own form.
-    #[arg(long, default_value = "default", default_value_if("preset", "wide", "upright"), value_name = "NAME", value_parser = DescriptorParams::NAMES)]
-    descriptor: String,
+    /// How hand images are described: `default`; `upright`, the same of hands turned upright; or `paper` for the paper's
+    /// own form. By default as `build` does for the preset.
+    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
+    descriptor: Option<String>,
     #[command(flatten)]
     plan: PlanOptions,
 }
@@ -44,8 +45,9 @@ pub(crate) struct Queries {
 impl Queries {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let params = DescriptorParams::by_name(&self.descriptor)
-            .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
+        let name = self.descriptor.as_deref().unwrap_or(Form::of(self.plan.preset()).descriptor);
+        let params = DescriptorParams::by_name(name)
+            .with_context(|| format!("there is no descriptor named {name}"))?;
         let plan = self.plan.plan(self.seed)?;
         if !plan.hand_models.is_empty() {
             bail!("queries are of hands that no index holds: leave out --hand-model");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::Context as _;
+use grasp_renders::Preset;
 use grasp_renders::render_set::{RenderSetError, write_set};
 
 use super::Global;
@@ -35,7 +36,7 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let plan = self.plan.plan(self.seed)?;
+        let plan = self.plan.clone().otherwise(Preset::Paper).plan(self.seed)?;
         let started = Instant::now();
         let bar = global.progress().bar(plan.renders() as u64, "rendering", "views");
         let written =

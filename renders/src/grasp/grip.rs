@@ -64,8 +64,17 @@ pub(crate) fn grip(skeleton: &Skeleton, grasp: &Grasp, object: Object) -> Grip {
     Grip { pose, object: placed, away }
 }
 
+/// The palm as a sheet of balls between the wrist and the knuckles: their centres and their radius.
+pub(super) fn palm_sheet(skeleton: &Skeleton) -> (Vec<V>, f64) {
+    let along = |finger| {
+        let knuckle = skeleton.root(finger);
+        (1..=8).map(move |i| knuckle.component_mul(&V::new(f64::from(i) / 8.0, 1.0, 1.0)))
+    };
+    (Digit::FINGERS.into_iter().flat_map(along).collect(), 0.47 * skeleton.shape().palm_thickness)
+}
+
 /// Pushes the object against the palm along a straight line.
-fn against_palm(
+pub(super) fn against_palm(
     skeleton: &Skeleton,
     grasp: &Grasp,
     object: Object,
@@ -73,15 +82,7 @@ fn against_palm(
     push: &V,
 ) -> PlacedObject {
     let anchor = skeleton.palm_point([x, y, 0.0]);
-    let half = 0.47 * skeleton.shape().palm_thickness;
-    // The palm as a sheet of balls between the wrist and the knuckles.
-    let palm: Vec<V> = Digit::FINGERS
-        .into_iter()
-        .flat_map(|finger| {
-            let knuckle = skeleton.root(finger);
-            (1..=8).map(move |i| knuckle.component_mul(&V::new(f64::from(i) / 8.0, 1.0, 1.0)))
-        })
-        .collect();
+    let (palm, half) = palm_sheet(skeleton);
     let place = |away: f64| PlacedObject::new(object, anchor + push * away, &grasp.object.axis);
     let clear = |away: f64| {
         let body = place(away);
@@ -107,13 +108,7 @@ fn between_tips(
     object: Object,
     between: &[Digit],
 ) -> (PlacedObject, V, HandPose) {
-    let tips = |closure: f64| {
-        let chains = skeleton.chains(&grasp.open.toward(&grasp.closed, closure));
-        let fingers =
-            between.iter().map(|d| chains[*d as usize].points[3]).fold(V::zeros(), |sum, p| sum + p)
-                / between.len() as f64;
-        (chains[0].points[3], fingers)
-    };
+    let tips = |closure: f64| tips(between, &skeleton.chains(&grasp.open.toward(&grasp.closed, closure)));
     let flesh = |digit: Digit| skeleton.chain(digit, &grasp.open.digits[digit as usize]).radii[3];
     let wanted = 2.0 * object.radius() + flesh(Digit::Thumb) + flesh(between[0]);
     let (mut low, mut high) = (0.0, 1.0);
@@ -126,17 +121,38 @@ fn between_tips(
             high = middle;
         }
     }
-    let (thumb, fingers) = tips(low);
-    let across = (fingers - thumb).normalize();
+    let start = grasp.open.toward(&grasp.closed, low);
+    let (placed, away) = between_tips_of(skeleton, grasp, object, between, &skeleton.chains(&start));
+    (placed, away, start)
+}
+
+/// The thumb's tip, and the middle of the fingers' that oppose it.
+fn tips(between: &[Digit], chains: &[Chain; 5]) -> (V, V) {
+    let fingers = between.iter().map(|d| chains[*d as usize].points[3]).fold(V::zeros(), |sum, p| sum + p);
+    (chains[0].points[3], fingers / between.len() as f64)
+}
+
+/// Puts the object between the tips of a posed hand; it shares the way that is left among them. Returns the object and
+/// the direction away from the hand.
+pub(super) fn between_tips_of(
+    skeleton: &Skeleton,
+    grasp: &Grasp,
+    object: Object,
+    between: &[Digit],
+    chains: &[Chain; 5],
+) -> (PlacedObject, V) {
+    let flesh = |digit: Digit| chains[digit as usize].radii[3];
+    let wanted = 2.0 * object.radius() + flesh(Digit::Thumb) + between.first().map_or(0.0, |d| flesh(*d));
+    let (thumb, fingers) = tips(between, chains);
+    let across = (fingers - thumb).try_normalize(1e-6).unwrap_or_else(V::x);
     // The disc's axis stands upright on the line between the tips.
     let axis = grasp.object.axis - across * across.dot(&grasp.object.axis);
     let axis = axis.try_normalize(1e-6).unwrap_or_else(V::z);
     let thumb_side = object.radius() + flesh(Digit::Thumb);
     let centre = thumb + across * thumb_side * ((fingers - thumb).norm() / wanted);
-    let start = grasp.open.toward(&grasp.closed, low);
     let palm = skeleton.palm_point([0.5, 0.0, 0.0]);
     let away = (centre - palm).try_normalize(1e-6).unwrap_or_else(|| -V::z());
-    (PlacedObject::new(object, centre, &axis), away, start)
+    (PlacedObject::new(object, centre, &axis), away)
 }
 
 /// The number of the bone that a joint moves first.
@@ -158,7 +174,7 @@ fn samples(chain: &Chain, bone: usize) -> impl Iterator<Item = (V, f64)> + '_ {
 }
 
 /// How far a bone's flesh is from a surface; negative when it is inside.
-fn gap(chain: &Chain, bone: usize, surface: impl Fn(&V) -> f64) -> f64 {
+pub(super) fn gap(chain: &Chain, bone: usize, surface: impl Fn(&V) -> f64) -> f64 {
     samples(chain, bone).map(|(p, r)| surface(&p) - r).fold(f64::INFINITY, f64::min)
 }
 
@@ -193,7 +209,7 @@ fn close(
 }
 
 /// Levenberg-Marquardt on the digit's joints: end bone on the surface, no bone in it, joints near where they were.
-fn fit(
+pub(super) fn fit(
     skeleton: &Skeleton,
     digit: Digit,
     start: Joints,

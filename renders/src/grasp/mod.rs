@@ -3,12 +3,16 @@
 
 mod example;
 mod grip;
+mod hold;
 mod object;
+mod recorded;
 mod set;
 
 pub use example::Example;
 pub(crate) use grip::grip;
+pub(crate) use hold::hold;
 pub use object::{Object, PlacedObject};
+pub use recorded::RecordedPose;
 pub use set::{GraspSet, GraspSetError};
 
 use std::fmt;

@@ -179,6 +179,7 @@ fn spec(grasp: &str, model: Option<&Arc<HandModel>>) -> SceneSpec {
         hand_model: model.cloned(),
         object: grasp.object.object(0.5),
         example: None,
+        held: None,
         grasp: Arc::new(grasp),
         stage: Stage::Grasp,
         look: Look::default(),

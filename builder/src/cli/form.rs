@@ -1,0 +1,28 @@
+//! In which form an index keeps the views of a preset, unless its options say otherwise.
+
+use grasp_renders::Preset;
+
+use crate::build::THUMBNAIL_SIDE;
+
+/// Names as in the options of `build`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Form {
+    /// How hand images are described.
+    pub(super) descriptor: &'static str,
+    /// How exact distances are kept.
+    pub(super) originals: &'static str,
+    /// Side of the thumbnails in pixels.
+    pub(super) thumbnail_side: u32,
+}
+
+impl Form {
+    /// Views with any roll are turned upright before they are described, and many views are kept small.
+    pub(super) fn of(preset: Preset) -> Self {
+        match preset {
+            Preset::Paper => Self { descriptor: "default", originals: "f32", thumbnail_side: THUMBNAIL_SIDE },
+            Preset::Standard | Preset::Wide => {
+                Self { descriptor: "upright", originals: "f16", thumbnail_side: 20 }
+            }
+        }
+    }
+}

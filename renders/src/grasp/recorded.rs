@@ -1,0 +1,85 @@
+//! Poses of hands that hold things, as people recorded or set them (`data/poses.csv`).
+//!
+//! They say what people's fingers do in a grasp: how they splay, how unevenly they curl, where the thumb lies. What they
+//! held is not known, so that an object is fitted into the hand when a scene is built.
+
+use std::sync::OnceLock;
+
+use serde::Deserialize;
+
+use crate::hand::{HandPose, JOINTS};
+
+const FILE: &str = include_str!("../../data/poses.csv");
+/// Joint angles a row: five of the thumb, four of each finger.
+const ANGLES: usize = 21;
+
+/// One recorded pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedPose {
+    /// The name of the grasp.
+    pub grasp: String,
+    /// How sure the label is: 3 clear, 2 likely, 1 a guess between two.
+    pub confidence: u8,
+    /// The joint angles.
+    pub pose: HandPose,
+}
+
+/// A row of the file; what names source and licence is for readers of the file.
+#[derive(Deserialize)]
+struct Row {
+    grasp: String,
+    confidence: u8,
+}
+
+impl RecordedPose {
+    /// All of them, in the order of the file.
+    pub fn all() -> &'static [RecordedPose] {
+        static ALL: OnceLock<Vec<RecordedPose>> = OnceLock::new();
+        ALL.get_or_init(|| parse(FILE).expect("data/poses.csv is checked by a test"))
+    }
+}
+
+fn parse(text: &str) -> Result<Vec<RecordedPose>, csv::Error> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let headers = reader.headers()?.clone();
+    let first = headers.len().saturating_sub(ANGLES);
+    let mut poses = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        let Row { grasp, confidence } = record.deserialize(Some(&headers))?;
+        let degrees = record.iter().skip(first).map(|angle| angle.parse().unwrap_or(f64::NAN));
+        let angles: Vec<f64> = degrees.map(f64::to_radians).collect();
+        let mut pose = HandPose { digits: [[0.0; JOINTS]; 5] };
+        let joints = pose.digits.iter_mut().enumerate();
+        let joints =
+            joints.flat_map(|(digit, joints)| joints.iter_mut().take(if digit == 0 { 5 } else { 4 }));
+        joints.zip(angles).for_each(|(joint, angle)| *joint = angle);
+        poses.push(RecordedPose { grasp, confidence, pose });
+    }
+    Ok(poses)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grasp::GraspSet;
+    use crate::hand::{Digit, joint_limits};
+
+    #[test]
+    fn every_pose_is_one_of_a_hand_in_a_known_grasp() {
+        let grasps = GraspSet::builtin();
+        assert_eq!(RecordedPose::all().len(), 105);
+        for recorded in RecordedPose::all() {
+            assert!(grasps.get(&recorded.grasp).is_some(), "{}", recorded.grasp);
+            assert!((1..=3).contains(&recorded.confidence));
+            for digit in Digit::ALL {
+                for (angle, [low, high]) in
+                    recorded.pose.digits[digit as usize].iter().zip(joint_limits(digit))
+                {
+                    let rounding = 0.1f64.to_radians();
+                    assert!((low - rounding..=high + rounding).contains(angle), "{recorded:?}");
+                }
+            }
+        }
+    }
+}
