@@ -316,7 +316,7 @@ mod tests {
         let typo = broken("\ntouch = [", "\ntuoch = [");
         assert!(typo.contains("unknown field `tuoch`, expected one of `name`"), "{typo}");
         insta::assert_snapshot!(broken("index = [7, 12, 18, 10]", "index = [7, 12, 180, 10]"), @"grasp `large-diameter`: open.index: middle is 180 degrees, but that joint goes from -5 to 112");
-        insta::assert_snapshot!(broken("radius = [0.028, 0.046]", "radius = [0.046, 0.028]"), @"grasp `large-diameter`: radius must be [smallest, largest] in metres, from 0.001 to 0.5; it is [0.046, 0.031]");
+        insta::assert_snapshot!(broken("radius = [0.028, 0.046]", "radius = [0.046, 0.028]"), @"grasp `large-diameter`: radius must be [smallest, largest] in metres, from 0.001 to 0.5; it is [0.046, 0.028]");
         insta::assert_snapshot!(broken("cutkosky = 2", "cutkosky = 1"), @"grasp `small-diameter`: its name or its number is taken by another grasp");
         insta::assert_snapshot!(broken("\nplace = \"palm\"", "\nplace = \"tips\""), @r#"grasp `large-diameter`: place = "tips" needs between and nothing else"#);
         insta::assert_snapshot!(broken("up = [0.0, 1.0, 0.0]", "up = [0.0, 0.0, 0.0]"), @"grasp `large-diameter`: up has no direction: it needs three numbers that are not all 0");
