@@ -129,7 +129,7 @@ fn an_empty_page_shows_the_grasps_and_a_sample_is_answered_by_a_key() {
     keep(&mut browser, "page-empty-dark.png");
 
     browser.evaluate("document.querySelector('button.sample').focus()");
-    browser.press("Enter", 13);
+    browser.press(" ", 32);
     browser.wait_for("!document.getElementById('answer').hidden");
     browser.wait_for(PICTURES_ARE_THERE);
     assert_eq!(browser.evaluate("document.getElementById('known').open"), false);

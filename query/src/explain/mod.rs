@@ -301,7 +301,7 @@ fn capitalised(text: &str) -> String {
 fn percent(share: f64) -> String {
     match share {
         share if share > 0.0 && share < 0.005 => "< 1 %".into(),
-        share if share >= 0.995 && share < 1.0 => "> 99 %".into(),
+        share if (0.995..1.0).contains(&share) => "> 99 %".into(),
         share => format!("{:.0} %", 100.0 * share),
     }
 }

@@ -122,6 +122,7 @@ async function startLive() {
 // The record of what the camera sees now, or null where that is no hand.
 async function answerFrame(signal) {
   const body = await frameOf($("video"), FRAME_SIDE);
+  signal.throwIfAborted();
   if (!body) throw new Error("The browser cannot read the camera's picture.");
   try {
     const response = await ask(`v1/recognise?${parameters("camera")}`, { method: "POST", body, signal });
