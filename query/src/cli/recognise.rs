@@ -122,7 +122,7 @@ impl Recognise {
         if self.images.len() > 1 && (self.mask.is_some() || self.depth.is_some()) {
             bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
         }
-        let drawings = self.drawings()?;
+        let drawings = self.drawings(&self.images)?;
         if let Some(address) = &self.server {
             return self.run_remote(address, drawings.as_ref());
         }
@@ -173,11 +173,11 @@ impl Recognise {
     }
 
     /// Where drawings go, where any are asked for. No input is drawn over.
-    fn drawings(&self) -> anyhow::Result<Option<Drawings>> {
+    fn drawings(&self, images: &[PathBuf]) -> anyhow::Result<Option<Drawings>> {
         let Some(out) = &self.explain else { return Ok(None) };
-        let drawings = Drawings::new(out, self.images.len())?;
+        let drawings = Drawings::new(out, images.len())?;
         if let Drawings::File(file) = &drawings {
-            let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
+            let pictures = images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
             super::refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
         }
         drawings.prepare()?;
@@ -267,7 +267,7 @@ impl Recognise {
             }
         }
         if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
-            self.drawn(&name, drawings.of(&answer.file, answer.frame), |path| {
+            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
                 Ok(explain::save(&explain::draw(&found, answer, index), path)?)
             });
         }
@@ -279,6 +279,7 @@ impl Recognise {
     fn drawn(
         &self,
         name: &str,
+        frame: Option<u64>,
         path: anyhow::Result<PathBuf>,
         draw: impl FnOnce(&Path) -> anyhow::Result<()>,
     ) {
@@ -286,7 +287,7 @@ impl Recognise {
             path.and_then(|path| draw(&path).with_context(|| format!("cannot write {}", path.display())));
         if let Err(error) = outcome {
             // Of a stream's many frames, the first one's failure says enough.
-            if !self.undrawn.swap(true, Ordering::Relaxed) || self.images.len() > 1 {
+            if !self.undrawn.swap(true, Ordering::Relaxed) || frame.is_none() {
                 let _ = writeln!(io::stderr(), "{name}: {error:#}");
             }
         }

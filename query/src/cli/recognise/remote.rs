@@ -114,7 +114,7 @@ impl Recognise {
         };
         if let (Some(drawings), true) = (drawings, answer.is_answer) {
             let drawing = clients.recognise(&parameters, &parts, Wanted::Drawing)?;
-            self.drawn(&name, drawings.of(&name, frame), |path| {
+            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
                 Ok(explain::save(&decoded(&drawing.body)?, path)?)
             });
         }

@@ -6,10 +6,10 @@ function show(blob, record) {
   $("answer").hidden = false;
   $("verdict").textContent = record.reason ? "unknown" : `${inWords(record.grasp)}, ${percent(record.probability)}`;
   $("words").textContent = `A ${record.hand} hand. The camera sees ${orientation.camera_sees}, the fingers point ${orientation.fingers_point}, give or take ${Math.round(orientation.spread_deg)}°.`
-    + (record.reason ? ` Unknown: ${record.reason}.` : "");
+    + (record.reason ? ` Unknown: ${onPage(record.reason)}.` : "");
   const warnings = record.warnings ?? [];
   $("warnings").hidden = warnings.length === 0;
-  $("warnings").replaceChildren(...warnings.map(({ message }) => element("li", {}, message)));
+  $("warnings").replaceChildren(...warnings.map(({ message }) => element("li", {}, onPage(message))));
   $("picture").hidden = false;
   // A format that no browser knows shows as its mask alone.
   showBlob($("picture"), blob, () => { $("picture").hidden = true; });

@@ -162,7 +162,7 @@ async function drawLive(record) {
   arrow(context, middle, [m[2], m[5]], length, style.getPropertyValue("--back"));
   arrow(context, middle, [m[0], m[3]], length, style.getPropertyValue("--fingers"));
   const [grasp, share] = liveWords(record);
-  const warnings = (record.warnings ?? []).map(({ message }) => element("small", {}, message));
+  const warnings = (record.warnings ?? []).map(({ message }) => element("small", {}, onPage(message)));
   words.replaceChildren(element("strong", {}, grasp), ` ${share}`, ...warnings);
 }
 

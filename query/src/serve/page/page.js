@@ -19,6 +19,9 @@ function percent(share) {
   return `${Math.round(100 * share)} %`;
 }
 
+// A message of the service in the words of this page: options of the command line are fields here.
+const onPage = (message) => message.replaceAll("with --mask", "above, under “It is found”").replaceAll("with --hand", "above, under “Hand”");
+
 function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);
@@ -148,7 +151,7 @@ async function recognise(blob) {
   } catch (problem) {
     if (number !== asked) return;
     $("answer").hidden = true;
-    const words = problem.kind === "no_hand" ? noHand() : { message: problem.message, advice: [] };
+    const words = problem.kind === "no_hand" ? noHand() : { message: onPage(problem.message), advice: [] };
     tell(words.message, { picture: blob, advice: words.advice });
     $("unanswered").scrollIntoView({ block: "nearest" });
   } finally {
