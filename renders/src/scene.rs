@@ -320,6 +320,14 @@ impl Scene {
         (&vertices[..*hand_vertices], &triangles[..end])
     }
 
+    /// What hides the hand, the object that it holds and the arm where the look has one: as [`Self::hand`].
+    pub fn occluders(&self) -> (&[Vector3<f32>], Vec<[u32; 3]>) {
+        let Drawing { vertices, triangles, hand_vertices, .. } = &self.drawing;
+        let first = *hand_vertices as u32;
+        let theirs = triangles.iter().filter(|corners| corners.iter().all(|&corner| corner >= first));
+        (&vertices[*hand_vertices..], theirs.map(|corners| corners.map(|corner| corner - first)).collect())
+    }
+
     /// How many triangles the hand has.
     pub fn triangles(&self) -> usize {
         self.drawing.hand_triangles

@@ -40,6 +40,15 @@ impl Browser {
     /// If one is installed and does not start.
     #[must_use]
     pub fn start() -> Option<Self> {
+        Self::start_with(&[])
+    }
+
+    /// The same with more of the browser's own options.
+    ///
+    /// # Panics
+    /// As [`Self::start`].
+    #[must_use]
+    pub fn start_with(options: &[String]) -> Option<Self> {
         let program = find()?;
         let profile = tempfile::tempdir().expect("a temporary folder");
         // The protocol's pipe is file descriptors 3 and 4; a shell puts our own there.
@@ -59,6 +68,7 @@ impl Browser {
                 "--use-fake-ui-for-media-stream",
             ])
             .arg(format!("--user-data-dir={}", profile.path().display()))
+            .args(options)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -172,6 +182,18 @@ impl Browser {
                 json!({ "type": kind, "x": at[0], "y": at[1], "data": data }),
             );
         }
+    }
+
+    /// Chooses a file in the `<input type="file">` that a selector finds.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn choose_file(&mut self, selector: &str, file: &Path) {
+        let file = file.canonicalize().expect("the file is there");
+        let expression = json!({ "expression": format!("document.querySelector('{selector}')") });
+        let found = self.call("Runtime.evaluate", expression);
+        let parameters = json!({ "files": [file], "objectId": found["result"]["objectId"] });
+        self.call("DOM.setFileInputFiles", parameters);
     }
 
     /// Presses and releases a key, such as `Tab` or `ArrowLeft`.

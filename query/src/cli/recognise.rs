@@ -1,5 +1,6 @@
 //! `grasp-query recognise`.
 
+mod drawings;
 mod remote;
 
 use std::io::{self, Write};
@@ -24,6 +25,7 @@ use crate::robot::{Setting, moveit};
 use crate::segment::Mask;
 use crate::segment::depth::DepthRange;
 use crate::sequence::Filter;
+use drawings::Drawings;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -61,7 +63,10 @@ pub(super) struct Recognise {
     /// The depths that are hand, in the depth picture's unit.
     #[arg(long, value_name = "NEAR..FAR", requires = "depth")]
     depth_range: Option<DepthRange>,
-    /// Draw how each answer came about: into this PNG file, or, where the name has no `.png`, into files in this folder.
+    /// Draw how each answer came about: into the file OUT.png or OUT.jpg, or into files in a folder.
+    ///
+    /// OUT is a folder where it ends in a slash, where it is a folder already, and where several pictures are given; its files are PNGs
+    /// named after the pictures, or after the frames of a stream.
     #[arg(long, value_name = "OUT")]
     explain: Option<PathBuf>,
     /// The pictures are frames of one hand in their order: each is answered by all frames so far.
@@ -103,6 +108,7 @@ struct Means<'a> {
     robot: Option<Setting>,
     /// The probability of each class without the picture.
     prior: Option<Vec<f64>>,
+    drawings: Option<Drawings>,
 }
 
 /// The name of standard input, among the pictures and in records.
@@ -113,30 +119,17 @@ type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        let to_file = self.explain.as_deref().is_some_and(is_png);
-        if self.images.len() > 1 {
-            if self.mask.is_some() || self.depth.is_some() {
-                bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
-            }
-            if to_file {
-                bail!("--explain OUT.png is for a single picture; name a folder instead of a .png file");
-            }
+        if self.images.len() > 1 && (self.mask.is_some() || self.depth.is_some()) {
+            bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
         }
-        if let Some(folder) = self.explain.as_deref().filter(|_| !to_file) {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        }
-        if let Some(out) = self.explain.as_deref().filter(|_| to_file) {
-            let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
-            super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
-        }
+        let drawings = self.drawings(&self.images)?;
         if let Some(address) = &self.server {
-            return self.run_remote(address);
+            return self.run_remote(address, drawings.as_ref());
         }
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let means = Means { recogniser, source: self.source()?, robot, prior: self.prior(&index)? };
+        let means = Means { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(means.prior.clone()));
 
         let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
@@ -177,6 +170,18 @@ impl Recognise {
             }
         }
         Ok(self.status_of(&output))
+    }
+
+    /// Where drawings go, where any are asked for. No input is drawn over.
+    fn drawings(&self, images: &[PathBuf]) -> anyhow::Result<Option<Drawings>> {
+        let Some(out) = &self.explain else { return Ok(None) };
+        let drawings = Drawings::new(out, images.len())?;
+        if let Drawings::File(file) = &drawings {
+            let pictures = images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
+            super::refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
+        }
+        drawings.prepare()?;
+        Ok(Some(drawings))
     }
 
     fn form(&self) -> Form {
@@ -261,30 +266,31 @@ impl Recognise {
                 setting.complete(answer, &found);
             }
         }
-        self.drawn(&name, self.draw(&record, &found, index));
+        if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
+            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
+                Ok(explain::save(&explain::draw(&found, answer, index), path)?)
+            });
+        }
         record
     }
 
-    /// Tells of a drawing that could not be written; the answer stands, drawn or not.
-    fn drawn(&self, name: &str, outcome: anyhow::Result<()>) {
-        if let Err(error) = outcome {
-            self.undrawn.store(true, Ordering::Relaxed);
-            let _ = writeln!(io::stderr(), "{name}: {error:#}");
-        }
-    }
-
-    fn draw(
+    /// Draws into the file that a picture's drawing belongs in. Reports a drawing that could not be made; the answer
+    /// stands, drawn or not.
+    fn drawn(
         &self,
-        record: &Record,
-        found: &crate::recognise::Recognition,
-        index: &Index,
-    ) -> anyhow::Result<()> {
-        let (Some(out), Record::Answer(answer)) = (&self.explain, record) else {
-            return Ok(());
-        };
-        let path = if is_png(out) { out.clone() } else { out.join(drawing_name(&answer.file, answer.frame)) };
-        explain::save(&explain::draw(found, answer, index), &path)
-            .with_context(|| format!("cannot write {}", path.display()))
+        name: &str,
+        frame: Option<u64>,
+        path: anyhow::Result<PathBuf>,
+        draw: impl FnOnce(&Path) -> anyhow::Result<()>,
+    ) {
+        let outcome =
+            path.and_then(|path| draw(&path).with_context(|| format!("cannot write {}", path.display())));
+        if let Err(error) = outcome {
+            // Of a stream's many frames, the first one's failure says enough.
+            if !self.undrawn.swap(true, Ordering::Relaxed) || frame.is_none() {
+                let _ = writeln!(io::stderr(), "{name}: {error:#}");
+            }
+        }
     }
 
     fn filter(&self, prior: Option<Vec<f64>>) -> Filter {
@@ -342,21 +348,6 @@ fn each_frame(
     Ok(())
 }
 
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-}
-
-/// The file name of a drawing in a folder: the picture's path with its separators flattened, so that `a/1.jpg` and
-/// `b/1.jpg` do not overwrite each other where only the last part would be the same.
-fn drawing_name(file: &str, frame: Option<u64>) -> String {
-    let flat = file.trim_start_matches(['.', '/', '\\']).replace(['/', '\\', ':'], "_");
-    match frame {
-        Some(frame) => format!("frame-{frame:06}.png"),
-        None if flat == "-" || flat.is_empty() => "stdin.png".into(),
-        None => format!("{flat}.png"),
-    }
-}
-
 /// What a record is written as.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Form {
@@ -391,18 +382,5 @@ impl<W: Write> Output<W> {
         }
         self.out.flush()?;
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn drawings_of_files_of_the_same_name_differ() {
-        assert_eq!(drawing_name("a/1.jpg", None), "a_1.jpg.png");
-        assert_ne!(drawing_name("a/1.jpg", None), drawing_name("b/1.jpg", None));
-        assert_eq!(drawing_name("-", Some(12)), "frame-000012.png");
-        assert_eq!(drawing_name("-", None), "stdin.png");
     }
 }

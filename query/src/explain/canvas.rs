@@ -1,20 +1,68 @@
-//! A picture to draw tiles, lines of text and pictures on.
+//! A picture to draw tiles, lines, text and pictures on.
 
+use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// Pixels from one line of text to the next.
-pub(super) const LINE: u32 = 18;
-const FONT: (FontWeight, RasterHeight) = (FontWeight::Regular, RasterHeight::Size16);
+pub(super) const LINE: u32 = 20;
+/// The same for a headline.
+pub(super) const HEADLINE: u32 = 32;
 
 /// Colours of the drawing.
 pub(super) mod colour {
     pub(in crate::explain) const PAPER: [u8; 3] = [24, 24, 28];
     pub(in crate::explain) const INK: [u8; 3] = [236, 236, 236];
-    pub(in crate::explain) const FAINT: [u8; 3] = [150, 150, 156];
+    pub(in crate::explain) const FAINT: [u8; 3] = [164, 164, 170];
     pub(in crate::explain) const FRAME: [u8; 3] = [64, 64, 72];
     pub(in crate::explain) const GOOD: [u8; 3] = [110, 210, 130];
-    pub(in crate::explain) const OTHER: [u8; 3] = [230, 150, 100];
+    pub(in crate::explain) const OTHER: [u8; 3] = [240, 160, 105];
+    pub(in crate::explain) const FINGERS: [u8; 3] = [90, 190, 255];
+    pub(in crate::explain) const BACK: [u8; 3] = [255, 190, 70];
+}
+
+/// How text is set.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Font {
+    weight: FontWeight,
+    height: RasterHeight,
+}
+
+impl Font {
+    pub(super) const BODY: Self = Self { weight: FontWeight::Regular, height: RasterHeight::Size16 };
+    pub(super) const STRONG: Self = Self { weight: FontWeight::Bold, height: RasterHeight::Size16 };
+    pub(super) const HEADLINE: Self = Self { weight: FontWeight::Bold, height: RasterHeight::Size24 };
+
+    /// Pixels from one character to the next.
+    fn advance(self) -> u32 {
+        get_raster_width(self.weight, self.height) as u32
+    }
+
+    /// Characters that fit into `width` pixels.
+    fn room(self, width: u32) -> usize {
+        (width / self.advance()) as usize
+    }
+
+    /// How wide a line is, in pixels.
+    pub(super) fn width_of(self, text: &str) -> u32 {
+        text.chars().count() as u32 * self.advance()
+    }
+
+    /// Breaks text into lines that are at most `width` pixels wide. A word that is wider has a line to itself.
+    pub(super) fn wrap(self, text: &str, width: u32) -> Vec<String> {
+        let room = self.room(width);
+        let mut lines: Vec<String> = Vec::new();
+        for word in text.split_whitespace() {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
 }
 
 /// A drawing; all that falls outside is left out.
@@ -32,24 +80,19 @@ impl Canvas {
         self.image
     }
 
-    pub(super) fn pixel(&mut self, x: u32, y: u32, colour: [u8; 3]) {
-        if let Some(pixel) = self.image.get_pixel_mut_checked(x, y) {
-            *pixel = Rgb(colour);
-        }
-    }
-
     pub(super) fn fill(&mut self, (x, y): (u32, u32), (width, height): (u32, u32), colour: [u8; 3]) {
         for dy in 0..height {
             for dx in 0..width {
-                self.pixel(x + dx, y + dy, colour);
+                if let Some(pixel) = self.image.get_pixel_mut_checked(x + dx, y + dy) {
+                    *pixel = Rgb(colour);
+                }
             }
         }
     }
 
-    /// Writes `text` with its top left corner at `(x, y)`, cut to `width` pixels.
-    pub(super) fn text(&mut self, (x, y): (u32, u32), width: u32, text: &str, colour: [u8; 3]) {
-        let advance = get_raster_width(FONT.0, FONT.1) as u32;
-        let room = (width / advance) as usize;
+    /// Writes a line with its top left corner at `(x, y)`, cut to `width` pixels.
+    pub(super) fn text(&mut self, (x, y): (u32, u32), width: u32, font: Font, text: &str, colour: [u8; 3]) {
+        let room = font.room(width);
         let shown: String = if text.chars().count() > room {
             // The end of a path says more than its beginning.
             let skip = text.chars().count() - room.saturating_sub(1);
@@ -58,11 +101,11 @@ impl Canvas {
             text.to_owned()
         };
         for (column, character) in (0u32..).zip(shown.chars()) {
-            let glyph = get_raster(character, FONT.0, FONT.1).or_else(|| get_raster('?', FONT.0, FONT.1));
-            let Some(glyph) = glyph else { continue };
+            let raster = |character| get_raster(character, font.weight, font.height);
+            let Some(glyph) = raster(character).or_else(|| raster('?')) else { continue };
             for (dy, row) in (0u32..).zip(glyph.rows()) {
                 for (dx, &cover) in (0u32..).zip(row) {
-                    self.blend(x + column * advance + dx, y + dy, colour, cover);
+                    self.blend(x + column * font.advance() + dx, y + dy, colour, cover);
                 }
             }
         }
@@ -78,29 +121,89 @@ impl Canvas {
         }
     }
 
-    /// Draws a picture of `width` x `height` pixels into a square of `side`, its proportions kept and centred, framed.
+    /// A straight line of this thickness with round ends, its edges smooth.
+    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], thickness: f64, colour: [u8; 3]) {
+        let along = [to[0] - from[0], to[1] - from[1]];
+        let length_squared = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);
+        let reach = thickness / 2.0 + 1.0;
+        let range = |a: f64, b: f64| {
+            let low = (a.min(b) - reach).floor().max(0.0) as u32;
+            low..=(a.max(b) + reach).ceil().max(0.0) as u32
+        };
+        for y in range(from[1], to[1]) {
+            for x in range(from[0], to[0]) {
+                let at = [f64::from(x) + 0.5 - from[0], f64::from(y) + 0.5 - from[1]];
+                let share = ((at[0] * along[0] + at[1] * along[1]) / length_squared).clamp(0.0, 1.0);
+                let apart = (at[0] - share * along[0]).hypot(at[1] - share * along[1]);
+                let cover = (thickness / 2.0 + 0.5 - apart).clamp(0.0, 1.0);
+                self.blend(x, y, colour, (255.0 * cover) as u8);
+            }
+        }
+    }
+
+    /// A line that ends in an arrowhead. Where it is too short to have a direction, a dot.
+    pub(super) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: [u8; 3]) {
+        const THICKNESS: f64 = 4.0;
+        const HEAD: f64 = 13.0;
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let length = dx.hypot(dy);
+        self.line(from, to, THICKNESS, colour);
+        if length < HEAD / 2.0 {
+            return self.line(to, to, 2.5 * THICKNESS, colour);
+        }
+        let (ux, uy) = (dx / length, dy / length);
+        for side in [-0.55, 0.55] {
+            let barb = [to[0] - HEAD * (ux - side * uy), to[1] - HEAD * (uy + side * ux)];
+            self.line(to, barb, THICKNESS, colour);
+        }
+    }
+
+    /// Draws a picture into a square of `side` pixels, its proportions kept and centred, framed; what it does not fill
+    /// is `ground`. Returns where its top left corner lies and by how much it was scaled.
     pub(super) fn picture(
         &mut self,
         (x, y): (u32, u32),
         side: u32,
-        (width, height): (usize, usize),
-        pixel: impl Fn(usize, usize) -> [u8; 3],
-    ) {
+        picture: &RgbImage,
+        ground: [u8; 3],
+    ) -> ([f64; 2], f64) {
         self.fill((x, y), (side, side), colour::FRAME);
         let inner = side.saturating_sub(2);
-        let longer = width.max(height).max(1) as f64;
-        let scale = f64::from(inner) / longer;
-        let (shown_width, shown_height) = ((width as f64 * scale) as u32, (height as f64 * scale) as u32);
+        self.fill((x + 1, y + 1), (inner, inner), ground);
+        let (width, height) = picture.dimensions();
+        let scale = f64::from(inner) / f64::from(width.max(height).max(1));
+        let shown = |length: u32| ((f64::from(length) * scale) as u32).clamp(1, inner.max(1));
+        let (shown_width, shown_height) = (shown(width), shown(height));
         let (left, top) = (x + 1 + (inner - shown_width) / 2, y + 1 + (inner - shown_height) / 2);
-        self.fill((x + 1, y + 1), (inner, inner), [0; 3]);
-        for dy in 0..shown_height {
-            for dx in 0..shown_width {
-                let source = (
-                    (((f64::from(dx) + 0.5) / scale) as usize).min(width.saturating_sub(1)),
-                    (((f64::from(dy) + 0.5) / scale) as usize).min(height.saturating_sub(1)),
-                );
-                self.pixel(left + dx, top + dy, pixel(source.0, source.1));
+        if width > 0 && height > 0 {
+            // Smooth: what is seen are fingers and not the squares that they were stored as.
+            let scaled = imageops::resize(picture, shown_width, shown_height, FilterType::CatmullRom);
+            imageops::replace(&mut self.image, &scaled, i64::from(left), i64::from(top));
+        }
+        ([f64::from(left), f64::from(top)], scale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_has_the_signs_that_the_sheet_needs() {
+        for font in [Font::BODY, Font::STRONG, Font::HEADLINE] {
+            for sign in ['°', '±', '×', '%', 'ä'] {
+                assert!(get_raster(sign, font.weight, font.height).is_some(), "{sign} in {font:?}");
             }
         }
+    }
+
+    #[test]
+    fn lines_are_broken_between_words() {
+        let width = Font::BODY.width_of("the thumb");
+        assert_eq!(
+            Font::BODY.wrap("the thumb side, unbreakable", width),
+            ["the thumb", "side,", "unbreakable"]
+        );
+        assert!(Font::BODY.wrap("", width).is_empty());
     }
 }

@@ -1,183 +1,334 @@
-//! One PNG that shows how an answer came about: the input, its mask, the hand image, the descriptor as the paper's
-//! Figure 4 and the nearest neighbours as its Figure 5.
+//! One sheet that shows how an answer came about, for somebody who has read nothing else: the picture, the hand in it,
+//! the hand image, the vote, the descriptor as the paper's Figure 4 and the nearest neighbours as its Figure 5.
 
 mod canvas;
+mod descriptor;
+mod file;
 
-use std::io::{Cursor, Write as _};
-use std::path::Path;
-
-use grasp_index::{AtomicFile, Index};
-use image::{ImageError, RgbImage};
+use grasp_index::Index;
+use image::{Rgb, RgbImage};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::output::record::Answer;
-use crate::recognise::Recognition;
-use canvas::{Canvas, LINE, colour};
+use crate::recognise::{Recognition, Side};
+use canvas::{Canvas, Font, HEADLINE, LINE, colour};
+pub use descriptor::edge_deg;
+pub use file::{Format, SaveError, save};
 
-const WIDTH: u32 = 980;
-const MARGIN: u32 = 12;
-/// Side of the three large pictures at the top.
+const MARGIN: u32 = 24;
+/// Between two pictures that lie side by side.
+const GAP: u32 = 12;
+/// Above a part's title.
+const APART: u32 = 22;
+/// Side of the pictures at the top, of which there are three, with the vote beside them.
 const LARGE: u32 = 300;
-/// Side of a picture in the lower rows.
-const SMALL: u32 = 148;
+const WIDTH: u32 = 2 * MARGIN + 4 * LARGE + 3 * GAP;
+/// Width of a line of text.
+const TEXT: u32 = WIDTH - 2 * MARGIN;
 /// Neighbours in a row.
-const ACROSS: usize = 6;
+const ACROSS: u32 = 8;
+/// Side of a neighbour's picture.
+const SMALL: u32 = (TEXT - (ACROSS - 1) * GAP) / ACROSS;
+/// From one row of neighbours to the next: a picture and four lines.
+const ROW: u32 = SMALL + 4 * LINE + GAP;
 /// Neighbours that are drawn, however many vote.
-const MOST_NEIGHBOURS: usize = 4 * ACROSS;
+const MOST_NEIGHBOURS: usize = 3 * ACROSS as usize;
+/// Classes that are drawn, however many there are.
+const MOST_CLASSES: usize = 10;
 
 /// Draws an answer.
 pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
-    let levels = index.catalogue().descriptor.levels.max(1);
-    let rows = found.best.neighbours.len().min(MOST_NEIGHBOURS).div_ceil(ACROSS) as u32;
-    let head = MARGIN + 2 * LINE + MARGIN;
-    let figure_4 = head + LINE + LARGE + MARGIN;
-    let figure_5 = figure_4 + 2 * LINE + SMALL + MARGIN;
-    let row_height = SMALL + 4 * LINE + MARGIN;
-    let mut canvas = Canvas::new(WIDTH, figure_5 + LINE + rows * row_height + MARGIN);
+    let params = &index.catalogue().descriptor;
+    let head = Head::new(answer);
+    let inputs_at = MARGIN + head.height() + APART;
+    let descriptor_at = inputs_at + LINE + LARGE + 2 * LINE + APART;
+    let neighbours_at = descriptor_at + 2 * LINE + descriptor::height(params) + APART;
+    let rows = (answer.neighbours.len().min(MOST_NEIGHBOURS) as u32).div_ceil(ACROSS);
+    let mut canvas = Canvas::new(WIDTH, neighbours_at + 2 * LINE + rows * ROW + MARGIN);
 
-    headline(&mut canvas, answer);
-    inputs(&mut canvas, head, found);
-    descriptor(&mut canvas, figure_4, found, index, levels);
-    neighbours(&mut canvas, figure_5, row_height, found, answer, index);
+    head.draw(&mut canvas);
+    inputs(&mut canvas, inputs_at, found);
+    vote(&mut canvas, (column(3), inputs_at), answer);
+    let (size, finest) = (found.best.descriptor.len(), 1 << params.levels.saturating_sub(1));
+    let title = format!("5  The hand as the {size} numbers that are compared");
+    let legend = format!(
+        "For each direction of edges, how much of it each cell of picture 3 holds: black none, white most. Large: \
+         {finest} × {finest} cells; beside it, coarser."
+    );
+    titled(&mut canvas, (MARGIN, descriptor_at), &title, &legend);
+    descriptor::draw(&mut canvas, descriptor_at + 2 * LINE, params, &found.best.descriptor);
+    neighbours(&mut canvas, neighbours_at, found, answer, index);
     canvas.into_image()
 }
 
-/// A drawing as the bytes of a PNG.
-///
-/// # Errors
-/// Where it cannot be encoded.
-pub fn png(image: &RgbImage) -> Result<Vec<u8>, ImageError> {
-    let mut png = Vec::new();
-    image.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png)?;
-    Ok(png)
+/// What is said above all pictures.
+struct Head {
+    verdict: String,
+    lines: Vec<(String, [u8; 3])>,
 }
 
-/// Writes a drawing as PNG: the whole of it, or nothing.
-///
-/// # Errors
-/// Where the file cannot be written.
-pub fn save(image: &RgbImage, path: &Path) -> anyhow::Result<()> {
-    let png = png(image)?;
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(&png)?;
-    file.commit()?;
-    Ok(())
-}
-
-fn headline(canvas: &mut Canvas, answer: &Answer) {
-    let first = format!(
-        "{} (Cutkosky {}), {:.2}   {} hand, camera sees {}, fingers point {} (+- {:.0} deg)",
-        answer.grasp,
-        answer.cutkosky.map_or_else(|| "-".to_owned(), |cutkosky| cutkosky.to_string()),
-        answer.probability,
-        answer.hand,
-        answer.orientation.camera_sees,
-        answer.orientation.fingers_point,
-        answer.orientation.spread_deg,
-    );
-    canvas.text((MARGIN, MARGIN), WIDTH - 2 * MARGIN, &first, colour::INK);
-    canvas.text((MARGIN, MARGIN + LINE), WIDTH - 2 * MARGIN, &answer.file, colour::FAINT);
-}
-
-fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
-    let (picture, mask, hand) = (&found.prepared.picture, &found.prepared.mask, &found.best.image);
-    let size = (picture.width(), picture.height());
-    let colour_at = |x: usize, y: usize| picture.rgb().get(y * size.0 + x).copied().unwrap_or_default();
-    let column = |n: u32| MARGIN + n * (LARGE + MARGIN);
-    let mut titled = |n: u32, title: &str| {
-        canvas.text((column(n), top), LARGE, title, colour::FAINT);
-    };
-    titled(0, "input");
-    titled(1, "mask (red: forearm, cut off)");
-    let turned = if found.best.roll_deg == 0.0 {
-        String::new()
-    } else {
-        format!(", turned {:.0} deg", found.best.roll_deg)
-    };
-    let flipped = if found.best.side == crate::recognise::Side::Left { ", flipped" } else { "" };
-    titled(2, &format!("hand image{flipped}{turned}"));
-    let top = top + LINE;
-    canvas.picture((column(0), top), LARGE, size, colour_at);
-    canvas.picture((column(1), top), LARGE, size, |x, y| {
-        let [r, g, b] = colour_at(x, y);
-        if mask.get(x, y) {
-            [r / 2, g / 2 + 127, b / 2]
-        } else if found.prepared.skin.as_ref().is_some_and(|skin| skin.get(x, y)) {
-            [r / 2 + 127, g / 2, b / 2]
-        } else {
-            [r / 3, g / 3, b / 3]
+impl Head {
+    fn new(answer: &Answer) -> Self {
+        let verdict = match answer.cutkosky {
+            Some(cutkosky) => {
+                let name = in_words(&answer.grasp);
+                format!("{name}, {}   (Cutkosky's grasp {cutkosky})", percent(answer.probability))
+            }
+            None => in_words(&answer.grasp),
+        };
+        let orientation = &answer.orientation;
+        let pose = format!(
+            "A {} hand. The camera sees {}, the fingers point {}, give or take {:.0}°.",
+            answer.hand, orientation.camera_sees, orientation.fingers_point, orientation.spread_deg,
+        );
+        let mut lines = vec![(pose, colour::INK)];
+        for notice in notices(answer) {
+            let wrapped = Font::BODY.wrap(&notice, TEXT);
+            lines.extend(wrapped.into_iter().map(|line| (line, colour::OTHER)));
         }
-    });
-    let hand_size = (hand.width(), hand.height());
-    canvas.picture((column(2), top), LARGE, hand_size, |x, y| {
-        [hand.pixels().get(y * hand_size.0 + x).copied().unwrap_or(0); 3]
-    });
-}
+        let frame = answer.frame.map(|frame| format!(", frame {frame}")).unwrap_or_default();
+        lines.push((format!("{}{frame}", answer.file), colour::FAINT));
+        Self { verdict: capitalised(&verdict), lines }
+    }
 
-/// The paper's Figure 4: for each orientation bin, how much each cell holds of it. All levels lie side by side.
-fn descriptor(canvas: &mut Canvas, top: u32, found: &Recognition, index: &Index, levels: u32) {
-    let params = &index.catalogue().descriptor;
-    let bins = params.bins.max(1);
-    let title = format!(
-        "descriptor: {bins} orientations, each on {levels} levels (level 1 large; coarser ones beside it), {} values",
-        found.best.descriptor.len()
-    );
-    canvas.text((MARGIN, top), WIDTH - 2 * MARGIN, &title, colour::FAINT);
-    let top = top + LINE;
-    let step = (WIDTH - MARGIN) / bins;
-    let largest_of = |level: u32| {
-        let cells = params.cells(&found.best.descriptor).filter(|cell| cell.level == level);
-        cells.flat_map(|cell| cell.histogram.iter().copied()).fold(f32::MIN_POSITIVE, f32::max)
-    };
-    let largest: Vec<f32> = (1..=levels).map(largest_of).collect();
-    for cell in params.cells(&found.best.descriptor) {
-        // Each coarser level is drawn at half the side, to the right of the one before and below its top.
-        let side = SMALL >> (cell.level - 1).min(7);
-        let below = SMALL - (side << 1).min(SMALL);
-        let (shift, drop) = if cell.level == 1 { (0, 0) } else { (SMALL + 4, below) };
-        let cell_side = side / cell.cells_a_side.max(1) as u32;
-        let scale = largest.get(cell.level as usize - 1).copied().unwrap_or(1.0);
-        for (bin, &value) in (0u32..).zip(cell.histogram) {
-            let shade = (255.0 * (value / scale).clamp(0.0, 1.0)) as u8;
-            let x = MARGIN + bin * step + shift + cell.column as u32 * cell_side;
-            let y = top + drop + cell.row as u32 * cell_side;
-            canvas.fill((x, y), (cell_side.max(2) - 1, cell_side.max(2) - 1), [shade; 3]);
+    fn height(&self) -> u32 {
+        HEADLINE + self.lines.len() as u32 * LINE
+    }
+
+    fn draw(&self, canvas: &mut Canvas) {
+        canvas.text((MARGIN, MARGIN), TEXT, Font::HEADLINE, &self.verdict, colour::INK);
+        for (line, (text, ink)) in (0u32..).zip(&self.lines) {
+            canvas.text((MARGIN, MARGIN + HEADLINE + line * LINE), TEXT, Font::BODY, text, *ink);
         }
     }
-    for bin in 0..bins {
-        let at = (MARGIN + bin * step, top + SMALL);
-        canvas.text(at, step - MARGIN, &format!("bin {}", bin + 1), colour::FAINT);
+}
+
+/// What speaks against the answer.
+fn notices(answer: &Answer) -> Vec<String> {
+    answer.reason.iter().map(|reason| format!("Unknown: {reason}.")).collect()
+}
+
+/// A part's title and the line below that says how to read it.
+fn titled(canvas: &mut Canvas, (x, y): (u32, u32), title: &str, legend: &str) {
+    canvas.text((x, y), WIDTH - MARGIN - x, Font::STRONG, title, colour::INK);
+    canvas.text((x, y + LINE), WIDTH - MARGIN - x, Font::BODY, legend, colour::FAINT);
+}
+
+/// Where a column of large pictures begins.
+fn column(n: u32) -> u32 {
+    MARGIN + n * (LARGE + GAP)
+}
+
+/// The picture, the hand in it and the hand alone, side by side.
+fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
+    let (picture, mask, hand) = (&found.prepared.picture, &found.prepared.mask, &found.best.image);
+    let (width, height) = (picture.width(), picture.height());
+    let pixels = |colour_at: &dyn Fn(usize, usize) -> [u8; 3]| {
+        RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(colour_at(x as usize, y as usize)))
+    };
+    let seen = |x: usize, y: usize| picture.rgb().get(y * width + x).copied().unwrap_or_default();
+    let forearm = |x: usize, y: usize| found.prepared.skin.as_ref().is_some_and(|skin| skin.get(x, y));
+    let masked = |x: usize, y: usize| {
+        let [r, g, b] = seen(x, y);
+        match (mask.get(x, y), forearm(x, y)) {
+            (true, _) => [r / 2, g / 2 + 110, b / 2],
+            (false, true) => [r / 2 + 127, g / 2, b / 2],
+            (false, false) => [r / 3, g / 3, b / 3],
+        }
+    };
+    let has_forearm = (0..height).any(|y| (0..width).any(|x| forearm(x, y) && !mask.get(x, y)));
+    let below = top + LINE + LARGE + 4;
+    let title = |canvas: &mut Canvas, n: u32, text: &str| {
+        canvas.text((column(n), top), LARGE, Font::STRONG, text, colour::INK);
+    };
+    let note = |canvas: &mut Canvas, n: u32, text: &str| {
+        for (line, text) in (0u32..).zip(Font::BODY.wrap(text, LARGE)) {
+            canvas.text((column(n), below + line * LINE), LARGE, Font::BODY, &text, colour::FAINT);
+        }
+    };
+
+    title(canvas, 0, "1  The picture");
+    canvas.picture((column(0), top + LINE), LARGE, &pixels(&seen), colour::PAPER);
+    note(canvas, 0, &format!("at the size that is looked at, {width} × {height}"));
+
+    title(canvas, 1, "2  The hand in it");
+    let placed = canvas.picture((column(1), top + LINE), LARGE, &pixels(&masked), colour::PAPER);
+    axes(canvas, placed, found);
+    let mut swatches = vec![([70, 190, 70], "hand")];
+    if has_forearm {
+        swatches.push(([200, 60, 60], "forearm, cut off"));
+    }
+    legend(canvas, (column(1), below), &swatches);
+    let arrows = [(colour::FINGERS, "fingers"), (colour::BACK, "back of the hand")];
+    legend(canvas, (column(1), below + LINE), &arrows);
+
+    title(canvas, 2, "3  The hand alone");
+    let size = (hand.width() as u32, hand.height() as u32);
+    let alone = RgbImage::from_fn(size.0, size.1, |x, y| {
+        let at = y as usize * hand.width() + x as usize;
+        Rgb([hand.pixels().get(at).copied().unwrap_or(0); 3])
+    });
+    canvas.picture((column(2), top + LINE), LARGE, &alone, [0; 3]);
+    let mut how = "in grey, as it is looked up".to_owned();
+    if found.best.side == Side::Left {
+        how.push_str(", flipped to a right hand");
+    }
+    how.push_str(&turned(found.best.roll_deg));
+    note(canvas, 2, &how);
+}
+
+/// Where the fingers point and where the back of the hand looks, from the hand's middle in its picture.
+fn axes(canvas: &mut Canvas, ([left, top], scale): ([f64; 2], f64), found: &Recognition) {
+    const LENGTH: f64 = 80.0;
+    let mask = &found.prepared.mask;
+    let (mut sum, mut count) = ([0.0; 2], 0.0_f64);
+    for y in 0..found.prepared.picture.height() {
+        for x in (0..found.prepared.picture.width()).filter(|&x| mask.get(x, y)) {
+            sum = [sum[0] + x as f64 + 0.5, sum[1] + y as f64 + 0.5];
+            count += 1.0;
+        }
+    }
+    if count == 0.0 {
+        return;
+    }
+    let middle = [left + scale * sum[0] / count, top + scale * sum[1] / count];
+    let rotation: UnitQuaternion<f64> = found.best.vote.orientation.rotation;
+    for (axis, ink) in [(Vector3::z(), colour::BACK), (Vector3::x(), colour::FINGERS)] {
+        let along = rotation * axis;
+        let end = [middle[0] + LENGTH * along.x, middle[1] + LENGTH * along.y];
+        canvas.arrow(middle, end, ink);
+    }
+}
+
+/// Colours and what they mean, in a row; returns where it ends.
+fn legend(canvas: &mut Canvas, (mut x, y): (u32, u32), entries: &[([u8; 3], &str)]) -> u32 {
+    for (ink, text) in entries {
+        canvas.fill((x, y + 2), (12, 12), *ink);
+        canvas.text((x + 18, y), LARGE, Font::BODY, text, colour::FAINT);
+        x += 18 + Font::BODY.width_of(text) + 16;
+    }
+    x
+}
+
+/// The classes' probabilities as bars.
+fn vote(canvas: &mut Canvas, (x, top): (u32, u32), answer: &Answer) {
+    canvas.text((x, top), LARGE, Font::STRONG, "4  What its neighbours say", colour::INK);
+    let shown = answer.classes.len().min(MOST_CLASSES);
+    let step = LARGE / (shown.max(6) as u32);
+    for (place, class) in (0u32..).zip(answer.classes.iter().take(shown)) {
+        let y = top + LINE + place * step;
+        let is_answer = class.grasp == answer.grasp;
+        let (font, ink) = if is_answer { (Font::STRONG, colour::GOOD) } else { (Font::BODY, colour::FAINT) };
+        let share = percent(class.probability);
+        let room = LARGE - font.width_of(&share) - GAP;
+        canvas.text((x, y), room, font, &in_words(&class.grasp), colour::INK);
+        canvas.text((x + LARGE - font.width_of(&share), y), LARGE, font, &share, colour::INK);
+        canvas.fill((x, y + LINE), (LARGE, 8), colour::FRAME);
+        canvas.fill((x, y + LINE), ((f64::from(LARGE) * class.probability) as u32, 8), ink);
+    }
+    let below = top + LINE + LARGE + 4;
+    let note = "the probability of each grasp, by how near the neighbours of part 6 are";
+    for (line, text) in (0u32..).zip(Font::BODY.wrap(note, LARGE)) {
+        canvas.text((x, below + line * LINE), LARGE, Font::BODY, &text, colour::FAINT);
     }
 }
 
 /// The paper's Figure 5: the nearest entries with their class, distance and view.
-fn neighbours(
-    canvas: &mut Canvas,
-    top: u32,
-    row_height: u32,
-    found: &Recognition,
-    answer: &Answer,
-    index: &Index,
-) {
-    let title = format!("nearest of {} entries", index.len());
-    canvas.text((MARGIN, top), WIDTH - 2 * MARGIN, &title, colour::FAINT);
-    let side = index.catalogue().thumbnail_side as usize;
-    for (place, neighbour) in answer.neighbours.iter().take(MOST_NEIGHBOURS).enumerate() {
-        let (column, row) = ((place % ACROSS) as u32, (place / ACROSS) as u32);
-        let x = MARGIN + column * (SMALL + MARGIN);
-        let y = top + LINE + row * row_height;
+fn neighbours(canvas: &mut Canvas, top: u32, found: &Recognition, answer: &Answer, index: &Index) {
+    let voted = answer.neighbours.len();
+    let shown = voted.min(MOST_NEIGHBOURS);
+    let first =
+        if shown < voted { format!(": the first {shown} of {voted} that vote") } else { String::new() };
+    let title = format!("6  The nearest of {} views that the index knows{first}", grouped(index.len()));
+    canvas.text((MARGIN, top), TEXT, Font::STRONG, &title, colour::INK);
+    let how = "distance: 0 is the same hand image; round, up: where the camera stood; last: whose hand, how far closed";
+    let colours = [(colour::GOOD, "the answer's grasp"), (colour::OTHER, "another grasp")];
+    // An answer that is unknown has no grasp that a neighbour could share.
+    let colours = if answer.cutkosky.is_some() { &colours[..] } else { &[] };
+    let x = legend(canvas, (MARGIN, top + LINE), colours);
+    canvas.text((x, top + LINE), TEXT - x, Font::BODY, how, colour::FAINT);
+    let side = index.catalogue().thumbnail_side;
+    for (place, neighbour) in (0u32..).zip(answer.neighbours.iter().take(MOST_NEIGHBOURS)) {
+        let x = MARGIN + place % ACROSS * (SMALL + GAP);
+        let y = top + 2 * LINE + 4 + place / ACROSS * ROW;
         let thumbnail = index.thumbnail(neighbour.id).unwrap_or_default();
-        canvas.picture((x, y), SMALL, (side, side), |tx, ty| {
-            [thumbnail.get(ty * side + tx).copied().unwrap_or(0); 3]
+        let picture = RgbImage::from_fn(side, side, |tx, ty| {
+            Rgb([thumbnail.get((ty * side + tx) as usize).copied().unwrap_or(0); 3])
         });
-        let agrees = neighbour.grasp == answer.grasp;
-        let ink = if agrees { colour::GOOD } else { colour::OTHER };
-        canvas.text((x, y + SMALL + 2), SMALL, &neighbour.grasp, ink);
-        canvas.text((x, y + SMALL + LINE), SMALL, &format!("d = {:.3}", neighbour.distance), colour::INK);
-        let entry = found.best.neighbours.get(place).and_then(|n| index.entry(n.id).ok());
+        canvas.picture((x, y), SMALL, &picture, [0; 3]);
+        let mut lines = vec![(format!("distance {:.3}", neighbour.distance), colour::INK)];
+        let entry = found.best.neighbours.get(place as usize).and_then(|n| index.entry(n.id).ok());
         if let Some([azimuth, elevation, _]) = entry.and_then(|entry| entry.view_deg) {
-            let view = format!("az {azimuth:.0} el {elevation:.0}");
-            canvas.text((x, y + SMALL + 2 * LINE), SMALL, &view, colour::INK);
+            let (up, height) = if elevation < 0.0 { ("down", -elevation) } else { ("up", elevation) };
+            lines.push((format!("{azimuth:.0}° round, {height:.0}° {up}"), colour::INK));
         }
-        canvas.text((x, y + SMALL + 3 * LINE), SMALL, &neighbour.stage, colour::FAINT);
+        let of: Vec<&str> = [neighbour.hand_shape.as_str(), &neighbour.stage]
+            .into_iter()
+            .filter(|word| !word.is_empty())
+            .collect();
+        lines.push((of.join(", "), colour::FAINT));
+        let ink = match answer.cutkosky {
+            None => colour::INK,
+            Some(_) if neighbour.grasp == answer.grasp => colour::GOOD,
+            Some(_) => colour::OTHER,
+        };
+        canvas.text((x, y + SMALL + 2), SMALL, Font::BODY, &in_words(&neighbour.grasp), ink);
+        for (line, (text, ink)) in (1u32..).zip(lines) {
+            canvas.text((x, y + SMALL + 2 + line * LINE), SMALL, Font::BODY, &text, ink);
+        }
+    }
+}
+
+/// How far a picture was turned, in words; nothing where it was not.
+fn turned(clockwise_deg: f64) -> String {
+    let right = (clockwise_deg + 180.0).rem_euclid(360.0) - 180.0;
+    match right.abs().round() {
+        0.0 => String::new(),
+        degrees => format!(", turned {degrees}° to the {}", if right > 0.0 { "right" } else { "left" }),
+    }
+}
+
+fn in_words(name: &str) -> String {
+    name.replace('-', " ")
+}
+
+fn capitalised(text: &str) -> String {
+    let mut characters = text.chars();
+    characters.next().map(|first| first.to_uppercase().chain(characters).collect()).unwrap_or_default()
+}
+
+/// A share in percent; what is neither nothing nor all does not look so.
+fn percent(share: f64) -> String {
+    match share {
+        share if share > 0.0 && share < 0.005 => "< 1 %".into(),
+        share if (0.995..1.0).contains(&share) => "> 99 %".into(),
+        share => format!("{:.0} %", 100.0 * share),
+    }
+}
+
+/// A count with its thousands apart.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let places = digits.chars().enumerate();
+    places.fold(String::new(), |mut all, (place, digit)| {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            all.push(',');
+        }
+        all.push(digit);
+        all
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_people_write_them() {
+        assert_eq!([7, 540, 5_396, 2_700_000].map(grouped), ["7", "540", "5,396", "2,700,000"]);
+        let shares = [0.0, 0.001, 0.39, 0.997, 1.0].map(percent);
+        assert_eq!(shares, ["0 %", "< 1 %", "39 %", "> 99 %", "100 %"]);
+        let turns = [0.0, 360.0, 48.0, 312.0].map(turned);
+        assert_eq!(turns, ["", "", ", turned 48° to the right", ", turned 48° to the left"]);
     }
 }

@@ -9,6 +9,7 @@ use image::{ExtendedColorType, ImageEncoder as _, ImageError, codecs::png::PngEn
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::explain::edge_deg;
 use crate::recognise::Recognition;
 
 /// Transparent where the hand is, red where a forearm was cut off, dark elsewhere: to be laid over the picture.
@@ -31,6 +32,8 @@ pub(super) struct Explained {
     dim: usize,
     /// Bins of orientation in each cell.
     bins: u32,
+    /// How the edges lie that each bin counts, in degrees counter-clockwise: 0 is level, 90 upright.
+    edges_deg: Vec<f64>,
     /// The descriptor's cells, level by level.
     cells: Vec<CellRecord>,
     /// Which index answered: the neighbours' thumbnails are asked for with it.
@@ -82,6 +85,7 @@ impl Explained {
             hand_image: address(hand.pixels(), (hand.width(), hand.height()), ExtendedColorType::L8)?,
             dim: found.best.descriptor.len(),
             bins: params.bins,
+            edges_deg: (0..params.bins).map(|bin| edge_deg(params, bin)).collect(),
             cells: cells.collect(),
             generation,
         })

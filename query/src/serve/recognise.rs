@@ -102,7 +102,8 @@ pub(super) fn answer(
         };
     }
     if let (Form::Drawing, Record::Answer(answer)) = (form, &record) {
-        let drawing = explain::png(&explain::draw(&found, answer, index)).map_err(|_| Problem::lost())?;
+        let sheet = explain::draw(&found, answer, index);
+        let drawing = explain::Format::Png.encode(&sheet).map_err(|_| Problem::lost())?;
         return Ok(send(&record, StatusCode::OK, served.generation, "image/png", drawing.into()));
     }
     if parameters.explained && form == Form::Json {

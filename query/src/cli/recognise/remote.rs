@@ -3,12 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use anyhow::Context as _;
-use grasp_index::AtomicFile;
 use rayon::prelude::*;
 
-use super::{Form, Output, Recognise, STANDARD_INPUT, each_frame, is_png};
+use super::{Drawings, Form, Output, Recognise, STANDARD_INPUT, each_frame};
 use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
+use crate::explain;
 use crate::output::record::Record;
 use crate::picture;
 use crate::serve::DESCRIBED;
@@ -22,7 +21,7 @@ enum Told {
 
 impl Recognise {
     /// As a run by an own index, but for who answers.
-    pub(super) fn run_remote(&self, address: &Address) -> anyhow::Result<u8> {
+    pub(super) fn run_remote(&self, address: &Address, drawings: Option<&Drawings>) -> anyhow::Result<u8> {
         // What is wrong with a mask or a robot is told in the same words, and before anything is sent.
         self.source()?;
         self.robot.read()?;
@@ -32,14 +31,14 @@ impl Recognise {
         let at_once = 4 * rayon::current_num_threads();
         for group in self.groups() {
             if group == [Path::new(STANDARD_INPUT)] {
-                self.stream_remote(&clients, &mut output)?;
+                self.stream_remote(&clients, drawings, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
                 let ask = |path: &std::path::PathBuf| {
                     let name = path.display().to_string();
                     match picture::read(path) {
-                        Ok(bytes) => self.ask(&clients, name, None, bytes),
+                        Ok(bytes) => self.ask(&clients, drawings, name, None, bytes),
                         Err(error) => Ok(Told::Own(Record::not_recognised(name, None, &error.into()))),
                     }
                 };
@@ -55,10 +54,15 @@ impl Recognise {
         Ok(self.status_of(&output))
     }
 
-    fn stream_remote(&self, clients: &Clients, output: &mut Output<impl Write>) -> anyhow::Result<()> {
+    fn stream_remote(
+        &self,
+        clients: &Clients,
+        drawings: Option<&Drawings>,
+        output: &mut Output<impl Write>,
+    ) -> anyhow::Result<()> {
         each_frame(|frame, bytes| {
             let told = match bytes {
-                Ok(bytes) => self.ask(clients, STANDARD_INPUT.to_owned(), frame, bytes)?,
+                Ok(bytes) => self.ask(clients, drawings, STANDARD_INPUT.to_owned(), frame, bytes)?,
                 Err(record) => Told::Own(record),
             };
             output.write_told(&told)
@@ -68,6 +72,7 @@ impl Recognise {
     fn ask(
         &self,
         clients: &Clients,
+        drawings: Option<&Drawings>,
         name: String,
         frame: Option<u64>,
         bytes: Vec<u8>,
@@ -107,22 +112,19 @@ impl Recognise {
             }
             Err(error) => return Err(error.into()),
         };
-        if let (Some(out), true) = (&self.explain, answer.is_answer) {
+        if let (Some(drawings), true) = (drawings, answer.is_answer) {
             let drawing = clients.recognise(&parameters, &parts, Wanted::Drawing)?;
-            let path = if is_png(out) { out.clone() } else { out.join(super::drawing_name(&name, frame)) };
-            self.drawn(&name, write(&drawing.body, &path));
+            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
+                Ok(explain::save(&decoded(&drawing.body)?, path)?)
+            });
         }
         Ok(Told::Service(answer))
     }
 }
 
-fn write(png: &[u8], path: &Path) -> anyhow::Result<()> {
-    let write = || -> anyhow::Result<()> {
-        let mut file = AtomicFile::create(path)?;
-        file.write_all(png)?;
-        Ok(file.commit()?)
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+/// A drawing as the service sends it.
+fn decoded(png: &[u8]) -> image::ImageResult<image::RgbImage> {
+    Ok(image::load_from_memory_with_format(png, image::ImageFormat::Png)?.into_rgb8())
 }
 
 impl<W: Write> Output<W> {

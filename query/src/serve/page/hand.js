@@ -38,14 +38,14 @@ function readHands(buffer) {
     return view.getUint32(at - 4, true);
   };
   for (let left = u32(); left > 0; left--) {
-    const [length, vertices, triangles] = [u32(), u32(), u32()];
+    const [length, vertices, triangles, ofHand, trianglesOfHand] = [u32(), u32(), u32(), u32(), u32()];
     const name = new TextDecoder().decode(new Uint8Array(buffer, at, length));
     at += length;
     const places = new Float32Array(3 * vertices);
     for (let i = 0; i < places.length; i++, at += 2) places[i] = view.getInt16(at, true) / 1e4;
     const corners = new Uint16Array(3 * triangles);
     for (let i = 0; i < corners.length; i++, at += 2) corners[i] = view.getUint16(at, true);
-    hands.set(name, { places, corners, normals: normalsOf(places, corners) });
+    hands.set(name, { places, corners, normals: normalsOf(places, corners), ofHand, trianglesOfHand });
   }
   return hands;
 }
@@ -69,7 +69,6 @@ function normalsOf(places, corners) {
 class HandView {
   constructor(canvas) {
     this.canvas = canvas;
-    this.context = canvas.getContext("2d");
     this.hands = null;
     this.shown = null;
     this.turned = [0, 0];
@@ -110,19 +109,19 @@ class HandView {
     this.turned = [0, 0];
     this.swaying = !this.still.matches;
     this.since = performance.now();
-    this.draw();
+    this.redraw();
     if (this.swaying) requestAnimationFrame(() => this.sway());
   }
 
   home() {
     this.turned = [0, 0];
     this.swaying = false;
-    this.draw();
+    this.redraw();
   }
 
   turn(right, up) {
     this.turned = [this.turned[0] + right, Math.max(-1.6, Math.min(1.6, this.turned[1] + up))];
-    this.draw();
+    this.redraw();
   }
 
   // To and fro, so that its depth is seen, and slowly back to how the camera sees it.
@@ -131,56 +130,75 @@ class HandView {
     const seconds = (performance.now() - this.since) / 1000;
     if (seconds > 9) return this.home();
     this.turned = [0.6 * Math.sin((seconds / 4.5) * 2 * Math.PI) * Math.min(1, (9 - seconds) / 2), 0];
-    this.draw();
+    this.redraw();
     requestAnimationFrame(() => this.sway());
   }
 
-  draw() {
+  // The same into another canvas, standing still; false where no such hand is known.
+  draw(grasp, quaternion, side, canvas) {
+    const hand = this.hands?.get(grasp);
+    if (hand) drawHand(canvas, hand, matrixOf(quaternion), { flip: side === "left" ? -1 : 1, field: 0.2 });
+    return Boolean(hand);
+  }
+
+  redraw() {
     if (!this.shown) return;
     const { hand, rotation, flip } = this.shown;
     const [yaw, pitch] = this.turned;
     const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     // About the picture's vertical, then about its horizontal; what is in front goes the way the pointer does.
     const turn = times([1, 0, 0, 0, cp, -sp, 0, sp, cp], [cy, 0, -sy, 0, 1, 0, sy, 0, cy]);
-    const m = times(turn, rotation);
-    const { width, height } = this.canvas;
-    const scale = Math.min(width, height) / 0.24;
-    const count = hand.places.length / 3;
-    const [xs, ys, zs, shades] = [0, 0, 0, 0].map(() => new Float32Array(count));
-    for (let v = 0; v < count; v++) {
-      const [x, y, z] = [hand.places[3 * v], flip * hand.places[3 * v + 1], hand.places[3 * v + 2]];
-      xs[v] = width / 2 + scale * (m[0] * x + m[1] * y + m[2] * z);
-      ys[v] = height / 2 + scale * (m[3] * x + m[4] * y + m[5] * z);
-      zs[v] = m[6] * x + m[7] * y + m[8] * z;
-      const [a, b, c] = [hand.normals[3 * v], flip * hand.normals[3 * v + 1], hand.normals[3 * v + 2]];
-      const facing = (m[0] * a + m[1] * b + m[2] * c) * LIGHT[0] + (m[3] * a + m[4] * b + m[5] * c) * LIGHT[1]
-        + (m[6] * a + m[7] * b + m[8] * c) * LIGHT[2];
-      shades[v] = 0.42 + 0.58 * Math.max(0, facing);
-    }
-    const picture = this.context.createImageData(width, height);
-    const depth = new Float32Array(width * height).fill(Infinity);
-    for (let t = 0; t < hand.corners.length; t += 3) {
-      const [a, b, c] = [hand.corners[t], hand.corners[t + 1], hand.corners[t + 2]];
-      const area = (xs[b] - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (ys[b] - ys[a]);
-      // The picture's y points down: a triangle's front runs clockwise there, and in a mirror image the other way.
-      if (area === 0) continue;
-      const [left, right] = [Math.min(xs[a], xs[b], xs[c]), Math.max(xs[a], xs[b], xs[c])];
-      const [top, bottom] = [Math.min(ys[a], ys[b], ys[c]), Math.max(ys[a], ys[b], ys[c])];
-      for (let y = Math.max(0, Math.ceil(top)); y <= Math.min(height - 1, bottom); y++) {
-        for (let x = Math.max(0, Math.ceil(left)); x <= Math.min(width - 1, right); x++) {
-          const wb = ((x - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (y - ys[a])) / area;
-          const wc = ((xs[b] - xs[a]) * (y - ys[a]) - (x - xs[a]) * (ys[b] - ys[a])) / area;
-          const wa = 1 - wb - wc;
-          if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
-          const z = wa * zs[a] + wb * zs[b] + wc * zs[c];
-          const at = y * width + x;
-          if (z >= depth[at]) continue;
-          depth[at] = z;
-          const shade = wa * shades[a] + wb * shades[b] + wc * shades[c];
-          picture.data.set([226 * shade, 172 * shade, 142 * shade, 255], 4 * at);
-        }
+    drawHand(this.canvas, hand, times(turn, rotation), { flip });
+  }
+}
+
+// Red, green and blue in full light.
+const SKIN = [226, 172, 142];
+const THING = [128, 150, 172];
+
+// Draws a hand of `readHands`, turned by a row-major rotation matrix, into a canvas, whose shorter side is `field` metres.
+// `flip` of -1 makes a left hand of it; `held` draws what it holds as well.
+function drawHand(canvas, hand, m, { flip = 1, held = false, field = 0.24 } = {}) {
+  const context = canvas.getContext("2d");
+  const { width, height } = canvas;
+  const scale = Math.min(width, height) / field;
+  const count = held ? hand.places.length / 3 : hand.ofHand;
+  const [xs, ys, zs, shades] = [0, 0, 0, 0].map(() => new Float32Array(count));
+  for (let v = 0; v < count; v++) {
+    const [x, y, z] = [hand.places[3 * v], flip * hand.places[3 * v + 1], hand.places[3 * v + 2]];
+    xs[v] = width / 2 + scale * (m[0] * x + m[1] * y + m[2] * z);
+    ys[v] = height / 2 + scale * (m[3] * x + m[4] * y + m[5] * z);
+    zs[v] = m[6] * x + m[7] * y + m[8] * z;
+    const [a, b, c] = [hand.normals[3 * v], flip * hand.normals[3 * v + 1], hand.normals[3 * v + 2]];
+    const facing = (m[0] * a + m[1] * b + m[2] * c) * LIGHT[0] + (m[3] * a + m[4] * b + m[5] * c) * LIGHT[1]
+      + (m[6] * a + m[7] * b + m[8] * c) * LIGHT[2];
+    shades[v] = 0.42 + 0.58 * Math.max(0, facing);
+  }
+  const picture = context.createImageData(width, height);
+  const depth = new Float32Array(width * height).fill(Infinity);
+  const end = held ? hand.corners.length : 3 * hand.trianglesOfHand;
+  for (let t = 0; t < end; t += 3) {
+    const [red, green, blue] = t < 3 * hand.trianglesOfHand ? SKIN : THING;
+    const [a, b, c] = [hand.corners[t], hand.corners[t + 1], hand.corners[t + 2]];
+    const area = (xs[b] - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (ys[b] - ys[a]);
+    // The picture's y points down: a triangle's front runs clockwise there, and in a mirror image the other way.
+    if (area === 0) continue;
+    const [left, right] = [Math.min(xs[a], xs[b], xs[c]), Math.max(xs[a], xs[b], xs[c])];
+    const [top, bottom] = [Math.min(ys[a], ys[b], ys[c]), Math.max(ys[a], ys[b], ys[c])];
+    for (let y = Math.max(0, Math.ceil(top)); y <= Math.min(height - 1, bottom); y++) {
+      for (let x = Math.max(0, Math.ceil(left)); x <= Math.min(width - 1, right); x++) {
+        const wb = ((x - xs[a]) * (ys[c] - ys[a]) - (xs[c] - xs[a]) * (y - ys[a])) / area;
+        const wc = ((xs[b] - xs[a]) * (y - ys[a]) - (x - xs[a]) * (ys[b] - ys[a])) / area;
+        const wa = 1 - wb - wc;
+        if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
+        const z = wa * zs[a] + wb * zs[b] + wc * zs[c];
+        const at = y * width + x;
+        if (z >= depth[at]) continue;
+        depth[at] = z;
+        const shade = wa * shades[a] + wb * shades[b] + wc * shades[c];
+        picture.data.set([red * shade, green * shade, blue * shade, 255], 4 * at);
       }
     }
-    this.context.putImageData(picture, 0, 0);
   }
+  context.putImageData(picture, 0, 0);
 }

@@ -1,16 +1,26 @@
-// The page: takes a picture, sends it, and draws how the answer came about.
+// The page: takes a picture, sends it, and shows the answer or why there is none.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
 const hand = new HandView($("hand"));
 const handLoaded = hand.load().catch(() => {});
-let stream = null;
 // The picture on the screen, to be asked about again when an option changes.
 let current = null;
 let asked = 0;
+// What `v1/index` says of the index that answers.
+let served = null;
 
 const inWords = (name) => name.replaceAll("-", " ");
-const percent = (share) => `${Math.round(100 * share)} %`;
+
+// A share in percent; what is neither nothing nor all does not look so.
+function percent(share) {
+  if (share > 0 && share < 0.005) return "< 1 %";
+  if (share >= 0.995 && share < 1) return "> 99 %";
+  return `${Math.round(100 * share)} %`;
+}
+
+// A message of the service in the words of this page: options of the command line are fields here.
+const onPage = (message) => message.replaceAll("with --mask", "above, under “It is found”").replaceAll("with --hand", "above, under “Hand”");
 
 function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
@@ -25,16 +35,31 @@ function drawn(name, attributes, ...children) {
   return made;
 }
 
-function tell(message) {
+// Says what is wrong, with what can be done about it and beside the picture where there is one; an empty message hides it all.
+function tell(message, { picture = null, advice = [] } = {}) {
   $("problem").textContent = message;
   $("problem").hidden = !message;
+  $("advice").replaceChildren(...advice.map((text) => element("li", {}, text)));
+  $("unanswered").hidden = !message;
+  const figure = $("rejected").closest("figure");
+  figure.hidden = !picture;
+  if (picture) showBlob($("rejected"), picture, () => { figure.hidden = true; });
+  $("rejected-name").textContent = picture?.name ?? "";
+}
+
+// Shows a picture in an <img>; `otherwise` is called where the browser does not know its format.
+function showBlob(image, blob, otherwise) {
+  URL.revokeObjectURL(image.src);
+  image.onerror = otherwise;
+  image.src = URL.createObjectURL(blob);
 }
 
 async function ask(path, options = {}) {
   let response;
   try {
     response = await fetch(path, options);
-  } catch {
+  } catch (failure) {
+    if (failure.name === "AbortError") throw failure;
     throw new Error("The service does not answer: it may have been stopped.");
   }
   if (response.ok) return response;
@@ -42,6 +67,7 @@ async function ask(path, options = {}) {
   const body = await response.json().catch(() => null);
   const problem = new Error(body?.error?.message ?? `The service answered with ${response.status}.`);
   problem.status = response.status;
+  problem.kind = body?.error?.kind;
   problem.retry = Number(response.headers.get("Retry-After"));
   throw problem;
 }
@@ -52,28 +78,55 @@ async function shrunk(blob, side) {
   const scale = Math.min(1, side / Math.max(bitmap.width, bitmap.height));
   const canvas = element("canvas", { width: Math.round(scale * bitmap.width), height: Math.round(scale * bitmap.height) });
   canvas.getContext("2d").drawImage(bitmap, 0, 0, canvas.width, canvas.height);
-  return new Promise((resolve) => canvas.toBlob(resolve, "image/jpeg", 0.95));
+  const jpeg = await new Promise((resolve) => canvas.toBlob(resolve, "image/jpeg", 0.95));
+  return new File([jpeg], blob.name ?? "picture", { type: "image/jpeg" });
+}
+
+// The options of a request that hold for pictures and for the camera's frames.
+function parameters(name) {
+  const query = new URLSearchParams({ explained: "true", file: name });
+  if ($("side").value !== "auto") query.set("hand", $("side").value);
+  if ($("source").value === "segmented") query.set("segmented", "true");
+  return query;
+}
+
+// What is still missing before a picture can be sent.
+function missing() {
+  const source = $("source").value;
+  if (source === "mask" && !$("mask-file").files[0]) return "Choose the mask as well.";
+  if (source === "depth" && !$("depth-file").files[0]) return "Choose the depth picture as well.";
+  if (source === "depth" && !($("near").value && $("far").value)) return "Say from which distance to which the hand lies.";
+  return null;
 }
 
 function request(blob) {
-  const query = new URLSearchParams({ explained: "true", file: blob.name ?? "picture" });
-  if ($("side").value !== "auto") query.set("hand", $("side").value);
-  if ($("segmented").checked) query.set("segmented", "true");
+  const query = parameters(blob.name ?? "picture");
+  const source = $("source").value;
   const robot = $("robot").value;
-  if (!robot) return ask(`v1/recognise?${query}`, { method: "POST", body: blob });
-  query.set("robot", robot);
+  if (!robot && source !== "mask" && source !== "depth") {
+    return ask(`v1/recognise?${query}`, { method: "POST", body: blob });
+  }
   const form = new FormData();
   form.set("picture", blob);
-  form.set("object", new Blob([$("object").value]));
-  form.set("camera", new Blob([$("camera-pose").value]));
-  return ask(`v1/strategy?${query}`, { method: "POST", body: form });
+  if (source === "mask") form.set("mask", $("mask-file").files[0]);
+  if (source === "depth") {
+    form.set("depth", $("depth-file").files[0]);
+    query.set("depth_range", `${$("near").value}..${$("far").value}`);
+  }
+  if (robot) {
+    query.set("robot", robot);
+    form.set("object", new Blob([$("object").value]));
+    form.set("camera", new Blob([$("camera-pose").value]));
+  }
+  return ask(`v1/${robot ? "strategy" : "recognise"}?${query}`, { method: "POST", body: form });
 }
 
 async function recognise(blob) {
   current = blob;
   const number = ++asked;
   tell("");
-  $("busy").textContent = "Looking at the picture …";
+  $("busy").textContent = missing() ?? "Looking at the picture …";
+  if (missing()) return;
   try {
     let response;
     for (let attempt = 0; ; attempt++) {
@@ -81,160 +134,54 @@ async function recognise(blob) {
         response = await request(blob);
         break;
       } catch (problem) {
-        // What is too large for the service need not be: it works at 512 pixels.
-        if (problem.status === 413 && attempt === 0) blob = await shrunk(blob, 1600).catch(() => { throw problem; });
-        else if (problem.status === 429 && attempt < 10) await new Promise((go) => setTimeout(go, 1000 * (problem.retry || 1)));
+        // What is too large for the service need not be: it works at 512 pixels. A mask would no longer fit.
+        const mayShrink = !["mask", "depth"].includes($("source").value);
+        if (problem.status === 413 && attempt === 0 && mayShrink) blob = await shrunk(blob, 1600).catch(() => { throw problem; });
+        else if (problem.status === 429 && attempt < 10) await pause(1000 * (problem.retry || 1));
         else throw problem;
       }
     }
     const record = await response.json();
     await handLoaded;
+    if (served && served.generation !== record.explained.generation) await about();
     // Of several pictures in a row, the last one counts.
-    if (number === asked) show(blob, record);
+    if (number !== asked) return;
+    $("known").open = false;
+    show(blob, record);
   } catch (problem) {
     if (number !== asked) return;
     $("answer").hidden = true;
-    tell(problem.message);
+    const words = problem.kind === "no_hand" ? noHand() : { message: onPage(problem.message), advice: [] };
+    tell(words.message, { picture: blob, advice: words.advice });
+    $("unanswered").scrollIntoView({ block: "nearest" });
   } finally {
     if (number === asked) $("busy").textContent = "";
   }
 }
 
-function show(blob, record) {
-  const { explained, orientation } = record;
-  $("answer").hidden = false;
-  $("verdict").textContent = record.reason ? "unknown" : `${inWords(record.grasp)}, ${percent(record.probability)}`;
-  $("words").textContent = `A ${record.hand} hand. The camera sees ${orientation.camera_sees}, the fingers point ${orientation.fingers_point}, give or take ${Math.round(orientation.spread_deg)}°.`
-    + (record.reason ? ` Unknown: ${record.reason}.` : "");
-  URL.revokeObjectURL($("picture").src);
-  $("picture").src = URL.createObjectURL(blob);
-  // A format that no browser knows shows as its mask alone.
-  $("picture").onerror = () => { $("picture").hidden = true; };
-  $("picture").hidden = false;
-  $("seen").style.aspectRatio = `${explained.width} / ${explained.height}`;
-  $("mask").src = explained.mask;
-  $("hand-image").src = explained.hand_image;
-  const flipped = record.hand === "left" ? ", flipped as it is looked up" : "";
-  const rolled = record.roll_deg ? `, turned by ${Math.round(record.roll_deg)}°` : "";
-  $("hand-caption").textContent = `Hand image${flipped}${rolled}`;
-  drawDescriptor(explained);
-  drawClasses(record);
-  drawNeighbours(record);
-  hand.show(record.classes[0].grasp, orientation.quaternion_xyzw, record.hand);
-  drawStrategy(record.strategy, record.error);
-  const { explained: _, ...rest } = record;
-  $("record").textContent = JSON.stringify(rest, null, 1);
-  $("answer").focus({ preventScroll: true });
-  $("answer").scrollIntoView({ block: "nearest" });
-}
+const pause = (milliseconds) => new Promise((go) => setTimeout(go, milliseconds));
 
-// The paper's Figure 4: for each orientation, how much each cell holds of it; coarser levels beside finer ones.
-function drawDescriptor({ cells, bins, dim }) {
-  const side = 128;
-  const gap = 12;
-  const canvas = $("descriptor");
-  canvas.width = bins * (1.5 * side + 4 + gap) - gap;
-  canvas.height = side;
-  const context = canvas.getContext("2d");
-  context.fillStyle = "#000";
-  for (let bin = 0; bin < bins; bin++) context.fillRect(bin * (1.5 * side + 4 + gap), 0, 1.5 * side + 4, side);
-  const largest = {};
-  for (const { level, histogram } of cells) largest[level] = Math.max(largest[level] ?? 1e-9, ...histogram);
-  for (const { level, cells_a_side, row, column, histogram } of cells) {
-    const size = side >> (level - 1);
-    const cell = size / cells_a_side;
-    const left = level === 1 ? 0 : side + 4;
-    const top = level === 1 ? 0 : side - Math.min(side, 2 * size);
-    histogram.forEach((value, bin) => {
-      const shade = Math.round(255 * Math.max(0, Math.min(1, value / largest[level])));
-      context.fillStyle = `rgb(${shade} ${shade} ${shade})`;
-      context.fillRect(bin * (1.5 * side + 4 + gap) + left + column * cell, top + row * cell, Math.max(1, cell - 1), Math.max(1, cell - 1));
-    });
-  }
-  canvas.setAttribute("aria-label", `The descriptor, ${dim} values, as shades of grey in cells`);
-  $("descriptor-caption").textContent = `The descriptor: ${dim} values. For each of ${bins} edge orientations, how much each cell holds of it, from fine to coarse`;
-}
-
-function drawClasses({ classes }) {
-  const rows = classes.map(({ grasp, cutkosky, probability }, at) => {
-    const fill = element("span");
-    fill.style.width = `${100 * probability}%`;
-    const bar = element("div", { className: "bar" }, fill);
-    bar.setAttribute("aria-hidden", "true");
-    return element("tr", { className: at === 0 ? "first" : "" },
-      element("th", { scope: "row", title: `Cutkosky ${cutkosky}` }, inWords(grasp)),
-      element("td", {}, bar), element("td", {}, percent(probability)));
-  });
-  $("classes").querySelector("tbody").replaceChildren(...rows);
-}
-
-// Neighbours that are shown, however many vote.
-const MOST_NEIGHBOURS = 14;
-
-// The paper's Figure 5.
-function drawNeighbours({ neighbours, classes, explained, search }) {
-  $("neighbours").replaceChildren(...neighbours.slice(0, MOST_NEIGHBOURS).map((neighbour) => {
-    const name = inWords(neighbour.grasp);
-    const picture = element("img", { alt: `${name}, ${neighbour.stage}`, width: 96, height: 96 });
-    picture.src = `v1/neighbours/${neighbour.id}/thumbnail.png?generation=${explained.generation}`;
-    // An index without thumbnails.
-    picture.onerror = () => { picture.hidden = true; };
-    const item = element("li", { className: neighbour.grasp === classes[0].grasp ? "agrees" : "", title: neighbour.file },
-      element("div", { className: "view" }, picture));
-    if (neighbour.quaternion_xyzw) item.append(axes(neighbour.quaternion_xyzw));
-    item.append(element("strong", {}, name), `distance ${neighbour.distance.toFixed(3)}`, element("br"),
-      element("span", { className: "faint" }, [neighbour.hand_shape, neighbour.stage].filter(Boolean).join(", ")));
-    return item;
-  }));
-  const voted = neighbours.length > MOST_NEIGHBOURS ? `These are the first ${MOST_NEIGHBOURS} of ${neighbours.length} that voted. ` : "";
-  $("cost").textContent = voted + (search.exact
-    ? "Every entry was compared."
-    : `${search.candidates} entries were compared, ${(100 * search.share_of_database).toFixed(search.share_of_database < 0.1 ? 1 : 0)} % of the index.`);
-}
-
-// Where the hand's x (fingers) and z (back) point in the picture.
-function axes(quaternion) {
-  const m = matrixOf(quaternion);
-  const line = (axis, name) => {
-    const [x, y, z] = [m[axis], m[3 + axis], m[6 + axis]];
-    const away = z > 0.15 ? " away" : "";
-    return drawn("line", { x1: 0, y1: 0, x2: (18 * x).toFixed(1), y2: (18 * y).toFixed(1), class: name + away });
-  };
-  const svg = drawn("svg", { viewBox: "-20 -20 40 40", role: "img" }, line(2, "z"), line(0, "x"));
-  const words = (x, y) => (Math.hypot(x, y) < 0.4 ? "toward or away from the camera" : `${y < -0.38 ? "up " : y > 0.38 ? "down " : ""}${x < -0.38 ? "left" : x > 0.38 ? "right" : ""}`.trim());
-  svg.setAttribute("aria-label", `fingers ${words(m[0], m[3])}, back of the hand ${words(m[2], m[5])}`);
-  return svg;
-}
-
-async function openCamera() {
-  tell("");
-  try {
-    stream = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1280 }, facingMode: "environment" } });
-  } catch {
-    tell("The camera cannot be used: allow it for this page. Browsers give it to pages of this machine and to encrypted ones only.");
-    return;
-  }
-  $("video").srcObject = stream;
-  await $("video").play();
-  $("viewfinder").hidden = false;
-  $("take").focus();
-}
-
-function closeCamera() {
-  for (const track of stream?.getTracks() ?? []) track.stop();
-  stream = null;
-  $("viewfinder").hidden = true;
-}
-
-function takePicture() {
-  const video = $("video");
-  const canvas = element("canvas", { width: video.videoWidth, height: video.videoHeight });
-  canvas.getContext("2d").drawImage(video, 0, 0);
-  canvas.toBlob((blob) => recognise(blob), "image/jpeg", 0.95);
+// Why no hand was found, by how it was looked for, and what may help.
+function noHand() {
+  const seen = {
+    skin: ["Nothing in the picture has the colour and the size of a hand.", [
+      "The hand should be bare, well lit, and large in the picture.",
+      "Skin-coloured things around it (wood, cardboard, a face) hide it: take another background.",
+      "If another program can find the hand: choose “by a mask” above.",
+    ]],
+    segmented: ["The picture is black all over.", ["For a picture as a camera takes it, choose “by the colour of skin” above."]],
+    mask: ["The mask is black all over.", ["It must be white where the hand is."]],
+    depth: ["Nothing of a hand's size lies between the two distances.", ["They are in the unit of the depth picture, often millimetres; 0 means that nothing was measured."]],
+  }[$("source").value];
+  return { message: `No hand found. ${seen[0]}`, advice: seen[1] };
 }
 
 function pictureIn(transfer) {
   return [...(transfer?.files ?? [])].find((file) => file.type.startsWith("image/") || /\.(pnm|ppm|pgm)$/i.test(file.name));
+}
+
+function askAgain() {
+  if (current) recognise(current);
 }
 
 $("choose").addEventListener("click", () => $("file").click());
@@ -243,12 +190,6 @@ $("file").addEventListener("change", () => {
   if (file) recognise(file);
   // The same file may be chosen again.
   $("file").value = "";
-});
-$("camera").addEventListener("click", openCamera);
-$("take").addEventListener("click", takePicture);
-$("leave").addEventListener("click", () => {
-  closeCamera();
-  $("camera").focus();
 });
 for (const name of ["dragenter", "dragover"]) {
   document.addEventListener(name, (event) => {
@@ -264,17 +205,18 @@ document.addEventListener("drop", (event) => {
   $("drop").classList.remove("over");
   const file = pictureIn(event.dataTransfer);
   if (file) recognise(file);
-  else tell("That is no picture: drop a PNG, JPEG or PNM file.");
+  else tell("This is not a picture: drop a PNG, JPEG or PNM file.");
 });
 document.addEventListener("paste", (event) => {
   const file = pictureIn(event.clipboardData);
   if (file) recognise(file);
 });
-for (const id of ["side", "segmented", "robot", "object", "camera-pose"]) {
-  $(id).addEventListener("change", () => { if (current) recognise(current); });
+$("source").addEventListener("change", () => {
+  for (const source of ["mask", "depth"]) $(`${source}-choice`).hidden = $("source").value !== source;
+});
+for (const id of ["side", "source", "mask-file", "depth-file", "near", "far", "robot", "object", "camera-pose"]) {
+  $(id).addEventListener("change", askAgain);
 }
-$("show-mask").addEventListener("change", () => { $("mask").hidden = !$("show-mask").checked; });
-$("home").addEventListener("click", () => hand.home());
 $("login").addEventListener("submit", async (event) => {
   event.preventDefault();
   try {
@@ -282,7 +224,7 @@ $("login").addEventListener("submit", async (event) => {
     $("login").hidden = true;
     tell("");
     await about();
-    if (current) recognise(current);
+    askAgain();
   } catch (problem) {
     tell(problem.message);
   }
@@ -290,13 +232,16 @@ $("login").addEventListener("submit", async (event) => {
 
 async function about() {
   try {
-    const index = await (await ask("v1/index")).json();
-    $("about").textContent = `${index.entries.toLocaleString("en")} views of ${index.classes.length} grasps`;
-    $("quiz").hidden = !index.quiz;
-    if (!index.recognises) tell("The index that is served holds raw vectors: it cannot tell what pictures show.");
+    served = await (await ask("v1/index")).json();
+    $("about").textContent = `${served.entries.toLocaleString("en")} views of ${served.classes.length} grasps`;
+    $("quiz").hidden = !served.quiz;
+    if (!served.recognises) tell("The index that is served holds raw vectors: it cannot say what pictures show.");
+    await handLoaded;
+    drawKnown(served.classes);
   } catch (problem) {
     if (problem.status !== 401) tell(problem.message);
   }
 }
 
-about();
+// All scripts have run by then.
+document.addEventListener("DOMContentLoaded", about);
