@@ -24,6 +24,11 @@ const FILES: [(&str, &str, &[u8]); 10] = [
     ("/hand.mesh", "application/octet-stream", include_bytes!("page/hand.mesh")),
 ];
 
+/// Whether a path is that of a file of the page.
+pub(super) fn has(path: &str) -> bool {
+    FILES.iter().any(|(name, ..)| *name == path)
+}
+
 pub(super) fn routes() -> Router<Shared> {
     FILES.into_iter().fold(Router::new(), |router, (path, kind, bytes)| {
         router.route(path, get(move || async move { file(kind, bytes) }))
