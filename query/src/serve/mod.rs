@@ -19,6 +19,7 @@ mod form;
 mod gate;
 mod guard;
 mod identity;
+mod impatient;
 mod linger;
 mod listen;
 mod metrics;
