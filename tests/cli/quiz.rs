@@ -70,14 +70,14 @@ impl Served {
     }
 
     fn get(&self, path: &str) -> Response {
-        self.send(format!("GET {path} HTTP/1.1\r\nHost: quiz\r\nConnection: close\r\n\r\n").as_bytes())
+        self.send(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").as_bytes())
     }
 
     fn post(&self, path: &str, body: &str) -> Response {
         let length = body.len();
         self.send(
             format!(
-                "POST {path} HTTP/1.1\r\nHost: quiz\r\nConnection: close\r\nContent-Type: application/json\r\n\
+                "POST {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n\
                  Content-Length: {length}\r\n\r\n{body}"
             )
             .as_bytes(),
@@ -246,9 +246,31 @@ fn hostile_requests_are_refused_and_change_nothing() {
         let status = served.get(path).status;
         assert!((400..500).contains(&status), "{path}: {status}");
     }
+    // Another site cannot answer, nor read the pictures, nor come under a name of its own.
+    let answering = "{\"picture\":0,\"answer\":1}";
+    for (request, host, origin) in [
+        ("POST /answer", "localhost", "Origin: https://example.com\r\n"),
+        ("POST /answer", "localhost", "Sec-Fetch-Site: cross-site\r\n"),
+        ("POST /finish", "localhost", "Sec-Fetch-Site: same-site\r\n"),
+        ("GET /picture/0", "localhost", "Sec-Fetch-Site: cross-site\r\n"),
+        ("POST /answer", "example.com", ""),
+        ("GET /", "example.com", ""),
+    ] {
+        let refused = served.send(
+            format!(
+                "{request} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{origin}Content-Type: application/json\r\n\
+                 Content-Length: {}\r\n\r\n{answering}",
+                answering.len()
+            )
+            .as_bytes(),
+        );
+        assert_eq!(refused.status, 403, "{request} {host} {origin}");
+    }
+    let missing = served.get("/picture/x");
+    assert!(missing.text().contains("an integer from 0"), "{}", missing.text());
     // Another site's form cannot answer: it cannot send JSON.
     let form = served.send(
-        b"POST /answer HTTP/1.1\r\nHost: quiz\r\nConnection: close\r\nContent-Type: text/plain\r\nContent-Length: 24\r\n\r\n\
+        b"POST /answer HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: text/plain\r\nContent-Length: 24\r\n\r\n\
           {\"picture\":0,\"answer\":1} ",
     );
     assert_eq!(form.status, 415);

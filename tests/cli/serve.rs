@@ -1,10 +1,13 @@
 //! `grasp-query serve`: the answers of the command line over HTTP, and what it does with askers who want too much.
 
 use std::io::Write as _;
+use std::net::TcpStream;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
-use grasp_tests::service::{Response, Service, request};
+use grasp_tests::service::{PATIENCE, Response, Service, request};
 use grasp_tests::{pictures, program, run, small_index, workspace};
 use serde_json::Value;
 
@@ -111,9 +114,9 @@ fn descriptors_are_searched_for_as_by_the_command_line() {
     assert_eq!(answer["neighbours"], expected["neighbours"]);
 
     for (query, body, status, says) in [
-        ("", "{\"descriptors\":[[1.0]]}", 400, "the query has 1 values"),
+        ("", "{\"descriptors\":[[1.0]]}", 400, "descriptors[0] has 1 values"),
         ("", "{\"descriptors\":[]}", 400, "no descriptor"),
-        ("", "[1]", 400, "NumPy"),
+        ("", "[1]", 400, "descriptors"),
         ("", "", 400, "NumPy"),
         ("", "\u{93}NUMPY", 400, ""),
         ("?k=0", "{}", 400, "k is 0"),
@@ -168,7 +171,17 @@ fn it_says_what_it_serves_and_how_it_does() {
 
     let described = service.get("/openapi.json").json();
     assert!(described["openapi"].as_str().unwrap().starts_with("3."));
+    // People read the same as a page.
+    let docs = service.get("/docs");
+    assert!(docs.header("content-type").unwrap().starts_with("text/html"));
     let paths: Vec<&String> = described["paths"].as_object().unwrap().keys().collect();
+    for (path, methods) in described["paths"].as_object().unwrap() {
+        for of in methods.as_object().unwrap().values() {
+            let summary = of["summary"].as_str().unwrap();
+            assert!(docs.text().contains(path) && docs.text().contains(summary), "{path}: {summary}");
+            assert!(of["tags"][0].is_string() && !summary.contains(path), "{path}: {summary}");
+        }
+    }
     assert!(paths.contains(&&"/v1/recognise".to_owned()) && paths.contains(&&"/v1/search".to_owned()));
     // Every key of a real record is described, and every schema that is named is there.
     let record = service.post("/v1/recognise?timings=true", &sample("camera/09-pinch.jpg")).json();
@@ -253,7 +266,7 @@ fn half(service: &Service, body: &[u8]) -> std::net::TcpStream {
     let whole = request("POST", "/v1/recognise", "", body);
     let half = whole.len() - body.len() / 2;
     stream.write_all(&whole[..half]).unwrap();
-    service.wait_until("the request to be let in", |service| service.metric("grasp_requests_inside") >= 1.0);
+    service.wait_until("the request to arrive", |service| service.metric("grasp_requests_arriving") >= 1.0);
     stream
 }
 
@@ -261,13 +274,26 @@ fn half(service: &Service, body: &[u8]) -> std::net::TcpStream {
 fn who_cannot_wait_is_told_when_to_come_back() {
     let service = serve(&["--threads", "1", "--queue", "0"]);
     let picture = sample("camera/09-pinch.jpg");
+    let started = Instant::now();
+    loop {
+        assert!(started.elapsed() < PATIENCE, "eight at a time, and none is in the way of another");
+        let answers: Vec<Response> = std::thread::scope(|scope| {
+            let ask = || service.post("/v1/recognise?rolls=36", &picture);
+            let asking: Vec<_> = (0..8).map(|_| scope.spawn(ask)).collect();
+            asking.into_iter().map(|asking| asking.join().unwrap()).collect()
+        });
+        assert!(answers.iter().any(|answer| answer.status == 200));
+        if let Some(turned_away) = answers.iter().find(|answer| answer.status != 200) {
+            assert_eq!((turned_away.status, turned_away.header("retry-after")), (429, Some("1")));
+            assert_eq!(turned_away.json()["error"]["kind"], "busy");
+            break;
+        }
+    }
+    // One who has not sent all takes no place.
     let mut first = half(&service, &picture);
-    let second = service.post("/v1/recognise", &picture);
-    assert_eq!((second.status, second.header("retry-after")), (429, Some("1")));
-    assert_eq!(second.json()["error"]["kind"], "busy");
+    assert_eq!(service.post("/v1/recognise", &picture).status, 200);
     first.write_all(&picture[picture.len() - picture.len() / 2..]).unwrap();
     assert_eq!(Response::read(&mut first).unwrap().status, 200);
-    assert_eq!(service.post("/v1/recognise", &picture).status, 200);
 }
 
 #[test]
@@ -277,10 +303,235 @@ fn who_sends_too_slowly_is_sent_away() {
     let mut slow = half(&service, &picture);
     let answer = Response::read(&mut slow).unwrap();
     assert_eq!((answer.status, &answer.json()["error"]["kind"]), (408, &"timeout".into()));
-    service.wait_until("its place", |service| service.metric("grasp_requests_inside") == 0.0);
-    // One who went away gives the place back as well.
+    service.wait_until("the end of it", |service| service.metric("grasp_requests_arriving") == 0.0);
+    // One who went away is forgotten as well.
     drop(half(&service, &picture));
-    service.wait_until("its place", |service| service.metric("grasp_requests_inside") == 0.0);
+    service.wait_until("the end of it", |service| service.metric("grasp_requests_arriving") == 0.0);
+}
+
+/// Clients that mean no good: each has sent the head of a request, and sends of its body at most
+/// `most` bytes, at most `each` at a time.
+struct Crowd {
+    clients: Vec<TcpStream>,
+    most: usize,
+    each: usize,
+}
+
+impl Crowd {
+    fn new(service: &Service, count: usize, declared: usize, most: usize, each: usize) -> Self {
+        let client = || {
+            let mut stream = service.connect();
+            let head = format!(
+                "POST /v1/recognise HTTP/1.1\r\nHost: localhost\r\nContent-Length: {declared}\r\n\r\n"
+            );
+            stream.write_all(head.as_bytes()).unwrap();
+            stream.set_nonblocking(true).unwrap();
+            stream
+        };
+        Self { clients: std::iter::repeat_with(client).take(count).collect(), most, each }
+    }
+
+    /// Sends until `over`. What the service does not take, or no longer, is nothing to these
+    /// clients.
+    fn send(&mut self, over: &AtomicBool) {
+        let mut sent = vec![0; self.clients.len()];
+        let zeros = vec![0; self.each];
+        while !over.load(Ordering::SeqCst) {
+            for (client, sent) in self.clients.iter_mut().zip(&mut sent) {
+                let each = self.each.min(self.most - *sent);
+                *sent += client.write(&zeros[..each]).unwrap_or(0);
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+/// Megabytes of memory that a service has.
+fn memory(service: &Service) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", service.id())).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() / 1024
+}
+
+#[test]
+fn slow_and_stalled_clients_shut_nobody_out_and_their_memory_comes_back() {
+    let service = serve(&[]);
+    let small = sample("camera/09-pinch.jpg");
+    let large = [b"P6 1000 1000 255\n".as_slice(), &vec![0; 3_000_000]].concat();
+    let ask = |body: &[u8]| service.post("/v1/recognise", body).status;
+    for _ in 0..4 {
+        assert_eq!((ask(&small), ask(&large)), (200, 422));
+    }
+    let before = memory(&service);
+    let mut slow = Crowd::new(&service, 100, 10_000_000, 10_000_000, 1);
+    let mut stalled = Crowd::new(&service, 100, 19_000_000, 18_900_000, 1 << 18);
+    let over = AtomicBool::new(false);
+    let most = AtomicU64::new(0);
+    std::thread::scope(|scope| {
+        scope.spawn(|| slow.send(&over));
+        scope.spawn(|| stalled.send(&over));
+        scope.spawn(|| {
+            while !over.load(Ordering::SeqCst) {
+                most.fetch_max(memory(&service), Ordering::SeqCst);
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        });
+        // The others must end also where this fails.
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            service.wait_until("the crowd", |service| service.metric("grasp_requests_arriving") >= 150.0);
+            std::thread::scope(|scope| {
+                for client in 0..8 {
+                    let (body, expected) = if client % 2 == 0 { (&small, 200) } else { (&large, 422) };
+                    scope.spawn(move || (0..5).for_each(|_| assert_eq!(ask(body), expected)));
+                }
+            });
+            // The crowd is still there, and goes on sending as it did.
+            service.wait_until("the crowd's end", |service| service.metric("grasp_requests_arriving") == 0.0);
+            service.wait_until("the memory", |service| memory(service) < before + 40);
+        }));
+        over.store(true, Ordering::SeqCst);
+        if let Err(panic) = outcome {
+            std::panic::resume_unwind(panic);
+        }
+    });
+    let most = most.into_inner();
+    assert!(most < before + 200, "{before} MB before, {most} MB at most");
+    assert_eq!(service.metric("grasp_body_bytes_reserved"), 0.0);
+}
+
+#[test]
+fn a_foreign_page_makes_it_do_nothing() {
+    let service = serve(&[]);
+    let picture = sample("camera/09-pinch.jpg");
+    let routes = [
+        ("POST", "/v1/recognise"),
+        ("POST", "/v1/strategy"),
+        ("POST", "/v1/search"),
+        ("POST", "/session"),
+        ("GET", "/v1/index"),
+        ("GET", "/v1/neighbours/0/thumbnail.png"),
+        ("GET", "/metrics"),
+    ];
+    for headers in [
+        "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: no-cors\r\n",
+        "Sec-Fetch-Site: cross-site\r\nOrigin: https://example.com\r\nContent-Type: text/plain\r\n",
+        "Sec-Fetch-Site: same-site\r\nOrigin: http://localhost:3000\r\n",
+        "Origin: https://example.com\r\n",
+        "Origin: null\r\n",
+    ] {
+        for (method, path) in routes {
+            let answer = service.send(&request(method, path, headers, &picture));
+            assert_eq!(
+                (answer.status, &answer.json()["error"]["kind"]),
+                (403, &"origin".into()),
+                "{headers}{path}"
+            );
+        }
+        // A link may lead to the page.
+        assert_eq!(service.send(&request("GET", "/", headers, b"")).status, 200);
+    }
+    assert_eq!(service.metric("grasp_requests_total{path=\"/v1/recognise\",status=\"403\"}"), 5.0);
+    assert_eq!(service.metric("grasp_step_seconds_count{step=\"decode\"}"), 0.0);
+    for headers in
+        ["Sec-Fetch-Site: same-origin\r\nOrigin: http://localhost\r\n", "Origin: http://localhost\r\n", ""]
+    {
+        assert_eq!(
+            service.send(&request("POST", "/v1/recognise", headers, &picture)).status,
+            200,
+            "{headers}"
+        );
+    }
+}
+
+/// Words of the libraries that read requests, which say nothing to who sends them.
+const RAW: [&str; 8] = [
+    "deserialize",
+    "unknown variant",
+    "unknown field",
+    "invalid type",
+    "invalid digit",
+    "EOF",
+    "URL",
+    "multipart",
+];
+
+#[test]
+fn what_is_wrong_is_said_in_the_services_own_words() {
+    let service = serve(&[]);
+    let picture = sample("segmented/09-pinch.png");
+    let (kind, doubled) = form(&[("picture", &picture), ("picture", &picture)]);
+    let dim = service.get("/v1/index").json()["dim"].as_u64().unwrap() as usize;
+    let row = vec!["0.5"; dim].join(",");
+    for (method, path, headers, body, status, says) in [
+        (
+            "POST",
+            "/v1/recognise?hand=both",
+            "",
+            b"".as_slice(),
+            400,
+            "hand is `both`: `auto` or `left` or `right` is needed",
+        ),
+        ("POST", "/v1/recognise?k=x", "", b"", 400, "k is `x`: an integer from 1 to 1000 is needed"),
+        (
+            "POST",
+            "/v1/recognise?rolls=99",
+            "",
+            &picture,
+            400,
+            "rolls is 99: an integer from 1 to 36 is needed",
+        ),
+        (
+            "POST",
+            "/v1/recognise?kk=1",
+            "",
+            b"",
+            400,
+            "there is no parameter `kk`: there are file, frame, hand,",
+        ),
+        ("POST", "/v1/recognise?k=1&k=2", "", b"", 400, "k is given more than once"),
+        ("POST", "/v1/recognise", "Content-Type: multipart/form-data\r\n", b"", 400, "names no boundary"),
+        ("POST", "/v1/recognise", &kind, &doubled, 400, "the form has more than one picture"),
+        ("POST", "/v1/recognise", &kind, &doubled[..200], 400, "the form ends within a part"),
+        (
+            "GET",
+            "/v1/neighbours/x/thumbnail.png",
+            "",
+            b"",
+            400,
+            "`x` is no entry: its number is an integer from 0",
+        ),
+        ("GET", "/v1/neighbours/%ff/thumbnail.png", "", b"", 400, "is no entry"),
+        ("GET", "/v1/neighbours/1/thumbnail.png?generation=x", "", b"", 400, "generation is `x`: an integer"),
+        ("POST", "/v1/search", "", b"{\"descriptors\": [[1, 2", 400, "malformed at line 1, column 22"),
+        ("POST", "/v1/search", "", b"[1]", 400, "{\"descriptors\": [[...], ...]} is needed"),
+        ("POST", "/v1/search", "", b"{\"descriptors\": [[1]]}", 400, "descriptors[0] has 1 values"),
+        (
+            "POST",
+            "/v1/search",
+            "",
+            format!("{{\"descriptors\": [[{row}], [0, \"1\"]]}}").as_bytes(),
+            400,
+            "descriptors[1][1] is no number",
+        ),
+        ("GET", "/nowhere", "", b"", 404, "/docs says what is"),
+        ("GET", "/v1/recognise", "", b"", 405, "the header Allow says"),
+        ("DELETE", "/", "", b"", 405, "the header Allow says"),
+    ] {
+        let answer = service.send(&request(method, path, headers, body));
+        let message = answer.json()["error"]["message"].as_str().unwrap().to_owned();
+        assert!(
+            answer.status == status && message.contains(says),
+            "{method} {path}: {} {message}",
+            answer.status
+        );
+        assert!(!RAW.iter().any(|word| message.contains(word)), "{message}");
+        let allowed = (status == 405).then_some(if path == "/" { "GET,HEAD" } else { "POST" });
+        assert_eq!(answer.header("allow"), allowed, "{method} {path}");
+    }
+    // What is too large by its own word is refused before it is sent.
+    let head = b"POST /v1/recognise HTTP/1.1\r\nHost: localhost\r\nContent-Length: 20000001\r\nExpect: 100-continue\r\n\r\n";
+    let answer = service.send(head);
+    assert_eq!((answer.status, &answer.json()["error"]["kind"]), (413, &"too_large".into()));
 }
 
 #[test]
@@ -324,19 +575,38 @@ fn beyond_this_machine_a_token_is_needed() {
         assert!(refused.status == 2 && refused.stderr.contains("holds no token"), "{}", refused.stderr);
     }
     std::fs::write(&token, "0123456789abcdef\n").unwrap();
+    let index = folder.path().join("grasp.idx");
+    std::fs::copy(small_index(), &index).unwrap();
     let mut command = program("grasp-query");
-    command.args(["serve", "--listen", "0.0.0.0:0", "--token-file"]).arg(&token);
-    let service = Service::of(command.arg("--index").arg(small_index()));
+    command.args(["serve", "--listen", "0.0.0.0:0", "--poll", "0.01", "--token-file"]).arg(&token);
+    let service = Service::of(command.arg("--index").arg(&index));
     let ask = |path: &str, headers: &str| service.send(&request("GET", path, headers, b""));
-    for path in ["/v1/index", "/metrics", "/v1/neighbours/0/thumbnail.png"] {
+    let right = "Authorization: Bearer 0123456789abcdef\r\n";
+    for (path, status) in [
+        ("/v1/index", 200),
+        ("/metrics", 200),
+        ("/v1/neighbours/0/thumbnail.png", 200),
+        ("/session", 405),
+        // Whatever is not named as open is closed, also what is not there.
+        ("/quiz/", 404),
+        ("/healthz/", 404),
+        ("/nowhere", 404),
+    ] {
         let answer = ask(path, "");
         assert_eq!((answer.status, answer.header("www-authenticate")), (401, Some("Bearer")), "{path}");
         assert_eq!(ask(path, "Authorization: Bearer 0123456789abcdeX\r\n").status, 401, "{path}");
-        assert_eq!(ask(path, "Authorization: Bearer 0123456789abcdef\r\n").status, 200, "{path}");
+        assert_eq!(ask(path, right).status, status, "{path}");
     }
-    for path in ["/", "/page.js", "/healthz", "/readyz"] {
+    for path in ["/", "/page.js", "/healthz", "/readyz", "/docs", "/openapi.json"] {
         assert_eq!(ask(path, "").status, 200, "{path}");
     }
+    // What anybody may read names no file of this machine.
+    let broken = folder.path().join("broken");
+    std::fs::write(&broken, "no index").unwrap();
+    std::fs::rename(&broken, &index).unwrap();
+    service.wait_until("the failure", |_| !ask("/readyz", "").json()["problem"].is_null());
+    let ready = ask("/readyz", "").text();
+    assert!(!ready.contains(folder.path().to_str().unwrap()) && !ready.contains("grasp.idx"), "{ready}");
     let wrong = request("POST", "/session", "Authorization: Bearer wrong\r\n", b"");
     assert_eq!(service.send(&wrong).status, 401);
     let session =

@@ -107,7 +107,6 @@ impl Serve {
             poll: Duration::from_secs_f64(self.poll),
             drain: Duration::from_secs_f64(self.drain),
             token,
-            local_names_only: true,
             has_quiz: quiz.is_some(),
         });
         // Requests are worked on by threads that may block: as many as workers, and one to look after the index.

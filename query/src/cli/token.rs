@@ -2,20 +2,19 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
+
+use crate::serve::Token;
 
 /// A token: one line of visible characters, that it may stand in a header.
-pub(super) fn read(path: &Path) -> anyhow::Result<String> {
+pub(super) fn read(path: &Path) -> anyhow::Result<Token> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("cannot read the token {}", path.display()))?;
-    let token = text.trim();
-    let is_visible =
-        token.bytes().all(|byte| byte.is_ascii_graphic() && !matches!(byte, b';' | b',' | b'"' | b'\\'));
-    if token.len() < 16 || !is_visible {
-        bail!(
-            "{} holds no token: one line of at least 16 letters and digits is needed, such as `openssl rand -hex 32` writes",
-            path.display()
-        );
-    }
-    Ok(token.to_owned())
+    Token::new(text.trim()).with_context(|| {
+        format!(
+            "{} holds no token: one line of at least {} letters and digits is needed, such as `openssl rand -hex 32` writes",
+            path.display(),
+            Token::LEAST
+        )
+    })
 }

@@ -14,11 +14,13 @@ use axum::body::Bytes;
 pub use form::Parts;
 use http_body_util::{BodyExt as _, Full, Limited};
 use hyper::client::conn::http1::{SendRequest, handshake};
+use hyper::header::HeaderValue;
 use hyper::{Method, Request, StatusCode, header};
 use hyper_util::rt::TokioIo;
 use tokio::net::TcpStream;
 use tokio::runtime::Runtime;
 
+use crate::serve::Token;
 use crate::serve::parameters::{PictureParameters, SearchParameters};
 
 /// How long a service may take for one answer.
@@ -117,7 +119,7 @@ struct Question<'a> {
 #[derive(Debug)]
 pub struct Client {
     address: Address,
-    token: Option<String>,
+    token: Option<Token>,
     runtime: Runtime,
     open: Option<SendRequest<Full<Bytes>>>,
 }
@@ -127,7 +129,7 @@ impl Client {
     ///
     /// # Errors
     /// Where the system has no means left for one.
-    pub fn new(address: Address, token: Option<String>) -> io::Result<Self> {
+    pub fn new(address: Address, token: Option<Token>) -> io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         Ok(Self { address, token, runtime, open: None })
     }
@@ -212,7 +214,10 @@ impl Client {
             .header(header::ACCEPT, accept)
             .header(header::CONTENT_TYPE, kind);
         if let Some(token) = &self.token {
-            request = request.header(header::AUTHORIZATION, format!("Bearer {token}"));
+            let shown = HeaderValue::from_str(&format!("Bearer {}", token.reveal()));
+            let mut shown = shown.map_err(|error| self.broken(error))?;
+            shown.set_sensitive(true);
+            request = request.header(header::AUTHORIZATION, shown);
         }
         let request = request.body(Full::new(body.clone())).map_err(|error| self.broken(error))?;
         let (address, open) = (&self.address, self.open.take());
@@ -292,13 +297,13 @@ where
 #[derive(Debug)]
 pub struct Clients {
     address: Address,
-    token: Option<String>,
+    token: Option<Token>,
     idle: Mutex<Vec<Client>>,
 }
 
 impl Clients {
     /// No connection is open yet.
-    pub fn new(address: Address, token: Option<String>) -> Self {
+    pub fn new(address: Address, token: Option<Token>) -> Self {
         Self { address, token, idle: Mutex::default() }
     }
 

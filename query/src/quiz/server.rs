@@ -6,8 +6,10 @@
 use std::future::Future;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use axum::extract::{DefaultBodyLimit, Path, State as Shared};
-use axum::http::{HeaderName, StatusCode, header};
+use axum::extract::rejection::PathRejection;
+use axum::extract::{Path, Request, State as Shared};
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
@@ -17,16 +19,22 @@ use tokio::net::TcpListener;
 use super::result::QuizResult;
 use super::{CHOICES, Quiz, Refused, State};
 use crate::serve::LOOK;
+use crate::serve::origin::{Names, check_host, check_origin};
+use crate::serve::problem::Problem;
+use crate::serve::small;
 
-/// An answer is some dozen bytes.
-const MOST_BYTES: usize = 1024;
+/// What the page is made of: anybody may link to it, and it tells nothing. All else answers to the
+/// page alone.
+const OPEN: [&str; 4] = ["/", "/look.css", "/quiz.css", "/quiz.js"];
 
-/// Nothing from elsewhere is loaded, nobody may frame the page, and nothing is kept that a later quiz would show again.
-const HEADERS: [(HeaderName, &str); 4] = [
+/// Nothing from elsewhere is loaded, no other page may frame or embed what is sent, and nothing is
+/// kept that a later quiz would show again.
+const HEADERS: [(HeaderName, &str); 5] = [
     (
         header::CONTENT_SECURITY_POLICY,
         "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
     ),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::REFERRER_POLICY, "no-referrer"),
     (header::CACHE_CONTROL, "no-store"),
@@ -65,11 +73,27 @@ pub async fn serve(
     table: Table,
     stop: impl Future<Output = ()>,
 ) -> std::io::Result<()> {
+    let names = Names::of(listener.local_addr()?);
+    let guarded = router(table).layer(from_fn(move |request, next| guard(names, request, next)));
     tokio::select! {
         // Open connections are not waited for: a browser keeps them as long as its window is open.
-        result = axum::serve(listener, router(table)).into_future() => result,
+        result = axum::serve(listener, guarded).into_future() => result,
         () = stop => Ok(()),
     }
+}
+
+/// Answers to this machine's own names, and to its own page.
+async fn guard(names: Names, request: Request, next: Next) -> Response {
+    let is_open = OPEN.contains(&request.uri().path());
+    let checked = check_host(&request, names);
+    let mut response = match checked.and_then(|()| if is_open { Ok(()) } else { check_origin(&request) }) {
+        Ok(()) => next.run(request).await,
+        Err(problem) => problem.into_response(),
+    };
+    for (name, value) in HEADERS {
+        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
+    }
+    response
 }
 
 /// The paths of the quiz, to be served alone or beside others.
@@ -88,7 +112,8 @@ pub fn router(table: Table) -> Router {
         .route("/picture/{number}", get(picture))
         .route("/answer", post(answer))
         .route("/finish", post(finish))
-        .layer(DefaultBodyLimit::max(MOST_BYTES))
+        .method_not_allowed_fallback(Problem::method_not_allowed)
+        .fallback(async || Problem::missing("there is nothing here: the quiz is at /"))
         .with_state(table)
 }
 
@@ -100,33 +125,40 @@ async fn state(Shared(table): Shared<Table>) -> (HeaderList, Json<State>) {
     (HEADERS, Json(table.quiz().state()))
 }
 
-async fn picture(Shared(table): Shared<Table>, Path(number): Path<usize>) -> Result<Response, Refused> {
+async fn picture(
+    Shared(table): Shared<Table>,
+    number: Result<Path<usize>, PathRejection>,
+) -> Result<Response, Problem> {
+    let Ok(Path(number)) = number else {
+        return Err(Problem::bad_request("a picture is named by its number, an integer from 0"));
+    };
     let png = table.quiz().picture(number)?;
     Ok((HEADERS, [(header::CONTENT_TYPE, "image/png")], png).into_response())
 }
 
 async fn answer(
     Shared(table): Shared<Table>,
-    Json(answer): Json<Answer>,
-) -> Result<(HeaderList, Json<State>), Refused> {
+    request: Request,
+) -> Result<(HeaderList, Json<State>), Problem> {
+    let answer: Answer = small::json(request, "{\"picture\": N, \"answer\": 1 to 6}").await?;
     let state = table.quiz().answer(answer.picture, answer.answer)?;
     Ok((HEADERS, Json(state)))
 }
 
-async fn finish(Shared(table): Shared<Table>) -> Result<(HeaderList, Json<QuizResult>), Refused> {
+async fn finish(Shared(table): Shared<Table>) -> Result<(HeaderList, Json<QuizResult>), Problem> {
     Ok((HEADERS, Json(table.quiz().finish()?)))
 }
 
-type HeaderList = [(HeaderName, &'static str); 4];
+type HeaderList = [(HeaderName, &'static str); 5];
 
-impl IntoResponse for Refused {
-    fn into_response(self) -> Response {
-        let status = match &self {
-            Self::NoPicture(_) => StatusCode::NOT_FOUND,
-            Self::NoChoice(_) => StatusCode::UNPROCESSABLE_ENTITY,
-            Self::NotNow(_) | Self::Over | Self::Unfinished(_) => StatusCode::CONFLICT,
-            Self::NotKept(_) => StatusCode::INTERNAL_SERVER_ERROR,
+impl From<Refused> for Problem {
+    fn from(refused: Refused) -> Self {
+        let status = match &refused {
+            Refused::NoPicture(_) => StatusCode::NOT_FOUND,
+            Refused::NoChoice(_) => StatusCode::UNPROCESSABLE_ENTITY,
+            Refused::NotNow(_) | Refused::Over | Refused::Unfinished(_) => StatusCode::CONFLICT,
+            Refused::NotKept(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
-        (status, HEADERS, self.to_string()).into_response()
+        Self::new(status, "quiz", refused.to_string())
     }
 }

@@ -1,7 +1,8 @@
 //! What the service says about itself and its index.
 
 use axum::Json;
-use axum::extract::{Path, Query, State};
+use axum::extract::rejection::PathRejection;
+use axum::extract::{Path, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use image::ExtendedColorType;
@@ -11,7 +12,9 @@ use utoipa::{IntoParams, ToSchema};
 use super::Shared;
 use super::explained::png;
 use super::metrics::Now;
+use super::openapi;
 use super::problem::Problem;
+use super::query::{Options, shown};
 use grasp_index::{EPS_GRID, HashInfo};
 
 /// The index that is served. Its keys are an interface: they may be added to, never renamed.
@@ -66,7 +69,11 @@ pub(super) struct EffortRecord {
 }
 
 /// `GET /v1/index`.
-#[utoipa::path(get, path = "/v1/index", responses((status = 200, description = "The index that is served", body = IndexRecord)))]
+#[utoipa::path(get, path = "/v1/index", tag = openapi::INDEX,
+    summary = "Describe the index that is served",
+    description = "Its classes and size, what its searches find at each effort, and where it comes from.",
+    responses((status = 200, description = "The index", body = IndexRecord),
+        (status = 503, description = "No index is open yet", body = super::problem::ProblemRecord)))]
 pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRecord>, Problem> {
     let served = service.served()?;
     let (index, catalogue) = (&served.index, served.index.catalogue());
@@ -113,15 +120,27 @@ pub(super) struct OfIndex {
 }
 
 /// `GET /v1/neighbours/{id}/thumbnail.png`.
-#[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", params(("id" = u32, Path, description = "The entry's number"), OfIndex),
+#[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", tag = openapi::INDEX,
+    summary = "Show an entry's picture",
+    description = "The hand image of an entry that `neighbours` of a record names by its `id`.",
+    params(("id" = u32, Path, description = "The entry's number"), OfIndex),
     responses((status = 200, description = "The entry's picture, grey", content_type = "image/png"),
         (status = 404, description = "There is no such entry, or it has no picture", body = super::problem::ProblemRecord),
         (status = 410, description = "The index that named the entry is no longer served", body = super::problem::ProblemRecord)))]
 pub(super) async fn thumbnail(
     State(service): State<Shared>,
-    Path(id): Path<u32>,
-    Query(of): Query<OfIndex>,
+    id: Result<Path<String>, PathRejection>,
+    Options(of): Options<OfIndex>,
 ) -> Result<Response, Problem> {
+    // What is no text is no number either.
+    let id = id.map_or_else(|_| String::new(), |Path(id)| id);
+    let id: u32 = id.parse().map_err(|_| {
+        Problem::bad_request(format!(
+            "{} is no entry: its number is an integer from 0 to {}",
+            shown(&id),
+            u32::MAX
+        ))
+    })?;
     let served = service.served()?;
     if of.generation.is_some_and(|generation| generation != served.generation) {
         let message = "the index that named this entry has been replaced: ask again what the picture shows";
@@ -150,7 +169,11 @@ pub(super) struct Ready {
 }
 
 /// `GET /readyz`.
-#[utoipa::path(get, path = "/readyz", responses((status = 200, description = "Requests are answered", body = Ready),
+#[utoipa::path(get, path = "/readyz", tag = openapi::OPERATION,
+    summary = "Say whether requests are answered",
+    description = "For a load balancer, and for those who replace the index: `problem` says why the file that lies at its path now \
+        is not the one that is served.",
+    responses((status = 200, description = "Requests are answered", body = Ready),
     (status = 503, description = "The index is not open yet, or the service is about to end", body = Ready)))]
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
@@ -162,18 +185,31 @@ pub(super) async fn ready(State(service): State<Shared>) -> Response {
     };
     let ready = state == "serving";
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem: trouble.now };
+    let path = service.current.path().display().to_string();
+    let problem = trouble.now.map(|problem| without(&problem, &path));
+    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem };
     (status, Json(record)).into_response()
 }
 
+/// A message without a path that it names: anybody may read it.
+fn without(message: &str, path: &str) -> String {
+    if path.is_empty() { message.into() } else { message.replace(&format!(" {path}"), "") }
+}
+
 /// `GET /healthz`.
-#[utoipa::path(get, path = "/healthz", responses((status = 200, description = "The program runs")))]
+#[utoipa::path(get, path = "/healthz", tag = openapi::OPERATION,
+    summary = "Say whether the program runs",
+    description = "Answers `ok` for as long as the process lives, whatever it does.",
+    responses((status = 200, description = "The program runs", content_type = "text/plain")))]
 pub(super) async fn health() -> &'static str {
     "ok\n"
 }
 
 /// `GET /metrics`.
-#[utoipa::path(get, path = "/metrics", responses((status = 200, description = "Counters in the text form of Prometheus", content_type = "text/plain")))]
+#[utoipa::path(get, path = "/metrics", tag = openapi::OPERATION,
+    summary = "Count requests, their times and the index's replacements",
+    description = "Counters and histograms since the start, in the text form that Prometheus reads.",
+    responses((status = 200, description = "The counters", content_type = "text/plain")))]
 pub(super) async fn metrics(State(service): State<Shared>) -> Response {
     let (served, trouble) = (service.current.get(), service.current.trouble());
     let now = Now {
@@ -181,6 +217,8 @@ pub(super) async fn metrics(State(service): State<Shared>) -> Response {
         entries: served.as_ref().map_or(0, |served| served.index.len() as u64),
         reload_failures: trouble.failures,
         index_is_stale: trouble.now.is_some(),
+        arriving: service.arriving(),
+        reserved: service.budget.reserved(),
         inside: service.gate.inside(),
         ready: served.is_some() && !service.is_draining(),
     };

@@ -1,10 +1,11 @@
 //! What a request carries: a picture, alone or as a form with a mask or a depth picture beside it.
 
 use axum::body::Bytes;
-use axum::extract::{FromRequest as _, Multipart, Request};
-use axum::http::{StatusCode, header};
+use axum::http::{HeaderValue, StatusCode};
 
+use super::form::{Form, FormError, Part};
 use super::problem::Problem;
+use super::query::shown;
 use crate::picture;
 use crate::recognise::MaskSource;
 use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
@@ -26,45 +27,34 @@ pub(super) struct Input {
 /// The name of a robot hand or an arm that the request itself describes.
 pub(crate) const DESCRIBED: &str = "described";
 
-/// The whole body as bytes. The router bounds its length.
-pub(super) async fn bytes(request: Request) -> Result<Bytes, Problem> {
-    Bytes::from_request(request, &())
-        .await
-        .map_err(|rejection| unreadable(rejection.status(), rejection.body_text()))
-}
-
 /// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera`, `robot` and `arm`.
-pub(super) async fn input(request: Request) -> Result<Input, Problem> {
-    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
-    let is_form = kind.is_some_and(|kind| kind.trim_start().starts_with("multipart/form-data"));
-    if !is_form {
-        return Ok(Input { picture: bytes(request).await?, ..Input::default() });
+pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<Input, Problem> {
+    let content_type = content_type.and_then(|kind| kind.to_str().ok()).unwrap_or_default().trim_start();
+    if !content_type.to_ascii_lowercase().starts_with("multipart/form-data") {
+        return Ok(Input { picture: body, ..Input::default() });
     }
-    let form = Multipart::from_request(request, &()).await;
-    let mut form = form.map_err(|rejection| unreadable(rejection.status(), rejection.body_text()))?;
+    let unreadable = |error: FormError| Problem::bad_request(error.to_string());
+    let mut form = Form::new(content_type, body).map_err(unreadable)?;
     let mut input = Input::default();
     let mut has_picture = false;
-    while let Some(part) =
-        form.next_field().await.map_err(|error| unreadable(error.status(), error.body_text()))?
-    {
-        let name = part.name().unwrap_or_default().to_owned();
-        let bytes = part.bytes().await.map_err(|error| unreadable(error.status(), error.body_text()))?;
+    while let Some(Part { name, content }) = form.next().map_err(unreadable)? {
         let is_first = match name.as_str() {
             "picture" => {
                 !std::mem::replace(&mut has_picture, true) && {
-                    input.picture = bytes;
+                    input.picture = content;
                     true
                 }
             }
-            "mask" => input.mask.replace(bytes).is_none(),
-            "depth" => input.depth.replace(bytes).is_none(),
-            "robot" => input.robot.replace(bytes).is_none(),
-            "object" => input.object.replace(bytes).is_none(),
-            "camera" => input.camera.replace(bytes).is_none(),
-            "arm" => input.arm.replace(bytes).is_none(),
+            "mask" => input.mask.replace(content).is_none(),
+            "depth" => input.depth.replace(content).is_none(),
+            "robot" => input.robot.replace(content).is_none(),
+            "object" => input.object.replace(content).is_none(),
+            "camera" => input.camera.replace(content).is_none(),
+            "arm" => input.arm.replace(content).is_none(),
             other => {
                 return Err(Problem::bad_request(format!(
-                    "the form has a part `{other}`: its parts are picture, mask, depth, object, camera, robot and arm"
+                    "the form has a part {}: its parts are picture, mask, depth, object, camera, robot and arm",
+                    shown(other)
                 )));
             }
         };
@@ -76,15 +66,6 @@ pub(super) async fn input(request: Request) -> Result<Input, Problem> {
         return Err(Problem::bad_request("the form has no part `picture`"));
     }
     Ok(input)
-}
-
-fn unreadable(status: StatusCode, message: String) -> Problem {
-    if status == StatusCode::PAYLOAD_TOO_LARGE {
-        let message =
-            "the request is larger than the service reads: shrink the picture, or ask for less at once";
-        return Problem::new(status, "too_large", message);
-    }
-    Problem::bad_request(message)
 }
 
 impl Input {

@@ -1,14 +1,15 @@
-//! Who is let in: as many requests as can be worked on at once, and a few that wait; the rest is turned away at the door,
-//! before a byte of its body is read.
+//! Which requests are worked on: as many as there are workers, and a few that wait; the rest is
+//! turned away. A request enters when its body is whole, so that none that is slow to come takes
+//! the place of one that is there.
 
 use std::sync::Arc;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-/// Bounds what is held in memory and what the processors do.
+/// Bounds what the processors do.
 #[derive(Debug)]
 pub(super) struct Gate {
-    /// Requests that were let in: their bodies may be in memory.
+    /// Requests that were let in.
     places: Arc<Semaphore>,
     /// Those of them that are worked on.
     workers: Arc<Semaphore>,
@@ -35,6 +36,11 @@ impl Gate {
     /// A place, or `None` where all are taken.
     pub(super) fn enter(&self) -> Option<Place> {
         Arc::clone(&self.places).try_acquire_owned().ok().map(Place)
+    }
+
+    /// Whether one who came now would be turned away.
+    pub(super) fn is_full(&self) -> bool {
+        self.places.available_permits() == 0
     }
 
     /// Requests that were let in and are not answered.

@@ -1,6 +1,5 @@
 //! Who may ask, and what every answer says to a browser.
 
-use std::net::IpAddr;
 use std::time::Instant;
 
 use axum::extract::{Request, State};
@@ -9,18 +8,30 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::Shared;
+use super::linger::Linger;
 use super::metrics::PATHS;
+use super::openapi;
+use super::origin::{Names, check_host, check_origin};
+use super::page;
 use super::problem::Problem;
+use super::token::Token;
 
 /// The cookie by which the page shows the token.
 const COOKIE: &str = "grasp_token";
 
-/// Nothing from elsewhere is loaded, nobody may frame the page, and answers are not kept.
-const HEADERS: [(HeaderName, &str); 4] = [
+/// What anybody may ask for, besides the page's own files: paths that say nothing of the index and
+/// cost nothing. Every other path needs the token and the service's own origin, so that a new one
+/// is protected unless it is added here.
+const OPEN: [&str; 5] = ["/docs", "/docs.css", "/openapi.json", "/healthz", "/readyz"];
+
+/// Nothing from elsewhere is loaded, no other page may frame or embed what is sent, and answers are
+/// not kept.
+const HEADERS: [(HeaderName, &str); 5] = [
     (
         header::CONTENT_SECURITY_POLICY,
         "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
     ),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::REFERRER_POLICY, "no-referrer"),
     (header::CACHE_CONTROL, "no-store"),
@@ -29,9 +40,9 @@ const HEADERS: [(HeaderName, &str); 4] = [
 /// Checks and counts every request, and puts the headers on every answer.
 pub(super) async fn guard(State(service): State<Shared>, request: Request, next: Next) -> Response {
     let started = Instant::now();
+    let request = Linger::around(request);
     let path = counted(request.uri().path());
-    let refused = check(&service, &request);
-    let mut response = match refused {
+    let mut response = match check(&service, &request) {
         Err(problem) => problem.into_response(),
         Ok(()) => next.run(request).await,
     };
@@ -43,70 +54,55 @@ pub(super) async fn guard(State(service): State<Shared>, request: Request, next:
 }
 
 fn check(service: &Shared, request: &Request) -> Result<(), Problem> {
-    let Some(token) = &service.settings.token else {
-        return match service.settings.local_names_only && !names_this_machine(request) {
-            // A page of another site could otherwise reach the service under a name that leads here.
-            true => Err(Problem::new(
-                StatusCode::FORBIDDEN,
-                "host",
-                "without a token, the service answers to the names localhost, 127.0.0.1 and [::1] only",
-            )),
-            false => Ok(()),
-        };
-    };
-    if is_open(request.uri().path()) || shows(request.headers(), token) {
+    // No page that took the service's name could show its token.
+    let names = if service.settings.token.is_some() { Names::Any } else { Names::Loopback };
+    check_host(request, names)?;
+    if is_open(request.uri().path()) {
         return Ok(());
     }
-    Err(Problem::new(
-        StatusCode::UNAUTHORIZED,
-        "token",
-        "a token is needed: send the header `Authorization: Bearer TOKEN`, with the token of the service's --token-file",
-    ))
+    check_origin(request)?;
+    match &service.settings.token {
+        Some(token) => check_token(request.headers(), token),
+        None => Ok(()),
+    }
 }
 
-/// What tells nothing and costs nothing: the page without its answers, and whether the service runs.
 fn is_open(path: &str) -> bool {
-    !(path.starts_with("/v1/") || path.starts_with("/quiz") || path == "/metrics")
+    OPEN.contains(&path) || page::has(path)
 }
 
-fn shows(headers: &HeaderMap, token: &str) -> bool {
+fn check_token(headers: &HeaderMap, token: &Token) -> Result<(), Problem> {
     let text = |name| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
-    let bearer = text(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
+    let bearer = text(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer ")).map(str::trim);
     let cookies = text(header::COOKIE).into_iter().flat_map(|cookies| cookies.split(';'));
-    let mut cookie = cookies.filter_map(|cookie| cookie.trim().strip_prefix(COOKIE)?.strip_prefix('='));
-    bearer.is_some_and(|found| is_same(found.trim(), token)) || cookie.any(|found| is_same(found, token))
-}
-
-/// Compares in a time that does not tell how much is right.
-fn is_same(found: &str, token: &str) -> bool {
-    let differing = found.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
-    found.len() == token.len() && differing == 0
-}
-
-fn names_this_machine(request: &Request) -> bool {
-    let host = request.uri().authority().map(axum::http::uri::Authority::as_str);
-    let host = host.or_else(|| request.headers().get(header::HOST)?.to_str().ok());
-    let Some(host) = host else {
-        return false;
+    let cookies = cookies.filter_map(|cookie| cookie.trim().strip_prefix(COOKIE)?.strip_prefix('='));
+    let mut shown = bearer.into_iter().chain(cookies).peekable();
+    let message = match shown.peek() {
+        None => {
+            "a token is needed: send the header `Authorization: Bearer TOKEN`, with the token of the service's --token-file"
+        }
+        Some(_) => "this is not the service's token: show the one in its --token-file",
     };
-    let name = match host.rsplit_once(':') {
-        Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => name,
-        _ => host,
-    };
-    let name = name.trim_start_matches('[').trim_end_matches(']');
-    name.eq_ignore_ascii_case("localhost") || name.parse().is_ok_and(|address: IpAddr| address.is_loopback())
+    if shown.any(|shown| token.is(shown)) {
+        return Ok(());
+    }
+    Err(Problem::new(StatusCode::UNAUTHORIZED, "token", message))
 }
 
 /// `POST /session`: the page trades the token for a cookie that scripts cannot read, so that pictures load by themselves.
-pub(super) async fn session(State(service): State<Shared>, headers: HeaderMap) -> Result<Response, Problem> {
+#[utoipa::path(post, path = "/session", tag = openapi::OPERATION,
+    summary = "Trade the token for a cookie",
+    description = "For the page in a browser: the cookie `grasp_token` shows the token from now on. Without `--token-file` nothing is \
+        needed, and none is set.",
+    responses((status = 204, description = "The cookie is set, where one is needed"),
+        (status = 401, description = "This is not the token", body = super::problem::ProblemRecord)))]
+pub(super) async fn session(State(service): State<Shared>) -> Result<Response, Problem> {
     let Some(token) = &service.settings.token else {
         return Ok(StatusCode::NO_CONTENT.into_response());
     };
-    if !shows(&headers, token) {
-        return Err(Problem::new(StatusCode::UNAUTHORIZED, "token", "this is not the service's token"));
-    }
-    let cookie = format!("{COOKIE}={token}; HttpOnly; SameSite=Strict; Path=/");
-    let cookie = HeaderValue::from_str(&cookie).map_err(|_| Problem::lost())?;
+    let cookie = format!("{COOKIE}={}; HttpOnly; SameSite=Strict; Path=/", token.reveal());
+    let mut cookie = HeaderValue::from_str(&cookie).map_err(|_| Problem::lost())?;
+    cookie.set_sensitive(true);
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response())
 }
 
@@ -119,40 +115,37 @@ fn counted(path: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use axum::body::Body;
-
-    fn is_local(host: &str) -> bool {
-        names_this_machine(&Request::builder().header(header::HOST, host).body(Body::empty()).unwrap())
-    }
-
-    #[test]
-    fn only_names_of_this_machine_are_its_own() {
-        for host in ["localhost", "LocalHost:8750", "127.0.0.1:8750", "[::1]:8750", "127.3.2.1", "[::1]"] {
-            assert!(is_local(host), "{host}");
-        }
-        for host in ["", "example.com", "localhost.example.com", "127.0.0.1.example.com:80", "10.0.0.1", "::"]
-        {
-            assert!(!is_local(host), "{host}");
-        }
-    }
 
     #[test]
     fn a_token_is_shown_by_header_or_cookie_and_no_other_will_do() {
+        let token = Token::new("sesame-sesame-16").unwrap();
         let shows = |name: HeaderName, value: &str| {
             let mut headers = HeaderMap::new();
             headers.insert(name, HeaderValue::from_str(value).unwrap());
-            shows(&headers, "sesame")
+            check_token(&headers, &token).is_ok()
         };
-        assert!(shows(header::AUTHORIZATION, "Bearer sesame"));
-        assert!(shows(header::COOKIE, "a=b; grasp_token=sesame"));
+        assert!(shows(header::AUTHORIZATION, "Bearer sesame-sesame-16"));
+        assert!(shows(header::COOKIE, "a=b; grasp_token=sesame-sesame-16"));
         for (name, value) in [
-            (header::AUTHORIZATION, "Bearer sesam"),
-            (header::AUTHORIZATION, "Bearer sesame2"),
-            (header::AUTHORIZATION, "sesame"),
+            (header::AUTHORIZATION, "Bearer sesame-sesame-1"),
+            (header::AUTHORIZATION, "Bearer sesame-sesame-167"),
+            (header::AUTHORIZATION, "sesame-sesame-16"),
             (header::COOKIE, "grasp_token="),
-            (header::COOKIE, "xgrasp_token=sesame"),
+            (header::COOKIE, "xgrasp_token=sesame-sesame-16"),
         ] {
             assert!(!shows(name, value), "{value}");
+        }
+    }
+
+    #[test]
+    fn whatever_is_not_named_is_protected() {
+        for path in ["/", "/page.js", "/healthz", "/readyz", "/docs", "/openapi.json"] {
+            assert!(is_open(path), "{path}");
+        }
+        for path in
+            ["/v1/index", "/metrics", "/session", "/quiz/", "/new", "//", "/healthz/", "/V1/index", ""]
+        {
+            assert!(!is_open(path), "{path}");
         }
     }
 }

@@ -16,6 +16,8 @@ use tokio::net::TcpListener;
 use tokio::net::UnixListener;
 use tokio::sync::Semaphore;
 
+use super::impatient::Impatient;
+
 /// How long a connection may take to send a request's head, and how long it may lie idle between requests.
 const HEAD_TIME: Duration = Duration::from_secs(30);
 /// The most bytes of a request's head, and of what is read ahead of it.
@@ -80,7 +82,8 @@ impl Connections {
                 }
             };
             let service = TowerToHyperService::new(router.clone());
-            let connection = self.open.watch(builder.serve_connection(TokioIo::new(stream), service));
+            let connection =
+                self.open.watch(builder.serve_connection(TokioIo::new(Impatient::new(stream)), service));
             tokio::spawn(async move {
                 let _held = place;
                 // A connection that breaks is its other end's affair.

@@ -76,6 +76,9 @@ pub(super) struct Now {
     pub(super) entries: u64,
     pub(super) reload_failures: u64,
     pub(super) index_is_stale: bool,
+    pub(super) arriving: usize,
+    /// Bytes that large bodies have reserved.
+    pub(super) reserved: usize,
     pub(super) inside: usize,
     pub(super) ready: bool,
 }
@@ -153,6 +156,13 @@ impl Metrics {
                 "gauge",
                 "1 where the file at the index's path cannot be used, and an earlier one is served.",
                 now.index_is_stale.into(),
+            ),
+            ("grasp_requests_arriving", "gauge", "Requests whose bodies are under way.", now.arriving as u64),
+            (
+                "grasp_body_bytes_reserved",
+                "gauge",
+                "Bytes that large bodies hold or will hold.",
+                now.reserved as u64,
             ),
             ("grasp_requests_inside", "gauge", "Requests that are worked on or wait.", now.inside as u64),
             ("grasp_ready", "gauge", "1 where requests are answered.", now.ready.into()),

@@ -1,36 +1,49 @@
 //! The service: one mapped index, many askers, over HTTP.
 //!
-//! A request is let in by `guard` (token, host) and `gate` (how many at a time), its `body` is read and its
-//! [`parameters`] are checked, the work is done on a thread that may block (`recognise`, `search`), and `metrics` count it.
-//! `current` holds the index and replaces it when another file lies at its path; `listen` holds the connections,
-//! `page` is what a browser is given. [`Service::run`] puts them together.
+//! `guard` lets requests in (by `origin` and [`Token`]) and checks their [`parameters`] (`query`);
+//! bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes the `gate`,
+//! which bounds the work. It is done on a thread that may block (`recognise`, `search`), and
+//! `metrics` count it. `current` holds the index and replaces it when another file lies at its
+//! path; `listen` holds the connections, `page` is what a browser is given. [`Service::run`] puts
+//! them together.
 
 mod about;
+mod arrival;
 mod body;
+mod budget;
 mod current;
+mod descriptors;
+mod docs;
 mod explained;
+mod form;
 mod gate;
 mod guard;
 mod identity;
+mod impatient;
+mod linger;
 mod listen;
 mod metrics;
 mod openapi;
+pub(crate) mod origin;
 mod page;
 pub mod parameters;
-mod problem;
+pub(crate) mod problem;
+mod query;
 mod recognise;
 mod search;
+pub(crate) mod small;
+mod token;
 
 use std::future::Future;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use axum::Router;
-use axum::extract::rejection::QueryRejection;
-use axum::extract::{DefaultBodyLimit, Query, Request, State};
-use axum::http::{StatusCode, header};
+use axum::body::Bytes;
+use axum::extract::{Request, State};
+use axum::http::header;
 use axum::middleware;
 use axum::response::{Redirect, Response};
 use axum::routing::{get, post};
@@ -38,6 +51,7 @@ use tokio::sync::Notify;
 
 use crate::quiz;
 pub(crate) use body::DESCRIBED;
+use budget::Budget;
 use current::{Current, Looked, Served};
 use gate::{Gate, Place};
 use listen::Connections;
@@ -46,7 +60,9 @@ use metrics::Metrics;
 pub(crate) use page::LOOK;
 use parameters::{PictureParameters, SearchParameters};
 use problem::Problem;
+use query::Options;
 use recognise::Form;
+pub use token::Token;
 
 /// What the service allows.
 #[derive(Clone, Debug)]
@@ -69,10 +85,8 @@ pub struct Settings {
     pub poll: Duration,
     /// How long requests under way may take when the program ends.
     pub drain: Duration,
-    /// What askers must show.
-    pub token: Option<String>,
-    /// Answer only to names of this machine.
-    pub local_names_only: bool,
+    /// What askers must show; without it, the service answers under names of this machine alone.
+    pub token: Option<Token>,
     /// Whether the page shall lead to the quiz.
     pub has_quiz: bool,
 }
@@ -100,6 +114,8 @@ pub enum Ended {
 pub struct Service {
     settings: Settings,
     current: Current,
+    budget: Arc<Budget>,
+    arriving: AtomicUsize,
     gate: Gate,
     metrics: Metrics,
     draining: AtomicBool,
@@ -108,11 +124,16 @@ pub struct Service {
 
 type Shared = Arc<Service>;
 
+/// How many bodies of the largest size may be in memory at a time.
+const BODIES: usize = 4;
+
 impl Service {
     /// A service that has not opened its index yet.
     pub fn new(settings: Settings) -> Arc<Self> {
         Arc::new(Self {
             current: Current::new(settings.index.clone(), settings.no_mmap),
+            budget: Arc::new(Budget::new(settings.most_bytes.saturating_mul(BODIES))),
+            arriving: AtomicUsize::new(0),
             gate: Gate::new(settings.workers, settings.queue),
             metrics: Metrics::default(),
             draining: AtomicBool::new(false),
@@ -172,13 +193,16 @@ impl Service {
     async fn drain(&self) -> Ended {
         self.draining.store(true, Ordering::SeqCst);
         let deadline = tokio::time::Instant::now() + self.settings.drain;
-        while self.gate.inside() > 0 {
+        loop {
+            let left = self.arriving() + self.gate.inside();
+            if left == 0 {
+                return Ended::Drained;
+            }
             if tokio::time::Instant::now() >= deadline {
-                return Ended::CutShort(self.gate.inside());
+                return Ended::CutShort(left);
             }
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
-        Ended::Drained
     }
 
     async fn look(self: &Arc<Self>, forced: bool) -> Option<Looked> {
@@ -211,22 +235,24 @@ impl Service {
         self.current.get().ok_or_else(|| Problem::not_ready("has not opened its index yet"))
     }
 
-    /// Lets a request in, before its body is read.
-    fn enter(&self) -> Result<Place, Problem> {
+    /// Requests whose bodies are under way.
+    fn arriving(&self) -> usize {
+        self.arriving.load(Ordering::SeqCst)
+    }
+
+    /// Reads what a request carries, and then lets it in: what is not whole takes nobody's place.
+    async fn receive(&self, request: Request) -> Result<(Bytes, Place), Problem> {
         if self.is_draining() {
             return Err(Problem::not_ready("is about to end"));
         }
-        self.gate.enter().ok_or_else(Problem::busy)
-    }
-
-    /// Reads what a request carries, in the time that it has.
-    async fn read<T>(&self, body: impl Future<Output = Result<T, Problem>>) -> Result<T, Problem> {
-        let too_slow = || {
-            let message =
-                "the request did not arrive in the time that it may take: send it faster, or less of it";
-            Problem::new(StatusCode::REQUEST_TIMEOUT, "timeout", message)
-        };
-        tokio::time::timeout(self.settings.timeout, body).await.map_err(|_| too_slow())?
+        if self.gate.is_full() {
+            return Err(Problem::busy());
+        }
+        let _arriving = Arriving::new(&self.arriving);
+        let body = arrival::read(request.into_body(), self.settings.most_bytes, &self.budget);
+        let body = tokio::time::timeout(self.settings.timeout, body).await.map_err(|_| Problem::late())??;
+        let place = self.gate.enter().ok_or_else(Problem::busy)?;
+        Ok((body, place))
     }
 
     /// Answers on a thread that may block, in the time that there is.
@@ -243,6 +269,23 @@ impl Service {
     }
 }
 
+/// Counts a request whose body is under way.
+#[derive(Debug)]
+struct Arriving<'a>(&'a AtomicUsize);
+
+impl<'a> Arriving<'a> {
+    fn new(count: &'a AtomicUsize) -> Self {
+        count.fetch_add(1, Ordering::SeqCst);
+        Self(count)
+    }
+}
+
+impl Drop for Arriving<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
 fn router(service: Shared, quiz: Option<quiz::server::Table>) -> Router {
     let mut router = Router::new()
         .route("/v1/recognise", post(recognise_picture))
@@ -255,43 +298,56 @@ fn router(service: Shared, quiz: Option<quiz::server::Table>) -> Router {
         .route("/metrics", get(about::metrics))
         .route("/session", post(guard::session))
         .route("/openapi.json", get(async || ([(header::CONTENT_TYPE, "application/json")], openapi::json())))
+        .merge(docs::routes())
         .merge(page::routes())
-        .layer(DefaultBodyLimit::max(service.settings.most_bytes))
         .with_state(Arc::clone(&service));
     if let Some(table) = quiz {
         router = router
             .route("/quiz", get(async || Redirect::permanent("/quiz/")))
             .nest_service("/quiz/", quiz::server::router(table));
     }
-    let missing = async || {
-        Problem::new(StatusCode::NOT_FOUND, "not_found", "there is nothing here: /openapi.json tells what is")
-    };
-    router.fallback(missing).layer(middleware::from_fn_with_state(service, guard::guard))
+    let missing = async || Problem::missing("there is nothing here: /docs says what is");
+    router
+        .method_not_allowed_fallback(Problem::method_not_allowed)
+        .fallback(missing)
+        .layer(middleware::from_fn_with_state(service, guard::guard))
 }
 
 /// `POST /v1/recognise`.
-#[utoipa::path(post, path = "/v1/recognise", params(PictureParameters),
-    request_body(description = "A PNG, JPEG or PNM picture, or a form (multipart/form-data) of `picture` and `mask` or `depth`",
+#[utoipa::path(post, path = "/v1/recognise", tag = openapi::PICTURES,
+    summary = "Recognise the grasp in a picture",
+    description = "Finds the hand in a picture, and by the nearest entries of the index which grasp it makes and how it is turned \
+        toward the camera.\n\n    curl --data-binary @hand.jpg 'http://127.0.0.1:8750/v1/recognise?hand=right'\n\n    \
+        curl -F picture=@hand.png -F mask=@mask.png http://127.0.0.1:8750/v1/recognise\n\nThe header `Accept` chooses the form \
+        of the answer: `application/json` (the default), `text/plain`, or `image/png` for a drawing of how the answer came about. \
+        The header `grasp-status` of the answer is the exit status that `grasp-query recognise` would have had (0 recognised, 1 \
+        rejected, 2 an error), and `grasp-index-generation` says which index answered.",
+    params(PictureParameters),
+    request_body(description = "A picture as it is, or a form (multipart/form-data) of `picture` and `mask` (white where the hand \
+        is) or `depth` (with `depth_range`).",
         content(("application/octet-stream"), ("multipart/form-data"))),
     responses(
-        (status = 200, description = "The record that `grasp-query recognise --json` prints; as text for `Accept: text/plain`, as the drawing of --explain for `Accept: image/png`",
+        (status = 200, description = "The record that `grasp-query recognise --json` prints; with `explained=true` an `ExplainedRecord`",
             body = crate::output::record::Record),
         (status = 400, description = "The picture or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 401, description = "A token is needed", body = problem::ProblemRecord),
+        (status = 403, description = "A page of another origin asks", body = problem::ProblemRecord),
+        (status = 408, description = "The body came too slowly", body = problem::ProblemRecord),
         (status = 413, description = "Too many bytes or pixels", body = problem::ProblemRecord),
         (status = 422, description = "The picture shows no hand", body = crate::output::record::Record),
-        (status = 429, description = "Too many requests wait; Retry-After says when to try again", body = problem::ProblemRecord),
+        (status = 429, description = "Too many requests wait, or too many bytes; `Retry-After` says when to try again", body = problem::ProblemRecord),
         (status = 503, description = "Not ready, or too slow", body = problem::ProblemRecord)))]
 async fn recognise_picture(
     State(service): State<Shared>,
-    parameters: Result<Query<PictureParameters>, QueryRejection>,
+    Options(parameters): Options<PictureParameters>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let Query(parameters) = parameters.map_err(|rejection| Problem::bad_request(rejection.body_text()))?;
-    let place = service.enter()?;
-    let served = service.served()?;
+    service.served()?;
     let form = Form::of(request.headers());
-    let input = service.read(body::input(request)).await?;
+    let content_type = request.headers().get(header::CONTENT_TYPE).cloned();
+    let (body, place) = service.receive(request).await?;
+    let input = body::input(content_type.as_ref(), body)?;
+    let served = service.served()?;
     let worker = Arc::clone(&service);
     let most_pixels = service.settings.most_pixels;
     let work = move || recognise::answer(&served, &worker.metrics, &input, &parameters, form, most_pixels);
@@ -299,19 +355,26 @@ async fn recognise_picture(
 }
 
 /// `POST /v1/strategy`.
-#[utoipa::path(post, path = "/v1/strategy", params(PictureParameters),
-    request_body(description = "A form of `picture`, `object` and `camera` (TOML, as for --object and --camera), `robot` for robot=described, `arm` for arm=described",
+#[utoipa::path(post, path = "/v1/strategy", tag = openapi::PICTURES,
+    summary = "Say how a robot hand would grasp alike",
+    description = "Recognises the grasp as `/v1/recognise` does, and says where a robot's palm goes, how its fingers close and how it \
+        lifts the object.\n\n    curl -F picture=@hand.jpg -F object=@bottle.toml -F camera=@camera.toml \
+        'http://127.0.0.1:8750/v1/strategy?robot=barrett'\n\nFor `Accept: application/yaml` the answer is a `moveit_msgs/Grasp`.",
+    params(PictureParameters),
+    request_body(description = "A form of `picture`, `object` and `camera` (TOML, as for `--object` and `--camera`), `robot` for \
+        `robot=described` and `arm` for `arm=described`.",
         content_type = "multipart/form-data"),
     responses(
-        (status = 200, description = "The record of /v1/recognise, whose `strategy` says what the robot does, or whose `error` says why it can do nothing; for `Accept: application/yaml`, a moveit_msgs/Grasp",
+        (status = 200, description = "The record of `/v1/recognise`, whose `strategy` says what the robot does, or whose `error` says why it can do nothing",
             body = crate::output::record::Record),
-        (status = 400, description = "The picture, a description or a parameter cannot be used", body = problem::ProblemRecord)))]
+        (status = 400, description = "The picture, a description or a parameter cannot be used", body = problem::ProblemRecord),
+        (status = 422, description = "The picture shows no hand", body = crate::output::record::Record)))]
 async fn robot_strategy(
     service: State<Shared>,
-    parameters: Result<Query<PictureParameters>, QueryRejection>,
+    parameters: Options<PictureParameters>,
     request: Request,
 ) -> Result<Response, Problem> {
-    if parameters.as_ref().is_ok_and(|Query(parameters)| parameters.robot.is_none()) {
+    if parameters.0.robot.is_none() {
         return Err(Problem::bad_request(
             "say which robot: robot=barrett, robot=parallel-gripper or robot=described",
         ));
@@ -320,22 +383,28 @@ async fn robot_strategy(
 }
 
 /// `POST /v1/search`.
-#[utoipa::path(post, path = "/v1/search", params(SearchParameters),
-    request_body(description = "Descriptors: float32 in NumPy's format, or JSON", content((search::Queries = "application/json"), ("application/octet-stream"))),
+#[utoipa::path(post, path = "/v1/search", tag = openapi::DESCRIPTORS,
+    summary = "Find the nearest entries of descriptors",
+    description = "Searches the index for each row of an array, as `grasp-query search --neighbours` does.\n\n    \
+        curl --data-binary @queries.npy 'http://127.0.0.1:8750/v1/search?k=5'\n\n    \
+        curl --json '{\"descriptors\": [[0.1, 0.2]]}' http://127.0.0.1:8750/v1/search\n\nThe answer has a line of JSON for each \
+        row. With `shortlist=true` the lines hold `probes`, `most_probes`, `keep` and `neighbours` with a `key` each.",
+    params(SearchParameters),
+    request_body(description = "Rows of as many numbers as `dim` of `/v1/index`: float32 in NumPy's format, or JSON.",
+        content((descriptors::Described = "application/json"), ("application/octet-stream"))),
     responses(
-        (status = 200, description = "The lines that `grasp-query search --neighbours` prints, one a descriptor; with shortlist=true, lines of `probes`, `most_probes`, `keep` and `neighbours` with a `key` each", content_type = "application/x-ndjson",
+        (status = 200, description = "A line of JSON for each descriptor", content_type = "application/x-ndjson",
             body = crate::output::found::QueryRecord),
         (status = 400, description = "A descriptor or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 413, description = "Too much at once", body = problem::ProblemRecord),
         (status = 429, description = "Too many requests wait", body = problem::ProblemRecord)))]
 async fn search_descriptors(
     State(service): State<Shared>,
-    parameters: Result<Query<SearchParameters>, QueryRejection>,
+    Options(parameters): Options<SearchParameters>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let Query(parameters) = parameters.map_err(|rejection| Problem::bad_request(rejection.body_text()))?;
-    let place = service.enter()?;
+    service.served()?;
+    let (body, place) = service.receive(request).await?;
     let served = service.served()?;
-    let body = service.read(body::bytes(request)).await?;
     service.work(place, move || search::answer(&served, &body, &parameters)).await
 }

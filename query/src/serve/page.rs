@@ -29,6 +29,11 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("/samples/handle.jpg", "image/jpeg", include_bytes!("page/samples/handle.jpg")),
 ];
 
+/// Whether a path is that of a file of the page.
+pub(super) fn has(path: &str) -> bool {
+    FILES.iter().any(|(name, ..)| *name == path)
+}
+
 pub(super) fn routes() -> Router<Shared> {
     FILES.iter().fold(Router::new(), |router, &(path, kind, bytes)| {
         router.route(path, get(move || async move { file(kind, bytes) }))

@@ -26,18 +26,23 @@ pub struct PictureParameters {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u64>,
     /// Which hand the picture shows; without it, both are tried.
+    #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandChoice>,
     /// Turn the picture so many times, evenly over the circle, 1 to 36.
+    #[param(minimum = 1, maximum = 36)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
     /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.
+    #[param(minimum = 1, maximum = 1000)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k: Option<usize>,
     /// Width of the vote's kernel as a distance between descriptors.
+    #[param(exclusive_minimum = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma: Option<f64>,
     /// Width of the vote's kernel as a multiple of the index's measured sigma.
+    #[param(exclusive_minimum = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma_scale: Option<f64>,
     /// Take sigma from Equation 5 as it is printed.
@@ -47,21 +52,27 @@ pub struct PictureParameters {
     #[serde(skip_serializing_if = "is_false")]
     pub euler_mean: bool,
     /// Whether a hand may be unknown: `calibrated`, by the limits of the index, or `always` a class; without it, calibrated.
+    #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accept: Option<AcceptChoice>,
     /// A hand is unknown where its nearest entry lies farther than this.
+    #[param(exclusive_minimum = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unknown_at: Option<f64>,
     /// Find this share of the true 10 nearest, above 0, at most 1; without it, 0.95.
+    #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recall: Option<f64>,
     /// Find a neighbour at most 1 + eps times as far as the true nearest.
+    #[param(minimum = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps: Option<f64>,
-    /// For this share of all queries.
+    /// Find such a neighbour, as `eps` asks for, for this share of all queries; without it, 0.95.
+    #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
     /// Look into so many buckets of each table.
+    #[param(minimum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// Compare with every entry.
@@ -103,18 +114,23 @@ pub enum AcceptChoice {
 #[into_params(parameter_in = Query)]
 pub struct SearchParameters {
     /// How many neighbours to find for each query, 1 to 1000; without it, 10.
+    #[param(minimum = 1, maximum = 1000)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k: Option<usize>,
     /// Find this share of the true 10 nearest, above 0, at most 1; without it, 0.95.
+    #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recall: Option<f64>,
     /// Find a neighbour at most 1 + eps times as far as the true nearest.
+    #[param(minimum = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps: Option<f64>,
-    /// For this share of all queries.
+    /// Find such a neighbour, as `eps` asks for, for this share of all queries; without it, 0.95.
+    #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
     /// Look into so many buckets of each table.
+    #[param(minimum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// Compare with every entry.
@@ -231,7 +247,7 @@ impl SearchParameters {
 fn count(name: &str, value: Option<usize>, most: usize) -> Result<Option<usize>, String> {
     match value {
         Some(count) if !(1..=most).contains(&count) => {
-            Err(format!("{name} is {count}: a whole number from 1 to {most} is needed"))
+            Err(format!("{name} is {count}: an integer from 1 to {most} is needed"))
         }
         count => Ok(count),
     }
@@ -279,19 +295,19 @@ impl Efforts {
             let is_share = value > 0.0 && value <= 1.0;
             is_share
                 .then_some(value)
-                .ok_or(format!("{name} is {value}: a share above 0 and at most 1 is needed"))
+                .ok_or(format!("{name} is {value}: a number above 0 and at most 1 is needed"))
         };
         match (recall, eps, success, probes) {
             (_, None, Some(_), _) => Err("success needs eps".into()),
             (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
             (_, Some(eps), success, _) => {
                 if !(eps.is_finite() && eps >= 0.0) {
-                    return Err(format!("eps is {eps}: a number of 0 or more is needed"));
+                    return Err(format!("eps is {eps}: a number of at least 0 is needed"));
                 }
                 let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
                 Ok(Effort::Success { eps, success })
             }
-            (.., Some(0)) => Err("probes is 0: a whole number of 1 or more is needed".into()),
+            (.., Some(0)) => Err("probes is 0: an integer of at least 1 is needed".into()),
             (.., Some(probes)) => Ok(Effort::Probes(probes)),
             _ if exact => Ok(Effort::Exact),
             _ => Ok(SearchOptions::default().effort),

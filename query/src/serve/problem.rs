@@ -1,11 +1,12 @@
 //! Requests that have no answer, told as JSON in the form of a record's own `error`.
 
 use axum::Json;
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::query::shown;
 use crate::output::record::ErrorRecord;
 
 /// Seconds after which one who was turned away may come back.
@@ -13,10 +14,10 @@ const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
 
 /// Why a request has no answer.
 #[derive(Debug)]
-pub(super) struct Problem {
+pub(crate) struct Problem {
     pub(super) status: StatusCode,
-    pub(super) kind: &'static str,
-    pub(super) message: String,
+    kind: &'static str,
+    message: String,
 }
 
 /// What is sent of it.
@@ -26,12 +27,23 @@ pub(super) struct ProblemRecord {
 }
 
 impl Problem {
-    pub(super) fn new(status: StatusCode, kind: &'static str, message: impl Into<String>) -> Self {
+    pub(crate) fn new(status: StatusCode, kind: &'static str, message: impl Into<String>) -> Self {
         Self { status, kind, message: message.into() }
     }
 
-    pub(super) fn bad_request(message: impl Into<String>) -> Self {
+    pub(crate) fn bad_request(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, "request", message)
+    }
+
+    pub(crate) fn missing(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::NOT_FOUND, "not_found", message)
+    }
+
+    /// The router adds the header `Allow`, which names the methods that are taken.
+    pub(crate) async fn method_not_allowed(method: Method) -> Self {
+        let message =
+            format!("{} is not what this path takes: the header Allow says what is", shown(method.as_str()));
+        Self::new(StatusCode::METHOD_NOT_ALLOWED, "method", message)
     }
 
     pub(super) fn busy() -> Self {
@@ -44,6 +56,14 @@ impl Problem {
 
     pub(super) fn not_ready(why: &str) -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "not_ready", format!("the service {why}: try again later"))
+    }
+
+    pub(crate) fn late() -> Self {
+        Self::new(
+            StatusCode::REQUEST_TIMEOUT,
+            "timeout",
+            "the request did not arrive in the time that it may take: send it faster, or less of it",
+        )
     }
 
     pub(super) fn too_slow() -> Self {

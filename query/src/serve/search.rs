@@ -5,10 +5,10 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
 use grasp_index::{Index, SearchError};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use serde::Serialize;
 
 use super::current::Served;
+use super::descriptors;
 use super::parameters::SearchParameters;
 use super::problem::Problem;
 use super::recognise::GENERATION;
@@ -18,14 +18,6 @@ use crate::output::found::{QueryRecord, ShortlistRecord};
 const MOST_NEIGHBOURS: usize = 100_000;
 /// How a file in NumPy's format begins.
 const NPY: &[u8] = b"\x93NUMPY";
-
-/// Descriptors as JSON.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Queries {
-    /// Rows of the index's dimension.
-    descriptors: Vec<Vec<f32>>,
-}
 
 /// Searches for all descriptors of a body; runs on a thread that may block.
 pub(super) fn answer(
@@ -93,15 +85,7 @@ fn read(body: &Bytes, index: &Index) -> Result<Vec<f32>, Problem> {
         }
         header.read_values(&mut rest).map_err(wrong)?
     } else {
-        let queries: Queries = serde_json::from_slice(body).map_err(|error| {
-            Problem::bad_request(format!(
-                "neither an array in NumPy's format nor JSON of the form {{\"descriptors\": [[...]]}}: {error}"
-            ))
-        })?;
-        if let Some(row) = queries.descriptors.iter().find(|row| row.len() != dim) {
-            return Err(refused(SearchError::WrongLength { expected: dim, found: row.len() }));
-        }
-        queries.descriptors.concat()
+        descriptors::read(body, dim).map_err(|error| Problem::bad_request(error.to_string()))?
     };
     if values.is_empty() {
         return Err(Problem::bad_request("there is no descriptor to search for"));

@@ -21,7 +21,10 @@ async function ask(path, body) {
   } catch {
     throw new Error("The program does not answer: it may have been stopped. Answers given so far are kept; start it again and reload this page.");
   }
-  if (!response.ok) throw new Error(await response.text());
+  if (!response.ok) {
+    const body = await response.json().catch(() => null);
+    throw new Error(body?.error?.message ?? `The program answered with status ${response.status}.`);
+  }
   return response.json();
 }
 
