@@ -153,7 +153,9 @@ impl Recognise {
                         batch.par_iter().map(|path| self.find_in_file(&means, path)).collect();
                     for (path, found) in batch.iter().zip(found) {
                         let name = path.display().to_string();
-                        output.write(&self.finish(&means, name, None, found, Some(filter)))?;
+                        let record = self.finish(&means, name, None, found, Some(filter));
+                        self.index.check(&index)?;
+                        output.write(&record)?;
                     }
                     continue;
                 }
@@ -171,6 +173,7 @@ impl Recognise {
                     [single] => vec![answer(single)],
                     several => several.par_iter().map(answer).collect(),
                 };
+                self.index.check(&index)?;
                 for record in &records {
                     output.write(record)?;
                 }
@@ -206,7 +209,9 @@ impl Recognise {
         each_frame(|frame, bytes| {
             let name = || STANDARD_INPUT.to_owned();
             let found = bytes.and_then(|bytes| self.find(means, name(), frame, &bytes));
-            output.write(&self.finish(means, name(), frame, found, filter.as_mut()))
+            let record = self.finish(means, name(), frame, found, filter.as_mut());
+            self.index.check(means.recogniser.index())?;
+            output.write(&record)
         })
     }
 
@@ -283,8 +288,12 @@ impl Recognise {
             return Ok(());
         };
         let path = if is_png(out) { out.clone() } else { out.join(drawing_name(&answer.file, answer.frame)) };
-        explain::save(&explain::draw(found, answer, index), &path)
-            .with_context(|| format!("cannot write {}", path.display()))
+        let drawing = explain::draw(found, answer, index);
+        if index.check_unchanged().is_err() {
+            // It may show another index's pictures, and is not what ends the program: its record will not be written either.
+            return Ok(());
+        }
+        explain::save(&drawing, &path).with_context(|| format!("cannot write {}", path.display()))
     }
 
     fn filter(&self, prior: Option<Vec<f64>>) -> Filter {

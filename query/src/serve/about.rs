@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Shared;
+use super::current::LOST;
 use super::explained::png;
 use super::metrics::Now;
 use super::problem::Problem;
@@ -130,8 +131,12 @@ pub(super) async fn thumbnail(
     let missing =
         || Problem::new(StatusCode::NOT_FOUND, "no_thumbnail", format!("entry {id} has no picture"));
     let side = served.index.catalogue().thumbnail_side as usize;
-    let grey = served.index.thumbnail(id).ok_or_else(missing)?;
+    let thumbnail = served.index.thumbnail(id);
+    // Also before one is missed: of a file that was cut short, all are zeros.
+    service.check(&served)?;
+    let grey = thumbnail.ok_or_else(missing)?;
     let bytes = png(grey, (side, side), ExtendedColorType::L8).map_err(|_| Problem::lost())?;
+    service.check(&served)?;
     Ok(([(header::CONTENT_TYPE, "image/png")], bytes).into_response())
 }
 
@@ -139,7 +144,7 @@ pub(super) async fn thumbnail(
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct Ready {
     ready: bool,
-    /// `serving`, `opening` or `draining`.
+    /// `serving`, `opening`, `draining`, or `lost`: the file that was served has been overwritten or truncated.
     state: &'static str,
     /// The index that is served; null before the first.
     generation: Option<u64>,
@@ -151,18 +156,20 @@ pub(super) struct Ready {
 
 /// `GET /readyz`.
 #[utoipa::path(get, path = "/readyz", responses((status = 200, description = "Requests are answered", body = Ready),
-    (status = 503, description = "The index is not open yet, or the service is about to end", body = Ready)))]
+    (status = 503, description = "The index is not open yet or its file was overwritten, or the service is about to end", body = Ready)))]
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
-    let trouble = service.current.trouble();
+    let (trouble, is_lost) = (service.current.trouble(), service.current.is_lost());
     let state = match (service.is_draining(), generation) {
         (true, _) => "draining",
         (false, None) => "opening",
+        (false, Some(_)) if is_lost => "lost",
         (false, Some(_)) => "serving",
     };
     let ready = state == "serving";
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
-    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem: trouble.now };
+    let problem = trouble.now.or_else(|| is_lost.then(|| format!("the service {LOST}")));
+    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem };
     (status, Json(record)).into_response()
 }
 
@@ -180,9 +187,9 @@ pub(super) async fn metrics(State(service): State<Shared>) -> Response {
         generation: served.as_ref().map_or(0, |served| served.generation),
         entries: served.as_ref().map_or(0, |served| served.index.len() as u64),
         reload_failures: trouble.failures,
-        index_is_stale: trouble.now.is_some(),
+        index_is_stale: trouble.now.is_some() || service.current.is_lost(),
         inside: service.gate.inside(),
-        ready: served.is_some() && !service.is_draining(),
+        ready: served.is_some_and(|served| !served.is_lost()) && !service.is_draining(),
     };
     let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
     ([(header::CONTENT_TYPE, kind)], service.metrics.text(now)).into_response()
