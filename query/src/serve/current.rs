@@ -138,7 +138,9 @@ impl Current {
             return Looked::OnItsWay;
         }
         let opened = found.map_err(anyhow::Error::from).and_then(|identity| self.open(&identity));
-        if opened.is_err() && is_young(ON_ITS_WAY) {
+        // What could not be used may be another file already than the one that was found.
+        let has_changed = || old.is_some() && Identity::of(&self.path).ok() != seen.ok();
+        if opened.is_err() && (is_young(ON_ITS_WAY) || has_changed()) {
             return Looked::OnItsWay;
         }
         last.found = Some(seen);
