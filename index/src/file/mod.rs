@@ -7,6 +7,7 @@
 //! ```
 //!
 //! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for [`verify`].
+//! Where another program changes it all the same, [`stamp`] notices it, and [`fault`] keeps the reader alive.
 
 pub(crate) mod atomic;
 pub(crate) mod bytes;
