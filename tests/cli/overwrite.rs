@@ -7,8 +7,11 @@ use std::process::{Child, Command, Stdio};
 
 use grasp_tests::{pictures, program, run, small_index};
 
+/// What it is called, and what does it.
+type Way = (&'static str, fn(&Path));
+
 /// Ways to destroy a file that is mapped.
-const WAYS: [(&str, fn(&Path)); 3] = [
+const WAYS: [Way; 3] = [
     ("truncated to nothing", |path| cut(path, 0)),
     ("truncated to half", |path| cut(path, fs::metadata(path).unwrap().len() / 2)),
     ("overwritten", |path| {
