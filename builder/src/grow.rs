@@ -76,6 +76,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
             gathered.take(batch)?;
             bar.inc(ids.len() as u64);
         }
+        index.check_unchanged().with_context(|| format!("cannot use {}", path.display()))?;
     }
     bar.finish_and_clear();
     if let Some(source) = &growth.more {

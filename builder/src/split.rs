@@ -56,6 +56,8 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
         start = end;
         bar.inc(1);
     }
+    // Dropped otherwise, all that were written go.
+    index.check_unchanged().with_context(|| format!("cannot use the index {}", path.display()))?;
     bar.finish_and_clear();
     Ok(std::mem::take(&mut written.0))
 }

@@ -9,7 +9,8 @@
 //! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing.
 //! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours.
 //!
-//! [`IndexWriter`] makes the file, [`Index::open`] maps it.
+//! [`IndexWriter`] makes the file, [`Index::open`] maps it. Where another program may copy a file over one that is mapped,
+//! call [`guard_against_truncation`] first and ask [`Index::check_unchanged`] after each answer.
 //!
 //! ```
 //! use grasp_index::*;
@@ -69,8 +70,10 @@ pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsEr
 pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
 pub use file::catalogue::{Catalogue, ClassInfo, HashInfo, Kept, Originals};
+pub use file::fault::guard_against_truncation;
 pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
+pub use file::stamp::FileChanged;
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};

@@ -1,6 +1,7 @@
 //! Several indexes that are searched as one.
 
 use crate::file::catalogue::{Catalogue, Originals};
+use crate::file::stamp::FileChanged;
 use crate::index::Index;
 use crate::search::joined::Joined;
 use crate::search::searcher::Searcher;
@@ -70,6 +71,15 @@ impl Segments {
     /// The indexes, at least one.
     pub fn indexes(&self) -> &[Index] {
         &self.indexes
+    }
+
+    /// Whether everything that these indexes have said until now was read from one and the same files:
+    /// [`Index::check_unchanged`] of each.
+    ///
+    /// # Errors
+    /// [`FileChanged`], where it was not.
+    pub fn check_unchanged(&self) -> Result<(), FileChanged> {
+        self.indexes.iter().try_for_each(Index::check_unchanged)
     }
 
     /// Values of a descriptor.

@@ -3,8 +3,8 @@
 mod support;
 
 use grasp_index::{
-    AtomicFile, BuildError, Effort, Index, IndexParams, IndexWriter, OpenError, SearchError, SearchOptions,
-    WriteError,
+    AtomicFile, BuildError, Effort, FileChanged, Index, IndexParams, IndexWriter, OpenError, SearchError,
+    SearchOptions, Segments, WriteError,
 };
 use std::ops::ControlFlow;
 
@@ -70,7 +70,36 @@ fn a_reader_goes_on_with_the_old_index_while_a_new_one_takes_its_place() {
     support::finish(support::fill(again, 3, 2)).expect("the index is written again");
     assert_eq!(old.len(), 36);
     assert!(old.verify().is_sound());
+    assert_eq!(old.check_unchanged(), Ok(()));
     assert_eq!(Index::open(&path).expect("the index opens").len(), 12);
+}
+
+/// What `cp` over an index does to those who have it mapped.
+#[cfg(unix)]
+#[test]
+fn an_index_that_is_cut_short_or_overwritten_says_so_and_does_no_harm() {
+    grasp_index::guard_against_truncation().expect("a handler is installed");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("grasp.idx");
+    support::write_small(&path).expect("the index is written");
+    let whole = std::fs::read(&path).expect("the index is there");
+    let query = |index: &Index| index.search(&vec![0.2; index.dim()], &SearchOptions::default());
+    let expected = query(&Index::open(&path).expect("the index opens")).expect("the query fits");
+    for length in [0, 100, whole.len() / 2, whole.len() - 1] {
+        std::fs::write(&path, &whole).expect("the index is written again");
+        let (mapped, read) = (Index::open(&path).expect("it opens"), Index::read(&path).expect("it opens"));
+        assert_eq!(mapped.check_unchanged(), Ok(()));
+        let file = std::fs::File::options().write(true).open(&path).expect("the file can be written");
+        file.set_len(length as u64).expect("the file can be cut");
+        let _ = (query(&mapped), mapped.verify(), mapped.entry(0));
+        assert_eq!(mapped.check_unchanged(), Err(FileChanged), "cut to {length}");
+        assert_eq!((query(&read).as_ref(), read.check_unchanged()), (Ok(&expected), Ok(())));
+    }
+    std::fs::write(&path, &whole).expect("the index is written again");
+    let segments = Segments::new(vec![Index::open(&path).expect("it opens")]).expect("one goes with itself");
+    let other: Vec<u8> = whole.iter().rev().copied().collect();
+    std::fs::write(&path, other).expect("the index is overwritten");
+    assert_eq!(segments.check_unchanged(), Err(FileChanged));
 }
 
 #[test]

@@ -1,7 +1,9 @@
-//! `grasp-query serve` while its index is replaced: every request is answered, and rightly.
+//! `grasp-query serve` while its index is replaced: every request is answered, and rightly; and while it is overwritten or cut
+//! short: no answer is wrong.
 
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -18,9 +20,10 @@ fn other_index(folder: &Path) -> PathBuf {
     path
 }
 
+/// A service that maps its index, as a large one is.
 fn start(index: &Path, poll: &str) -> Service {
     Service::start(|command| {
-        command.arg("--index").arg(index).args(["--poll", poll]);
+        command.arg("--index").arg(index).args(["--poll", poll, "--read-below", "0"]);
     })
 }
 
@@ -48,9 +51,19 @@ fn replace(from: &Path, to: &Path) {
     fs::rename(&beside, to).unwrap();
 }
 
-/// Asks from several threads while `meanwhile` runs, and checks every answer; how many there were of each index.
-fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -> Vec<u64> {
+/// What was answered to requests while something else went on.
+#[derive(Debug)]
+struct Load {
+    /// How many answers there were of each index.
+    counts: Vec<u64>,
+    /// How many were told to come back later.
+    lost: u64,
+}
+
+/// Asks from several threads while `meanwhile` runs, and checks every answer.
+fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -> Load {
     let counts: Vec<AtomicU64> = answers.iter().map(|_| AtomicU64::new(0)).collect();
+    let lost = AtomicU64::new(0);
     let over = AtomicBool::new(false);
     let by_generation = std::sync::Mutex::new(HashMap::<String, usize>::new());
     std::thread::scope(|scope| {
@@ -58,6 +71,14 @@ fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -
             scope.spawn(|| {
                 while !over.load(Ordering::SeqCst) {
                     let answer = ask(service);
+                    if answer.status == 503 {
+                        assert_eq!(answer.json()["error"]["kind"], "not_ready", "{}", answer.text());
+                        assert_eq!(answer.header("retry-after"), Some("1"));
+                        lost.fetch_add(1, Ordering::SeqCst);
+                        // Told to wait a second: some of it, so that the others are not kept from their answers.
+                        std::thread::sleep(Duration::from_millis(10));
+                        continue;
+                    }
                     assert_eq!(answer.status, 200, "{}", answer.text());
                     let at = answers.iter().position(|expected| *expected == answer.text());
                     let at = at.unwrap_or_else(|| panic!("an answer of no index: {}", answer.text()));
@@ -76,7 +97,7 @@ fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -
             std::panic::resume_unwind(panic);
         }
     });
-    counts.into_iter().map(AtomicU64::into_inner).collect()
+    Load { counts: counts.into_iter().map(AtomicU64::into_inner).collect(), lost: lost.into_inner() }
 }
 
 #[test]
@@ -88,7 +109,7 @@ fn a_hundred_replacements_under_load_lose_no_request() {
     assert_ne!(answers[0], answers[1]);
     replace(&indexes[0], &served);
     let service = start(&served, "0.01");
-    let counts = under_load(&service, &answers, || {
+    let load = under_load(&service, &answers, || {
         for round in 1..=100 {
             replace(&indexes[round % 2], &served);
             service.wait_until("the replacement", |service| {
@@ -97,7 +118,7 @@ fn a_hundred_replacements_under_load_lose_no_request() {
             assert_eq!(ask(&service).text(), answers[round % 2], "after replacement {round}");
         }
     });
-    assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
+    assert!(load.lost == 0 && load.counts.iter().all(|&count| count > 20), "{load:?}");
     assert_eq!(service.metric("grasp_index_generation"), 101.0);
     assert_eq!(service.metric("grasp_index_reload_failures_total"), 0.0);
     assert_eq!(service.metric("grasp_panics_total"), 0.0);
@@ -214,7 +235,7 @@ fn a_builder_at_work_or_killed_disturbs_nobody() {
         command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
         command
     };
-    under_load(&service, &before, || {
+    let load = under_load(&service, &before, || {
         for wait in [0, 30, 60, 100, 150, 200, 250, 300] {
             let mut builder = build().spawn().unwrap();
             std::thread::sleep(Duration::from_millis(wait));
@@ -228,15 +249,142 @@ fn a_builder_at_work_or_killed_disturbs_nobody() {
             builder.wait().unwrap();
         }
     });
+    assert_eq!(load.lost, 0);
     assert_eq!(service.metric("grasp_index_reload_failures_total"), 0.0);
     let sound = run(program("grasp-builder").arg("verify").arg(&served));
     assert_eq!(sound.status, 0, "{}", sound.stderr);
 
     before.push(answer_of(&other));
     let generation = service.metric("grasp_index_generation");
-    under_load(&service, &before, || {
+    let load = under_load(&service, &before, || {
         assert!(build().status().unwrap().success());
         service.wait_until("the new index", |service| service.metric("grasp_index_generation") > generation);
         assert_eq!(ask(&service).text(), before[1]);
     });
+    assert_eq!(load.lost, 0);
+}
+
+/// Copies a file over another one, as people do.
+fn cp(from: &Path, to: &Path) {
+    assert!(Command::new("cp").args([from, to]).status().unwrap().success());
+}
+
+/// The same piece by piece, as from another machine: over what is there, or from nothing on.
+fn trickle(from: &Path, to: &Path, is_truncated: bool) {
+    let bytes = fs::read(from).unwrap();
+    let mut file = File::options().write(true).truncate(is_truncated).open(to).unwrap();
+    for piece in bytes.chunks(bytes.len().div_ceil(8)) {
+        file.write_all(piece).unwrap();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    file.set_len(bytes.len() as u64).unwrap();
+}
+
+fn truncate(path: &Path, length: u64) {
+    File::options().write(true).open(path).unwrap().set_len(length).unwrap();
+}
+
+#[test]
+fn fifty_copies_over_a_mapped_index_under_load_give_no_wrong_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    let indexes = [small_index().to_owned(), other_index(folder.path())];
+    let answers = indexes.each_ref().map(|index| answer_of(index));
+    replace(&indexes[0], &served);
+    let service = start(&served, "0.01");
+    let load = under_load(&service, &answers, || {
+        for round in 1..=60 {
+            let generation = service.metric("grasp_index_generation");
+            let from = &indexes[round % 2];
+            match round {
+                0..=50 => cp(from, &served),
+                _ => trickle(from, &served, round % 4 < 2),
+            }
+            let replaced = |service: &Service| {
+                service.metric("grasp_index_generation") > generation && is_ready(service)
+            };
+            service.wait_until("the copy", replaced);
+            assert_eq!(ask(&service).text(), answers[round % 2], "after copy {round}");
+        }
+    });
+    let Load { counts, lost } = &load;
+    println!(
+        "60 copies over a mapped index: {} requests answered, {lost} turned away",
+        counts.iter().sum::<u64>()
+    );
+    assert!(counts.iter().all(|&count| count > 20) && *lost > 0, "{load:?}");
+    assert_eq!(service.metric("grasp_panics_total"), 0.0);
+}
+
+#[test]
+fn copies_over_an_index_in_memory_lose_no_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    let indexes = [small_index().to_owned(), other_index(folder.path())];
+    let answers = indexes.each_ref().map(|index| answer_of(index));
+    replace(&indexes[0], &served);
+    let service = Service::start(|command| {
+        command.arg("--index").arg(&served).args(["--poll", "0.01"]);
+    });
+    let load = under_load(&service, &answers, || {
+        for round in 1..=12 {
+            let from = &indexes[round % 2];
+            if round % 2 == 0 {
+                cp(from, &served)
+            } else {
+                trickle(from, &served, round % 4 == 1)
+            }
+            service.wait_until("the copy", |service| service.metric("grasp_index_generation") > round as f64);
+            assert_eq!(ask(&service).text(), answers[round % 2], "after copy {round}");
+        }
+        truncate(&served, 0);
+        service.wait_until("the failure", |service| service.metric("grasp_index_stale") == 1.0);
+        assert!(is_ready(&service));
+    });
+    assert!(load.lost == 0 && load.counts.iter().all(|&count| count > 10), "{load:?}");
+    // What was on its way was not taken for a failure, unless the machine was so busy that the copy stood still.
+    let failures = service.metric("grasp_index_reload_failures_total");
+    assert!((1.0..4.0).contains(&failures), "{failures}");
+}
+
+fn is_ready(service: &Service) -> bool {
+    service.get("/readyz").status == 200
+}
+
+#[test]
+fn a_mapped_index_cut_short_under_load_is_reported_and_served_again_when_it_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let served = folder.path().join("grasp.idx");
+    replace(small_index(), &served);
+    let mut service = start(&served, "0.01");
+    let answers = [answer_of(small_index())];
+    let whole = fs::metadata(&served).unwrap().len();
+    for (generation, length, says) in
+        [(2, 0, "empty"), (3, whole / 2, "truncated"), (4, whole - 1, "truncated")]
+    {
+        let lost = under_load(&service, &answers, || {
+            truncate(&served, length);
+            service.wait_until("the reason", |service| {
+                let ready = service.get("/readyz");
+                let problem = ready.json()["problem"].as_str().unwrap_or_default().to_owned();
+                assert!(ready.status == 200 || ready.json()["state"] == "lost", "{}", ready.text());
+                ready.status == 503 && problem.contains(says)
+            });
+            let refused = ask(&service);
+            assert!(refused.status == 503 && refused.text().contains("overwritten or cut short"));
+        });
+        assert!(lost.lost > 0, "{lost:?}");
+        cp(small_index(), &served);
+        service.wait_until("the whole file", is_ready);
+        assert_eq!(ask(&service).text(), answers[0]);
+        // Each is reported once; on a machine that is so busy that the copy stands still, that as well.
+        let mut lines = vec![service.line()];
+        while !lines[lines.len() - 1].contains("was replaced") {
+            lines.push(service.line());
+        }
+        assert!(lines[0].contains("overwritten or cut short in place"), "{lines:?}");
+        assert!(lines[1].contains(says) && lines[1].ends_with("requests are turned away"), "{lines:?}");
+        assert!(lines[lines.len() - 1].ends_with(&format!("generation {generation}")), "{lines:?}");
+    }
+    assert_eq!(service.metric("grasp_panics_total"), 0.0);
 }

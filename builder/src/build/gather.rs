@@ -66,6 +66,7 @@ impl Gathered {
         if report.entries == 0 {
             bail!("none of the {} pictures shows a hand: nothing to index", report.without_hand);
         }
+        known.check()?;
         if known.is_made_from(&inputs) {
             return Ok(report);
         }

@@ -79,6 +79,15 @@ impl Known {
         Self::nothing()
     }
 
+    /// Whether what was taken over may be believed: asked before anything is made of it.
+    ///
+    /// # Errors
+    /// Where the existing index was overwritten meanwhile.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        let Some(index) = &self.index else { return Ok(()) };
+        index.check_unchanged().context("cannot take over what the existing index holds")
+    }
+
     /// Whether a picture with this source hash is known.
     pub(super) fn contains(&self, source_hash: u64) -> bool {
         self.ids.contains_key(&source_hash)

@@ -63,6 +63,7 @@ impl Export {
             let written = write(&index, out, &|done| bar.set_position(done));
             bar.finish_and_clear();
             written.with_context(|| format!("the {what} of {name} were not written"))?;
+            index.check_unchanged().with_context(|| format!("{} is not sound", out.display()))?;
             writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
         }
         Ok(())

@@ -22,12 +22,12 @@ impl Inspect {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let name = self.index.display();
         let index = Index::open(&self.index).with_context(|| format!("cannot inspect {name}"))?;
-        let mut stdout = std::io::stdout().lock();
-        if self.json {
-            writeln!(stdout, "{}", as_json(&name.to_string(), &index))?;
-        } else {
-            write!(stdout, "{}", as_text(&name.to_string(), &index))?;
-        }
+        let text = match self.json {
+            true => format!("{}\n", as_json(&name.to_string(), &index)),
+            false => as_text(&name.to_string(), &index),
+        };
+        index.check_unchanged().with_context(|| format!("cannot inspect {name}"))?;
+        write!(std::io::stdout().lock(), "{text}")?;
         Ok(())
     }
 }

@@ -19,6 +19,7 @@ mod verify;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 
 use crate::interrupt::{self, Interrupted};
@@ -118,6 +119,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.global.threads > 0 {
         rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
+    // Every command asks the indexes that it reads, after the work, whether they were overwritten meanwhile.
+    grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Render(command) => command.run(&arguments.global),
         Command::Build(command) => command.run(&arguments.global),

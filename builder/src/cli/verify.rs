@@ -22,6 +22,7 @@ impl Verify {
         let name = self.index.display();
         let index = Index::open(&self.index).with_context(|| format!("{name} is unsound"))?;
         let found = index.verify();
+        index.check_unchanged().with_context(|| format!("{name} was not verified"))?;
         if found.is_sound() {
             writeln!(std::io::stdout().lock(), "{name}: sound, {} bytes checked", found.bytes)?;
             return Ok(());

@@ -1,6 +1,8 @@
 //! The bytes of an index, mapped or in memory. The one place where a file is mapped.
 
+use super::fault::Registered;
 use super::header::{self, Header};
+use super::stamp::{FileChanged, Stamp};
 use super::{ALIGNMENT, OpenError};
 use memmap2::Mmap;
 use rkyv::util::AlignedVec;
@@ -9,14 +11,25 @@ use std::io::{self, Read};
 use std::marker::PhantomData;
 use std::ops::Deref;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Files of at least so many bytes are taken to be larger than what memory is left for them.
 const LARGE: usize = 2 << 30;
 
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
 pub(crate) enum Bytes {
-    Mapped(Mmap),
+    Mapped(Mapping),
     Held(AlignedVec<{ ALIGNMENT as usize }>),
+}
+
+/// A file that is mapped, and what it takes to notice that another program changes it.
+pub(crate) struct Mapping {
+    /// Above the map: forgotten before it is unmapped.
+    registered: Registered,
+    map: Mmap,
+    stamp: Stamp,
+    /// It has been noticed: what is changed once is never whole again.
+    is_changed: AtomicBool,
 }
 
 impl std::fmt::Debug for Bytes {
@@ -34,7 +47,7 @@ impl Deref for Bytes {
 
     fn deref(&self) -> &[u8] {
         match self {
-            Self::Mapped(map) => map,
+            Self::Mapped(mapping) => &mapping.map,
             Self::Held(bytes) => bytes,
         }
     }
@@ -43,25 +56,28 @@ impl Deref for Bytes {
 impl Bytes {
     /// Maps a file read-only.
     pub(crate) fn map(path: &Path) -> Result<Self, OpenError> {
-        let file = open_regular(path)?;
+        let stamp = Stamp::of(open_regular(path)?)?;
         // An empty file cannot be mapped; the header's check says what is wrong with it.
-        if file.metadata()?.len() == 0 {
+        if stamp.length() == 0 {
             return Ok(Self::copy(&[]));
         }
         // SAFETY: the mapping is read-only and private to this value. What a map cannot promise is that no other process
         // changes or truncates the file meanwhile. Index files are never changed in place: this crate writes a new
         // file and renames it over the old one, whose bytes live on as long as they are mapped (tested in
         // tests/writing.rs). Every byte pattern is valid for the plain numbers that are read from it, and text is
-        // checked at each use, so bytes changed by a stranger can give wrong answers, but no undefined values; a file
-        // truncated by a stranger ends the process with SIGBUS. Where that may happen, use `Bytes::read`.
-        let map = unsafe { Mmap::map(&file)? };
-        Ok(Self::Mapped(map))
+        // checked at each use, so bytes changed by a stranger can give wrong answers, but no undefined values: they are
+        // noticed by `check_unchanged`. A file truncated by a stranger ends the process with SIGBUS, unless it is
+        // guarded (`super::fault`). Where neither will do, use `Bytes::read`.
+        let map = unsafe { Mmap::map(stamp.file())? };
+        let registered = Registered::new(&map);
+        Ok(Self::Mapped(Mapping { registered, map, stamp, is_changed: AtomicBool::new(false) }))
     }
 
     /// Reads a file into memory.
     pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
-        let mut file = open_regular(path)?;
-        let length = usize::try_from(file.metadata()?.len())
+        let stamp = Stamp::of(open_regular(path)?)?;
+        let mut file = stamp.file();
+        let length = usize::try_from(stamp.length())
             .map_err(|_| OpenError::corrupt("it is larger than this machine's memory"))?;
         // A length is only believed, and memory taken for it, where a header states it as well.
         let mut head = [0; header::LENGTH];
@@ -71,15 +87,25 @@ impl Bytes {
         let mut bytes = AlignedVec::with_capacity(length);
         bytes.extend_from_slice(&head[..held]);
         bytes.resize(length, 0);
-        file.read_exact(&mut bytes[held..])?;
+        let filled = file.read_exact(&mut bytes[held..]);
+        stamp.check()?;
+        filled?;
         Ok(Self::Held(bytes))
+    }
+
+    /// Whether what was read of these bytes until now was of one file: that no other program has changed or truncated it.
+    pub(crate) fn check_unchanged(&self) -> Result<(), FileChanged> {
+        match self {
+            Self::Held(_) => Ok(()),
+            Self::Mapped(mapping) => mapping.check_unchanged(),
+        }
     }
 
     /// Asks the operating system to read `part` of these bytes ahead: all of it at once and beside others, instead of page by
     /// page as it is touched. Of no effect besides time.
     pub(crate) fn will_need(&self, part: &[u8]) {
         #[cfg(unix)]
-        if let Self::Mapped(map) = self {
+        if let Self::Mapped(Mapping { map, .. }) = self {
             let start = (part.as_ptr() as usize).checked_sub(map.as_ptr() as usize);
             if let Some(start) = start.filter(|start| start + part.len() <= map.len() && !part.is_empty()) {
                 // A system that cannot do so reads page by page.
@@ -97,7 +123,7 @@ impl Bytes {
     /// 200 kB. A file that fits into memory is the sooner there if the system reads on.
     pub(crate) fn will_jump(&self) {
         #[cfg(unix)]
-        if let Self::Mapped(map) = self
+        if let Self::Mapped(Mapping { map, .. }) = self
             && map.len() >= LARGE
         {
             let _ = map.advise(memmap2::Advice::Random);
@@ -117,6 +143,20 @@ impl Bytes {
         let mut held = AlignedVec::with_capacity(bytes.len());
         held.extend_from_slice(bytes);
         Self::Held(held)
+    }
+}
+
+impl Mapping {
+    fn check_unchanged(&self) -> Result<(), FileChanged> {
+        // A fault always comes with a length that has changed, unless the file has grown back since, or the disk failed.
+        let is_changed = self.is_changed.load(Ordering::Relaxed)
+            || self.registered.has_faulted()
+            || self.stamp.check().is_err();
+        if is_changed {
+            self.is_changed.store(true, Ordering::Relaxed);
+            return Err(FileChanged);
+        }
+        Ok(())
     }
 }
 

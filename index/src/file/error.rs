@@ -1,5 +1,6 @@
 //! Why a file cannot be used as an index.
 
+use super::stamp::FileChanged;
 use std::fmt;
 use thiserror::Error;
 
@@ -61,6 +62,9 @@ pub enum OpenError {
     /// The descriptors follow a definition that this program no longer has, or does not have yet.
     #[error("its descriptors were made by another version of this program: build the index again")]
     OtherDescriptors,
+    /// Another program wrote to the file while it was opened.
+    #[error(transparent)]
+    Changed(#[from] FileChanged),
     /// A part of the file is not what it was when it was written.
     #[error("corrupt: {0}: copy or build the file again")]
     Corrupt(String),

@@ -7,16 +7,19 @@
 //! ```
 //!
 //! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for [`verify`].
+//! Where another program changes it all the same, [`stamp`] notices it, and [`fault`] keeps the reader alive.
 
 pub(crate) mod atomic;
 pub(crate) mod bytes;
 pub(crate) mod catalogue;
 mod error;
+pub(crate) mod fault;
 pub(crate) mod header;
 pub(crate) mod input;
 pub(crate) mod open;
 pub(crate) mod pack;
 pub(crate) mod sections;
+pub(crate) mod stamp;
 pub(crate) mod verify;
 mod version2;
 pub(crate) mod write;

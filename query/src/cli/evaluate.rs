@@ -55,7 +55,7 @@ impl Evaluate {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let selected = self.selection.read(&classes)?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         if let Some(path) = &self.predictions {
             write_predictions(path, &outcomes).with_context(|| format!("cannot write {}", path.display()))?;
         }

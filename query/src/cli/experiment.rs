@@ -184,7 +184,7 @@ impl PaperArguments {
         let names: Vec<String> = classes.iter().map(|class| class.grasp.clone()).collect();
         let selected = self.selection.read(&names)?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         let (labels, path) = (self.selection.path().display(), self.index.path());
         let paper =
             Paper::new(labels.to_string(), path.display().to_string(), classes, &outcomes, &selected.broken);
@@ -214,19 +214,16 @@ impl ShapesArguments {
             );
         }
         let selected = self.selection.read(&classes)?;
-        let scored: Vec<Scored> = indexes
-            .iter()
-            .map(|(path, index)| Scored {
+        let score = |(path, index): &(&PathBuf, Index)| -> anyhow::Result<Scored> {
+            let recogniser = Recogniser::new(index, self.recognise.options());
+            Ok(Scored {
                 index: path.display().to_string(),
                 hand_shapes: index.catalogue().hand_shapes.len(),
                 entries: index.len(),
-                outcomes: selected.score(
-                    &Recogniser::new(index, self.recognise.options()),
-                    self.labelled_masks,
-                    global,
-                ),
+                outcomes: selected.score(&recogniser, self.labelled_masks, global)?,
             })
-            .collect();
+        };
+        let scored: Vec<Scored> = indexes.iter().map(score).collect::<Result<_, _>>()?;
         let labels = self.selection.path().display().to_string();
         let shapes = Shapes::new(labels, &classes, &scored, &selected.broken);
         if let Some(folder) = &self.out {
@@ -246,10 +243,10 @@ impl UnknownArguments {
         // What is told here must not have been told before.
         let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
         let recogniser = Recogniser::new(&index, options);
-        let mut outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let mut outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         let mut broken = selected.broken.clone();
         if let Some(others) = others {
-            outcomes.extend(others.score(&recogniser, self.labelled_masks, global));
+            outcomes.extend(others.score(&recogniser, self.labelled_masks, global)?);
             broken.extend(others.broken);
         }
         let calibration = index.catalogue().calibration;
@@ -271,7 +268,7 @@ impl SequenceArguments {
         // A frame that is unknown by itself may count for something with the others.
         let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
         let recogniser = Recogniser::new(&index, options);
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         let labels = self.selection.path().display().to_string();
         let sequences = Sequences::new(labels, &outcomes, &selected.broken, self.frames.params());
         if let Some(folder) = &self.out {

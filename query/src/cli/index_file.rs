@@ -40,6 +40,11 @@ impl IndexFile {
         if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
     }
 
+    /// Whether what the index has said may be believed. To be asked after the work, and before anything of it is written.
+    pub(super) fn check(&self, index: &Index) -> anyhow::Result<()> {
+        check(&self.path(), index)
+    }
+
     /// Whether the index is read into memory instead of being mapped.
     pub(super) fn is_read(&self) -> bool {
         self.no_mmap
@@ -103,6 +108,11 @@ pub(super) fn open_for_pictures(path: &Path, no_mmap: bool) -> anyhow::Result<In
     let index = open(path, no_mmap)?;
     index.check_recognises().with_context(|| format!("cannot use the index {}", path.display()))?;
     Ok(index)
+}
+
+/// [`IndexFile::check`] of an index at a path.
+pub(super) fn check(path: &Path, index: &Index) -> anyhow::Result<()> {
+    index.check_unchanged().with_context(|| format!("cannot use the index {}", path.display()))
 }
 
 fn open(path: &Path, no_mmap: bool) -> anyhow::Result<Index> {

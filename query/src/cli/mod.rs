@@ -21,7 +21,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::ExitCode;
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand};
 
 /// Every input was recognised.
@@ -111,6 +111,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if arguments.global.threads > 0 {
         rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
+    // Every command asks its index, after the work, whether it was overwritten meanwhile: see `index_file::check`.
+    grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Recognise(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),

@@ -151,6 +151,9 @@ pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyh
             }
         }
     }
+    if let Some(recogniser) = &means.recogniser {
+        recogniser.index().check_unchanged().context("cannot use the index")?;
+    }
     if shown.is_empty() {
         bail!("no picture of {} can be shown", selection.path().display());
     }

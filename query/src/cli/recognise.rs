@@ -146,7 +146,9 @@ impl Recognise {
                         batch.par_iter().map(|path| self.find_in_file(&means, path)).collect();
                     for (path, found) in batch.iter().zip(found) {
                         let name = path.display().to_string();
-                        output.write(&self.finish(&means, name, None, found, Some(filter)))?;
+                        let record = self.finish(&means, name, None, found, Some(filter));
+                        self.index.check(&index)?;
+                        output.write(&record)?;
                     }
                     continue;
                 }
@@ -164,6 +166,7 @@ impl Recognise {
                     [single] => vec![answer(single)],
                     several => several.par_iter().map(answer).collect(),
                 };
+                self.index.check(&index)?;
                 for record in &records {
                     output.write(record)?;
                 }
@@ -211,7 +214,9 @@ impl Recognise {
         each_frame(|frame, bytes| {
             let name = || STANDARD_INPUT.to_owned();
             let found = bytes.and_then(|bytes| self.find(means, name(), frame, &bytes));
-            output.write(&self.finish(means, name(), frame, found, filter.as_mut()))
+            let record = self.finish(means, name(), frame, found, filter.as_mut());
+            self.index.check(means.recogniser.index())?;
+            output.write(&record)
         })
     }
 
@@ -267,9 +272,13 @@ impl Recognise {
             }
         }
         if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
-            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
-                Ok(explain::save(&explain::draw(&found, answer, index), path)?)
-            });
+            let drawing = explain::draw(&found, answer, index);
+            // What an index says that has changed is no answer: its record will not be written either.
+            if index.check_unchanged().is_ok() {
+                self.drawn(&name, frame, drawings.of(&name, frame), |path| {
+                    Ok(explain::save(&drawing, path)?)
+                });
+            }
         }
         record
     }

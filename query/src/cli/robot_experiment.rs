@@ -118,7 +118,7 @@ impl ImitationArguments {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let selected = self.selection.read(&classes)?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global);
+        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         let bar = progress_bar(outcomes.len() as u64, !global.no_progress, "trials");
         let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
         bar.finish_and_clear();

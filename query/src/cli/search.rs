@@ -126,9 +126,11 @@ impl Search {
         let rounds = (0..self.rounds).map(|_| batch.run()).collect::<Result<Vec<Duration>, _>>()?;
 
         let names = |id| names_in(&segments, id);
+        let check = || segments.check_unchanged().context("cannot use the index");
+        check()?;
         self.write(out, distances, count, || batch.found())?;
         if self.neighbours {
-            return print_neighbours(names, batch.found());
+            return print_neighbours(names, batch.found(), check);
         }
         if self.json || self.timings {
             let summary = Summary {
@@ -144,10 +146,11 @@ impl Search {
                 threads: batch.threads(),
                 cost: mean_cost(&segments, &queries, &options)?,
             };
+            check()?;
             self.report(&summary)?;
         }
         if self.out.is_none() && self.distances.is_none() && !self.json {
-            show(names, batch.found(), count)?;
+            show(names, batch.found(), count, check)?;
         }
         Ok(super::SUCCESS)
     }
@@ -167,10 +170,10 @@ impl Search {
         let rows = || found.neighbours.chunks_exact(self.k);
         self.write(out, distances, count, rows)?;
         if self.neighbours {
-            return print_neighbours(names, rows());
+            return print_neighbours(names, rows(), || Ok(()));
         }
         if self.out.is_none() && self.distances.is_none() {
-            show(names, rows(), count)?;
+            show(names, rows(), count, || Ok(()))?;
         }
         Ok(super::SUCCESS)
     }
@@ -323,15 +326,18 @@ impl Target {
     }
 }
 
-/// Every query's neighbours as a line of JSON.
+/// Every query's neighbours as a line of JSON. The names are the index's: `check` says whether they may be believed.
 fn print_neighbours<'f, 'n>(
     names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
     found: impl Iterator<Item = &'f [Neighbour]>,
+    check: impl Fn() -> anyhow::Result<()>,
 ) -> anyhow::Result<u8> {
     let mut out = BufWriter::new(io::stdout().lock());
     for (query, neighbours) in found.enumerate() {
         let record = QueryRecord::named(&names, query, neighbours);
-        serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
+        let line = serde_json::to_vec(&record).map_err(io::Error::from)?;
+        check()?;
+        out.write_all(&line)?;
         out.write_all(b"\n")?;
     }
     out.flush()?;
@@ -343,8 +349,9 @@ fn show<'f, 'n>(
     names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
     found: impl Iterator<Item = &'f [Neighbour]>,
     count: usize,
-) -> io::Result<()> {
-    let mut out = io::stdout().lock();
+    check: impl Fn() -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut out = Vec::new();
     for (query, neighbours) in found.take(SHOWN).enumerate() {
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
@@ -353,6 +360,8 @@ fn show<'f, 'n>(
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }
     }
+    check()?;
+    io::stdout().lock().write_all(&out)?;
     if count > SHOWN {
         let more = count - SHOWN;
         let _ = writeln!(io::stderr(), "and {more} more: --out IDS.npy writes all, --neighbours prints all");

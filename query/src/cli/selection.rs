@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
@@ -95,12 +95,15 @@ impl Selected {
     }
 
     /// Recognises every picture, in parallel; the outcomes are in the table's order.
+    ///
+    /// # Errors
+    /// Where the index was overwritten meanwhile.
     pub(super) fn score(
         &self,
         recogniser: &Recogniser<'_>,
         labelled_masks: bool,
         global: &Global,
-    ) -> Vec<Outcome> {
+    ) -> anyhow::Result<Vec<Outcome>> {
         let bar = progress_bar(self.labels.len() as u64, !global.no_progress, "pictures");
         let outcomes = self
             .labels
@@ -112,7 +115,8 @@ impl Selected {
             })
             .collect();
         bar.finish_and_clear();
-        outcomes
+        recogniser.index().check_unchanged().context("cannot use the index")?;
+        Ok(outcomes)
     }
 }
 

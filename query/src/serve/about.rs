@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::Shared;
+use super::current::LOST;
 use super::explained::png;
 use super::metrics::Now;
 use super::openapi;
@@ -149,8 +150,12 @@ pub(super) async fn thumbnail(
     let missing =
         || Problem::new(StatusCode::NOT_FOUND, "no_thumbnail", format!("entry {id} has no picture"));
     let side = served.index.catalogue().thumbnail_side as usize;
-    let grey = served.index.thumbnail(id).ok_or_else(missing)?;
+    let thumbnail = served.index.thumbnail(id);
+    // Also before one is missed: of a file that was cut short, all are zeros.
+    service.check(&served)?;
+    let grey = thumbnail.ok_or_else(missing)?;
     let bytes = png(grey, (side, side), ExtendedColorType::L8).map_err(|_| Problem::lost())?;
+    service.check(&served)?;
     Ok(([(header::CONTENT_TYPE, "image/png")], bytes).into_response())
 }
 
@@ -158,7 +163,7 @@ pub(super) async fn thumbnail(
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct Ready {
     ready: bool,
-    /// `serving`, `opening` or `draining`.
+    /// `serving`, `opening`, `draining`, or `lost`: the file that was served has been overwritten or truncated.
     state: &'static str,
     /// The index that is served; null before the first.
     generation: Option<u64>,
@@ -174,19 +179,25 @@ pub(super) struct Ready {
     description = "For a load balancer, and for those who replace the index: `problem` says why the file that lies at its path now \
         is not the one that is served.",
     responses((status = 200, description = "Requests are answered", body = Ready),
-    (status = 503, description = "The index is not open yet, or the service is about to end", body = Ready)))]
+    (status = 503, description = "The index is not open yet or its file was overwritten, or the service is about to end", body = Ready)))]
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
-    let trouble = service.current.trouble();
+    let (trouble, is_lost) = (service.current.trouble(), service.current.is_lost());
+    if is_lost {
+        // Whoever asks is waiting: the file may be whole again.
+        service.lost.notify_one();
+    }
     let state = match (service.is_draining(), generation) {
         (true, _) => "draining",
         (false, None) => "opening",
+        (false, Some(_)) if is_lost => "lost",
         (false, Some(_)) => "serving",
     };
     let ready = state == "serving";
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let path = service.current.path().display().to_string();
     let problem = trouble.now.map(|problem| without(&problem, &path));
+    let problem = problem.or_else(|| is_lost.then(|| format!("the service {LOST}")));
     let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem };
     (status, Json(record)).into_response()
 }
@@ -216,11 +227,11 @@ pub(super) async fn metrics(State(service): State<Shared>) -> Response {
         generation: served.as_ref().map_or(0, |served| served.generation),
         entries: served.as_ref().map_or(0, |served| served.index.len() as u64),
         reload_failures: trouble.failures,
-        index_is_stale: trouble.now.is_some(),
+        index_is_stale: trouble.now.is_some() || service.current.is_lost(),
         arriving: service.arriving(),
         reserved: service.budget.reserved(),
         inside: service.gate.inside(),
-        ready: served.is_some() && !service.is_draining(),
+        ready: served.is_some_and(|served| !served.is_lost()) && !service.is_draining(),
     };
     let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
     ([(header::CONTENT_TYPE, kind)], service.metrics.text(now)).into_response()

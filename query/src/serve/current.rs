@@ -1,13 +1,27 @@
 //! The index that is served, and its replacement while requests are under way.
+//!
+//! A new index that is renamed to the path takes over without a gap, because the old file lives on while it is mapped. One
+//! that is copied over the old one (`cp`, `scp`) destroys what is mapped. A small index is therefore read into memory,
+//! and served on until the copy is whole. A large one is lost: its requests are turned away, because what they have read may
+//! be of two files, until the new file verifies.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
 
 use super::identity::Identity;
+
+/// What a service does without its index.
+pub(super) const LOST: &str =
+    "has lost its index, whose file was overwritten or cut short in place, and answers when that is whole";
+
+/// A file that was written to so lately may be written to again within the same step of the file system's clock.
+const SETTLED: Duration = Duration::from_millis(20);
+/// A file that cannot be used and was written to so lately is taken to be on its way.
+const ON_ITS_WAY: Duration = Duration::from_secs(1);
 
 /// An index in service. Requests hold it until they are answered, also after another has taken its place.
 #[derive(Debug)]
@@ -23,11 +37,21 @@ pub(super) struct Served {
 #[derive(Debug)]
 pub(super) struct Current {
     path: PathBuf,
-    no_mmap: bool,
+    /// Files of at most so many bytes are read into memory.
+    most_read: u64,
     served: RwLock<Option<Arc<Served>>>,
-    /// What was found at the path when it was last looked at. Held while a new index is opened: one at a time.
-    last: Mutex<Option<Result<Identity, std::io::ErrorKind>>>,
+    /// Held while a new index is opened: one at a time.
+    last: Mutex<Last>,
     trouble: RwLock<Trouble>,
+}
+
+/// What the last look has seen.
+#[derive(Debug, Default)]
+struct Last {
+    /// What lay at the path; `None` where that is to be opened whatever it is.
+    found: Option<Result<Identity, std::io::ErrorKind>>,
+    /// The generation whose loss has been reported.
+    lost: u64,
 }
 
 /// What went wrong with replacements.
@@ -48,19 +72,36 @@ pub(super) enum Looked {
     Replaced(u64),
     /// One that cannot be used, or none.
     Failed(String),
+    /// One that is being written: worth another look soon.
+    OnItsWay,
+    /// The file that is served has been overwritten or truncated. Reported once.
+    Lost,
+}
+
+impl Served {
+    /// Whether the file has been overwritten or truncated, so that what the index says may be wrong.
+    pub(super) fn is_lost(&self) -> bool {
+        self.index.check_unchanged().is_err()
+    }
 }
 
 impl Current {
     /// Nothing is opened yet.
-    pub(super) fn new(path: PathBuf, no_mmap: bool) -> Self {
-        Self { path, no_mmap, served: RwLock::default(), last: Mutex::default(), trouble: RwLock::default() }
+    pub(super) fn new(path: PathBuf, most_read: u64) -> Self {
+        Self {
+            path,
+            most_read,
+            served: RwLock::default(),
+            last: Mutex::default(),
+            trouble: RwLock::default(),
+        }
     }
 
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The index to answer by; `None` before the first is open.
+    /// The index that was opened last, which may be lost; `None` before the first is open.
     pub(super) fn get(&self) -> Option<Arc<Served>> {
         // Only whole values are ever put behind this lock.
         self.served.read().unwrap_or_else(PoisonError::into_inner).clone()
@@ -70,18 +111,39 @@ impl Current {
         self.trouble.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
+    /// Whether there was an index to answer by, and it is lost.
+    pub(super) fn is_lost(&self) -> bool {
+        self.get().is_some_and(|served| served.is_lost())
+    }
+
     /// Looks at the path and, where another file lies there than the last time, or where `forced`, opens it, checks it and
     /// puts it in the place of the one that is served. What cannot be used changes nothing, and is tried again when it changes.
     pub(super) fn look(&self, forced: bool) -> Looked {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let old = self.get();
+        if let Some(old) = old.as_ref().filter(|old| old.generation > last.lost && old.is_lost()) {
+            // Also where the same file is copied there again, it must be opened anew.
+            *last = Last { found: None, lost: old.generation };
+            return Looked::Lost;
+        }
         // Before opening: where the file is replaced in between, the next look finds yet another one.
         let found = Identity::of(&self.path);
         let seen = found.as_ref().map(|identity| *identity).map_err(std::io::Error::kind);
-        if !forced && *last == Some(seen) {
+        if !forced && last.found == Some(seen) {
             return Looked::Unchanged;
         }
-        *last = Some(seen);
-        let opened = found.map_err(anyhow::Error::from).and_then(|_| self.open());
+        let is_young =
+            |time| old.is_some() && !forced && seen.is_ok_and(|identity| identity.was_written_within(time));
+        if is_young(SETTLED) {
+            return Looked::OnItsWay;
+        }
+        let opened = found.map_err(anyhow::Error::from).and_then(|identity| self.open(&identity));
+        // What could not be used may be another file already than the one that was found.
+        let has_changed = || old.is_some() && Identity::of(&self.path).ok() != seen.ok();
+        if opened.is_err() && (is_young(ON_ITS_WAY) || has_changed()) {
+            return Looked::OnItsWay;
+        }
+        last.found = Some(seen);
         let mut trouble = self.trouble.write().unwrap_or_else(PoisonError::into_inner);
         match opened {
             Ok(index) => {
@@ -105,16 +167,18 @@ impl Current {
         generation
     }
 
-    /// Opens what lies at the path. The first index is served as soon as it is mapped; one that replaces another is
+    /// Opens what lies at the path. The first index is served as soon as it is open; one that replaces another is
     /// read through first, so that nothing damaged takes the place of something sound, and no request waits for the disk.
-    fn open(&self) -> anyhow::Result<Index> {
-        let index = if self.no_mmap { Index::read(&self.path)? } else { Index::open(&self.path)? };
+    fn open(&self, identity: &Identity) -> anyhow::Result<Index> {
+        let is_read = identity.length() <= self.most_read;
+        let index = if is_read { Index::read(&self.path)? } else { Index::open(&self.path)? };
         let Some(old) = self.get() else {
             return Ok(index);
         };
         if let Some(problem) = index.verify().problems.first() {
             bail!("{problem}");
         }
+        index.check_unchanged()?;
         if old.index.check_recognises().is_ok() {
             index.check_recognises().context("the index that is served can tell what pictures show")?;
         }

@@ -3,19 +3,21 @@
 use std::fs::{File, Metadata};
 use std::io::{self, Read as _};
 use std::path::Path;
+use std::time::{Duration, SystemTime};
 
 use xxhash_rust::xxh3::xxh3_64;
 
 /// As many bytes as an index's header has; it holds hashes of the rest.
 const HEADER: u64 = 64;
 
-/// Changes whenever another file is put in the place of the first, and whenever its length or its header changes.
+/// Changes whenever another file is put in the place of the first, and whenever it is written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Identity {
     device: u64,
     inode: u64,
     length: u64,
     header: u64,
+    modified: Option<SystemTime>,
 }
 
 impl Identity {
@@ -31,7 +33,20 @@ impl Identity {
         let mut header = Vec::with_capacity(HEADER as usize);
         file.take(HEADER).read_to_end(&mut header)?;
         let (device, inode) = place(&metadata);
-        Ok(Self { device, inode, length: metadata.len(), header: xxh3_64(&header) })
+        let modified = metadata.modified().ok();
+        Ok(Self { device, inode, length: metadata.len(), header: xxh3_64(&header), modified })
+    }
+
+    /// The file's length in bytes.
+    pub(super) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Whether the file was written to so lately. By a clock that is ahead of this machine's, never.
+    pub(super) fn was_written_within(&self, time: Duration) -> bool {
+        self.modified
+            .and_then(|modified| SystemTime::now().duration_since(modified).ok())
+            .is_some_and(|age| age < time)
     }
 }
 
@@ -41,7 +56,7 @@ fn place(metadata: &Metadata) -> (u64, u64) {
     (metadata.dev(), metadata.ino())
 }
 
-/// Elsewhere length and header must do.
+/// Elsewhere length, header and time must do.
 #[cfg(not(unix))]
 fn place(_: &Metadata) -> (u64, u64) {
     (0, 0)

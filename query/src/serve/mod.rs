@@ -52,7 +52,7 @@ use tokio::sync::Notify;
 use crate::quiz;
 pub(crate) use body::DESCRIBED;
 use budget::Budget;
-use current::{Current, Looked, Served};
+use current::{Current, LOST, Looked, Served};
 use gate::{Gate, Place};
 use listen::Connections;
 pub use listen::Listener;
@@ -69,8 +69,9 @@ pub use token::Token;
 pub struct Settings {
     /// The index's file.
     pub index: PathBuf,
-    /// Read it into memory instead of mapping it.
-    pub no_mmap: bool,
+    /// Where it has at most so many bytes, read it into memory instead of mapping it: it is then served on while another file
+    /// is copied over it.
+    pub most_read: u64,
     /// Requests that are worked on at a time.
     pub workers: usize,
     /// Requests that may wait besides.
@@ -98,6 +99,10 @@ pub enum Event {
     Serving(u64),
     /// The file at the index's path cannot be used; the one before is served.
     StillTheOld(String),
+    /// The file that was served has been overwritten or truncated: requests are turned away until it is whole.
+    Lost,
+    /// The file at the index's path cannot be used, and the one before is lost.
+    StillNone(String),
 }
 
 /// How the service ended.
@@ -120,7 +125,12 @@ pub struct Service {
     metrics: Metrics,
     draining: AtomicBool,
     reload: Notify,
+    /// A request has noticed that the index is lost.
+    lost: Notify,
 }
+
+/// How soon to look again where the index is lost or another is on its way.
+const SOON: Duration = Duration::from_millis(50);
 
 type Shared = Arc<Service>;
 
@@ -131,13 +141,14 @@ impl Service {
     /// A service that has not opened its index yet.
     pub fn new(settings: Settings) -> Arc<Self> {
         Arc::new(Self {
-            current: Current::new(settings.index.clone(), settings.no_mmap),
+            current: Current::new(settings.index.clone(), settings.most_read),
             budget: Arc::new(Budget::new(settings.most_bytes.saturating_mul(BODIES))),
             arriving: AtomicUsize::new(0),
             gate: Gate::new(settings.workers, settings.queue),
             metrics: Metrics::default(),
             draining: AtomicBool::new(false),
             reload: Notify::new(),
+            lost: Notify::new(),
             settings,
         })
     }
@@ -212,15 +223,26 @@ impl Service {
 
     /// Looks for another index now and then, and when it is told to.
     async fn watch(self: Arc<Self>, tell: impl Fn(Event)) {
+        let mut pause = self.settings.poll;
         loop {
             let forced = tokio::select! {
-                () = tokio::time::sleep(self.settings.poll) => false,
+                () = tokio::time::sleep(pause) => false,
+                () = self.lost.notified() => false,
                 () = self.reload.notified() => true,
             };
-            match self.look(forced).await {
+            let looked = self.look(forced).await;
+            let is_lost = self.current.is_lost();
+            pause = match looked {
+                Some(Looked::OnItsWay) => self.settings.poll.min(SOON),
+                _ if is_lost => self.settings.poll.min(SOON),
+                _ => self.settings.poll,
+            };
+            match looked {
                 Some(Looked::Replaced(generation)) => tell(Event::Serving(generation)),
+                Some(Looked::Failed(message)) if is_lost => tell(Event::StillNone(message)),
                 Some(Looked::Failed(message)) => tell(Event::StillTheOld(message)),
-                Some(Looked::Unchanged) => {}
+                Some(Looked::Lost) => tell(Event::Lost),
+                Some(Looked::Unchanged | Looked::OnItsWay) => {}
                 None => self.metrics.panicked(),
             }
         }
@@ -232,7 +254,18 @@ impl Service {
 
     /// The index to answer by.
     fn served(&self) -> Result<Arc<Served>, Problem> {
-        self.current.get().ok_or_else(|| Problem::not_ready("has not opened its index yet"))
+        let served = self.current.get().ok_or_else(|| Problem::not_ready("has not opened its index yet"))?;
+        self.check(&served)?;
+        Ok(served)
+    }
+
+    /// Whether what the index has said may be believed: asked after each answer, before it is sent.
+    fn check(&self, served: &Served) -> Result<(), Problem> {
+        if served.is_lost() {
+            self.lost.notify_one();
+            return Err(Problem::not_ready(LOST));
+        }
+        Ok(())
     }
 
     /// Requests whose bodies are under way.
@@ -350,7 +383,11 @@ async fn recognise_picture(
     let served = service.served()?;
     let worker = Arc::clone(&service);
     let most_pixels = service.settings.most_pixels;
-    let work = move || recognise::answer(&served, &worker.metrics, &input, &parameters, form, most_pixels);
+    let work = move || {
+        let answer = recognise::answer(&served, &worker.metrics, &input, &parameters, form, most_pixels);
+        worker.check(&served)?;
+        answer
+    };
     service.work(place, work).await
 }
 
@@ -406,5 +443,11 @@ async fn search_descriptors(
     service.served()?;
     let (body, place) = service.receive(request).await?;
     let served = service.served()?;
-    service.work(place, move || search::answer(&served, &body, &parameters)).await
+    let worker = Arc::clone(&service);
+    let work = move || {
+        let answer = search::answer(&served, &body, &parameters);
+        worker.check(&served)?;
+        answer
+    };
+    service.work(place, work).await
 }
