@@ -10,6 +10,8 @@ use crate::segment::Quality;
 pub struct Evidence {
     /// Of the mask, where it was found by colour.
     pub quality: Option<Quality>,
+    /// The share of the picture that the mask fills, 0..=1.
+    pub share: f64,
     /// The distance of the nearest neighbour as a share of the farthest that known hands lie at; `None` where the index does
     /// not know it.
     pub nearest: Option<f64>,
@@ -33,8 +35,10 @@ impl Evidence {
 
     pub(super) fn of(index: &Index, prepared: &Prepared, best: &Hypothesis) -> Self {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
+        let mask = &prepared.mask;
         Self {
             quality: prepared.quality,
+            share: mask.area() as f64 / mask.pixels().len().max(1) as f64,
             nearest: index.catalogue().calibration.farthest.map(|farthest| nearest / farthest),
             spread_deg: best.vote.orientation.spread_deg,
             other_hand: best.rival,

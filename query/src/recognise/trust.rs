@@ -9,7 +9,7 @@
 //! ```
 //!
 //! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures of hands before backgrounds that are
-//! hard to tell from skin (`data/trust.toml`, which names the command). A mask that was given is trusted.
+//! hard to tell from skin (`data/trust.toml`, which names the command). A mask that was given is trusted, unless it is all of the picture.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -17,6 +17,9 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use super::Evidence;
+
+/// A mask that fills more of its picture is no hand's outline: the picture was not segmented.
+pub(super) const MOST_FILLED: f64 = 0.95;
 
 /// A model of trust.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +57,9 @@ impl Trust {
 
     /// The trust in an answer, 0..=1; `None` where the mask was given. A measure that is not known counts as its mean.
     pub fn of(&self, evidence: &Evidence) -> Option<f64> {
+        if evidence.share > MOST_FILLED {
+            return Some(0.0);
+        }
         evidence.quality.as_ref()?;
         let terms = Evidence::NAMES.iter().zip(evidence.measures()).filter_map(|(name, measure)| {
             let term = self.measures.get(*name)?;
@@ -79,7 +85,13 @@ mod tests {
     use crate::segment::Quality;
 
     fn evidence(quality: Quality) -> Evidence {
-        Evidence { quality: Some(quality), nearest: Some(0.5), spread_deg: 12.0, other_hand: None }
+        Evidence {
+            quality: Some(quality),
+            share: 0.1,
+            nearest: Some(0.5),
+            spread_deg: 12.0,
+            other_hand: None,
+        }
     }
 
     const HAND: Quality = Quality { on_border: 0.0, skin_around: 0.02, raggedness: 2.5, thickness: 0.65 };
@@ -100,7 +112,9 @@ mod tests {
         assert!(hand > 0.5, "{hand}");
         let board = Quality { on_border: 0.3, skin_around: 0.4, ..HAND };
         assert!(model.of(&evidence(board)).unwrap() < 0.1);
-        assert_eq!(model.of(&Evidence { quality: None, ..evidence(HAND) }), None);
+        let given = Evidence { quality: None, ..evidence(HAND) };
+        assert_eq!(model.of(&given), None);
+        assert_eq!(model.of(&Evidence { share: 1.0, ..given }), Some(0.0));
     }
 
     #[test]

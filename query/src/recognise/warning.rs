@@ -1,6 +1,7 @@
 //! What should make a reader doubt an answer, whether or not it is one.
 
 use super::Recognition;
+use super::trust::MOST_FILLED;
 
 /// A reason for doubt. Kinds are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -63,9 +64,7 @@ pub enum Warning {
     IndexNotCalibrated,
 }
 
-/// A given mask that fills more than that is rather a picture that was not segmented.
-const FILLED: f64 = 0.95;
-/// The same of a mask found by colour; 1 of 1,000 development hands fills more.
+/// A mask found by colour that fills more than that is rather a background; 1 of 1,000 development hands fills more.
 const FILLED_BY_COLOUR: f64 = 0.5;
 /// The share of a side's length that must lie in the mask for it to touch.
 const TOUCHED: f64 = 0.05;
@@ -100,14 +99,14 @@ impl Warning {
 /// What there is to doubt about an answer. `is_calibrated`: whether the index's calibration holds for it.
 pub(super) fn of(found: &Recognition, is_calibrated: bool) -> Vec<Warning> {
     let (mask, evidence) = (&found.prepared.mask, &found.evidence);
-    let share = mask.area() as f64 / mask.pixels().len().max(1) as f64;
+    let share = evidence.share;
     let mut warnings: Vec<Warning> = Vec::new();
     let mut warn = |is_so: bool, warning: Warning| {
         if is_so {
             warnings.push(warning);
         }
     };
-    let filled = if evidence.quality.is_some() { FILLED_BY_COLOUR } else { FILLED };
+    let filled = if evidence.quality.is_some() { FILLED_BY_COLOUR } else { MOST_FILLED };
     warn(share > filled, Warning::MaskFillsFrame { share });
     // A given mask may be cropped on purpose, and an arm that was cut off at the wrist crosses the border by its nature.
     if let Some(quality) = &evidence.quality {

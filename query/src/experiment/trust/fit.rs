@@ -96,6 +96,7 @@ mod tests {
         assert!(model.measures["thickness"].weight.abs() < 0.3, "{model:?}");
         let evidence = |skin_around: f64| Evidence {
             quality: Some(Quality { on_border: 0.2, skin_around, raggedness: 1.6, thickness: 0.5 }),
+            share: 0.1,
             nearest: Some(0.5),
             spread_deg: 0.0,
             other_hand: None,
