@@ -18,7 +18,7 @@ use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
-use crate::experiment::trust::{self, Fitted};
+use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
 use crate::experiment::unknown::Unknown;
 use crate::recognise::{Accept, RecogniseOptions, Recogniser, Trust};
 
@@ -306,10 +306,7 @@ impl TrustArguments {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
         let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
-        // What is fitted here must not have been applied before.
-        let options =
-            RecogniseOptions { temper: false, accept: Accept::Always, ..RecogniseOptions::default() };
-        let recogniser = Recogniser::new(&index, options);
+        let recognisers = Recognisers::new(&index);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, super::SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
@@ -318,7 +315,7 @@ impl TrustArguments {
                 .labels
                 .par_iter()
                 .map(|label| {
-                    let found = trust::samples(&recogniser, &table.folder, label);
+                    let found = recognisers.samples(&table.folder, label);
                     bar.inc(1);
                     found.map_err(|miss| format!("line {}: {}", label.line, miss.message))
                 })
@@ -335,7 +332,9 @@ impl TrustArguments {
                 }
             }
         }
-        samples.extend(trust::empty(&recogniser, segmented));
+        let empty: Vec<_> =
+            (0..segmented / HANDS_PER_NONE).into_par_iter().map(|number| recognisers.empty(number)).collect();
+        samples.extend(empty.into_iter().flatten());
         let fitted = Fitted::new(&samples, self.least);
         if let Some(out) = &self.out {
             fitted.write(out, &self.command(), &index)?;

@@ -13,7 +13,7 @@ pub enum Doubt {
     Neighbours(#[from] grasp_index::Doubt),
     /// What was found by its colour cannot be relied on.
     #[error(
-        "pictures like this one are recognised about as well as by guessing: trust {trust:.2}, at least {least:.2} is needed (a mask can be given with --mask)"
+        "pictures like this one are recognised about as well as by guessing: trust {trust:.3}, at least {least:.3} is needed (a mask can be given with --mask)"
     )]
     Unreliable {
         /// The trust, 0..=1.

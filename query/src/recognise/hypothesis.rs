@@ -44,9 +44,8 @@ impl Hypothesis {
 
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
     fn unlikeliness(&self, tried_deg: f64) -> f64 {
-        let sum: f64 = self.neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
-        sum / self.neighbours.len().max(1) as f64 * (1.0 + TILT_PENALTY * tilt)
+        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt)
     }
 }
 
@@ -130,6 +129,11 @@ pub(super) fn best(
     best.vote.orientation.euler_deg = euler_deg(&rotation);
     best.vote.orientation.rotation = rotation;
     Ok(best)
+}
+
+fn mean_distance(neighbours: &[Neighbour]) -> f64 {
+    let sum: f64 = neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
+    sum / neighbours.len().max(1) as f64
 }
 
 #[cfg(test)]

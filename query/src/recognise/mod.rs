@@ -22,10 +22,10 @@ pub use hypothesis::Hypothesis;
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared, SourceError};
 pub use timings::Timings;
-pub use trust::{Term, Trust, logistic, temper};
+pub use trust::{Logistic, Term, Trust, logistic, temper};
 pub use warning::Warning;
 
-use crate::picture::{self, DecodeError, Picture};
+use crate::picture::{self, DecodeError};
 use crate::segment::SegmentParams;
 
 /// Rolls tried for each picture unless told otherwise: the picture as it is.
@@ -171,19 +171,6 @@ impl<'a> Recogniser<'a> {
             || Prepared::new(picture, is_jpeg, source, &self.options.segment),
         )?;
         self.recognise_prepared(prepared, timings)
-    }
-
-    /// Recognises a picture in memory, whose hand `source` finds.
-    ///
-    /// # Errors
-    /// As [`Self::recognise`].
-    pub fn recognise_picture(
-        &self,
-        picture: Picture,
-        source: &MaskSource,
-    ) -> Result<Recognition, RecogniseError> {
-        let prepared = Prepared::new(picture, false, source, &self.options.segment)?;
-        self.recognise_prepared(prepared, Timings::default())
     }
 
     /// Recognises a hand whose mask is known.

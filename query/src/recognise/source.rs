@@ -72,7 +72,7 @@ impl Prepared {
         Ok(HandImage::from_mask(width, height, &self.picture.grey(), self.mask.pixels())?)
     }
 
-    pub(super) fn new(
+    pub(crate) fn new(
         picture: Picture,
         is_jpeg: bool,
         source: &MaskSource,

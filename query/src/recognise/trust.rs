@@ -27,6 +27,16 @@ pub(super) const MOST_FILLED: f64 = 0.95;
 pub struct Trust {
     /// The trust below which the hand is unknown.
     pub least: f64,
+    /// For answers that both hands were tried for.
+    pub hand_tried: Logistic,
+    /// For answers whose hand was given.
+    pub hand_given: Logistic,
+}
+
+/// A logistic function of [`Evidence`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Logistic {
     /// The logit of the trust where every measure is at its mean.
     pub bias: f64,
     /// What each measure of [`Evidence::NAMES`] adds.
@@ -55,17 +65,25 @@ impl Trust {
         &BUILT_IN
     }
 
-    /// The trust in an answer, 0..=1; `None` where the mask was given. A measure that is not known counts as its mean.
+    /// The trust in an answer, 0..=1; `None` where the mask was given and is one.
     pub fn of(&self, evidence: &Evidence) -> Option<f64> {
         if evidence.share > MOST_FILLED {
             return Some(0.0);
         }
         evidence.quality.as_ref()?;
+        let model = if evidence.other_hand.is_some() { &self.hand_tried } else { &self.hand_given };
+        Some(model.of(evidence))
+    }
+}
+
+impl Logistic {
+    /// Its value, 0..=1. A measure that is not known counts as its mean.
+    pub fn of(&self, evidence: &Evidence) -> f64 {
         let terms = Evidence::NAMES.iter().zip(evidence.measures()).filter_map(|(name, measure)| {
             let term = self.measures.get(*name)?;
             Some(term.weight * (measure? - term.mean) / term.deviation)
         });
-        Some(logistic(self.bias + terms.sum::<f64>()))
+        logistic(self.bias + terms.sum::<f64>())
     }
 }
 
@@ -98,11 +116,12 @@ mod tests {
 
     #[test]
     fn the_built_in_model_knows_every_measure_and_no_other() {
-        let model = Trust::built_in();
         let mut names = Evidence::NAMES.to_vec();
         names.sort_unstable();
-        assert!(model.measures.keys().eq(&names), "{model:?}");
-        assert!(model.measures.values().all(|term| term.deviation > 0.0));
+        for model in [&Trust::built_in().hand_tried, &Trust::built_in().hand_given] {
+            assert!(model.measures.keys().eq(&names), "{model:?}");
+            assert!(model.measures.values().all(|term| term.deviation > 0.0));
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::recognise::{Evidence, Term, Trust, logistic};
+use crate::recognise::{Evidence, Logistic, Term, logistic};
 
 /// Rounds of expectation and maximisation: the likelihood no longer changes in its fifth digit.
 const ROUNDS: usize = 300;
@@ -21,8 +21,8 @@ pub(super) struct Example {
     pub(super) weight: f64,
 }
 
-/// The model under which the labels are likeliest. `least` is taken over.
-pub(super) fn fit(examples: &[Example], least: f64) -> Trust {
+/// The model under which the labels are likeliest.
+pub(super) fn fit(examples: &[Example]) -> Logistic {
     let terms: Vec<Term> = (0..Evidence::NAMES.len()).map(|at| term(examples, at)).collect();
     let columns = terms.len() + 1;
     let standard = DMatrix::from_fn(examples.len(), columns, |row, column| match column.checked_sub(1) {
@@ -54,8 +54,7 @@ pub(super) fn fit(examples: &[Example], least: f64) -> Trust {
     }
     let terms = terms.into_iter().zip(weights.iter().skip(1));
     let terms = terms.map(|(term, &weight)| Term { weight: rounded(weight), ..term });
-    Trust {
-        least,
+    Logistic {
         bias: rounded(weights[0]),
         measures: Evidence::NAMES.iter().map(|&name| name.to_owned()).zip(terms).collect(),
     }
@@ -91,7 +90,7 @@ mod tests {
             });
             Example { measures, labelled: if is_low { 0.9 } else { 0.02 }, unknowing: 1.0 / 6.0, weight: 1.0 }
         };
-        let model = fit(&(0..400).map(example).collect::<Vec<_>>(), 0.05);
+        let model = fit(&(0..400).map(example).collect::<Vec<_>>());
         assert!(model.measures["skin_around"].weight < -1.0, "{model:?}");
         assert!(model.measures["thickness"].weight.abs() < 0.3, "{model:?}");
         let evidence = |skin_around: f64| Evidence {
@@ -101,7 +100,7 @@ mod tests {
             spread_deg: 0.0,
             other_hand: None,
         };
-        let [sure, unsure] = [0.01, 0.36].map(|skin| model.of(&evidence(skin)).unwrap());
+        let [sure, unsure] = [0.01, 0.36].map(|skin| model.of(&evidence(skin)));
         assert!(sure > 0.8 && unsure < 0.2, "{sure} {unsure}");
     }
 }

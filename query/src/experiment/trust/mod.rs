@@ -9,21 +9,24 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use grasp_index::{Index, Reliability};
-use image::RgbaImage;
 use serde::Serialize;
 
 use super::write_file;
 use crate::evaluate::labels::{Kind, Label, OTHER, Part};
 use crate::evaluate::{Miss, labelled_hand};
-use crate::picture::{self, Picture};
-use crate::recognise::{Evidence, MaskSource, RecogniseError, Recogniser, Recognition, Trust, temper};
+use crate::picture;
+use crate::recognise::{
+    Accept, Evidence, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recogniser,
+    Recognition, Side, Timings, Trust, temper,
+};
+use crate::segment::SegmentParams;
 use draws::Draws;
 use fit::{Example, fit};
 
 /// Backgrounds that each segmented picture is put before.
 const BACKGROUNDS: usize = 3;
-/// One picture without a hand for so many segmented ones.
-const HANDS_PER_NONE: usize = 2;
+/// One background alone for so many segmented pictures: see [`Recognisers::empty`].
+pub const HANDS_PER_NONE: usize = 2;
 
 /// What a picture of the experiment is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -42,6 +45,7 @@ pub enum Scene {
 pub struct Sample {
     scene: Scene,
     part: Part,
+    hand_is_given: bool,
     example: Example,
     evidence: Evidence,
     /// The probability of the first class by the neighbours.
@@ -64,6 +68,8 @@ pub struct Fitted {
 pub struct Worth {
     /// What they show.
     pub scene: Scene,
+    /// Whether the labelled hand was given, or both were tried.
+    pub hand_is_given: bool,
     /// Whether the model was fitted to them.
     pub is_fitted: bool,
     /// How many there are.
@@ -82,61 +88,101 @@ pub struct Worth {
     pub above: [usize; 2],
 }
 
-/// What one label gives. The recogniser must not temper what it says.
-pub fn samples(recogniser: &Recogniser<'_>, folder: &Path, label: &Label) -> Result<Vec<Sample>, Miss> {
-    let part = label.part();
-    let sample = |scene, weight, found: Result<Recognition, RecogniseError>| {
-        // Where no hand was found, there is no answer to trust.
-        found.ok().map(|found| Sample::new(recogniser, scene, part, weight, &label.grasp, &found))
-    };
-    if label.kind == Kind::Camera {
-        let bytes = picture::read(&folder.join(&label.file)).map_err(RecogniseError::from);
-        let found = bytes.and_then(|bytes| recogniser.recognise(&bytes, &MaskSource::Skin));
-        return Ok(sample(Scene::Camera, 1.0, found).into_iter().collect());
+/// What recognises the pictures: it must not temper what it says.
+#[derive(Debug)]
+pub struct Recognisers<'a> {
+    tried: Recogniser<'a>,
+    /// Left and right.
+    given: [Recogniser<'a>; 2],
+}
+
+impl<'a> Recognisers<'a> {
+    /// By one index, with the hand left open and given.
+    pub fn new(index: &'a Index) -> Self {
+        let of = |hand| {
+            let options =
+                RecogniseOptions { hand, temper: false, accept: Accept::Always, ..Default::default() };
+            Recogniser::new(index, options)
+        };
+        Self { tried: of(HandChoice::Auto), given: [of(HandChoice::Left), of(HandChoice::Right)] }
     }
-    let (whole, mask) = labelled_hand(folder, label)?;
-    let Some(hand) = compose::cut_out(&whole, &mask) else { return Ok(Vec::new()) };
-    let composed = (0..BACKGROUNDS).filter_map(|number| {
-        let picture = composed(&hand, &label.file, number)?;
-        let found = recogniser.recognise_picture(picture, &MaskSource::Skin);
-        sample(Scene::Composed, 1.0 / BACKGROUNDS as f64, found)
-    });
-    Ok(composed.collect())
-}
 
-fn composed(hand: &RgbaImage, file: &str, number: usize) -> Option<Picture> {
-    compose::hand(hand, &mut Draws::of(file, number))
-}
+    /// What one label gives.
+    ///
+    /// # Errors
+    /// [`Miss`]: where its picture or its mask cannot be used.
+    pub fn samples(&self, folder: &Path, label: &Label) -> Result<Vec<Sample>, Miss> {
+        let shown = |scene, weight| Shown {
+            scene,
+            part: label.part(),
+            weight,
+            grasp: &label.grasp,
+            hand: label.hand.unwrap_or_default(),
+        };
+        let params = SegmentParams::default();
+        if label.kind == Kind::Camera {
+            let bytes = picture::read(&folder.join(&label.file)).map_err(RecogniseError::from);
+            let prepared = bytes.and_then(|bytes| Prepared::decode(&bytes, &MaskSource::Skin, &params));
+            return Ok(self.of(&shown(Scene::Camera, 1.0), prepared));
+        }
+        let (whole, mask) = labelled_hand(folder, label)?;
+        let Some(hand) = compose::cut_out(&whole, &mask) else { return Ok(Vec::new()) };
+        let shown = shown(Scene::Composed, 1.0 / BACKGROUNDS as f64);
+        let composed = (0..BACKGROUNDS).flat_map(|number| {
+            let picture = compose::hand(&hand, &mut Draws::of(&label.file, number));
+            picture.map_or_else(Vec::new, |picture| {
+                self.of(&shown, Prepared::new(picture, false, &MaskSource::Skin, &params))
+            })
+        });
+        Ok(composed.collect())
+    }
 
-/// What backgrounds alone give, so many as belong to `segmented` segmented pictures.
-pub fn empty(recogniser: &Recogniser<'_>, segmented: usize) -> Vec<Sample> {
-    let numbers = 0..segmented / HANDS_PER_NONE;
-    let found = numbers.filter_map(|number| {
-        let picture = compose::no_hand(&mut Draws::of("no hand", number))?;
-        let found = recogniser.recognise_picture(picture, &MaskSource::Skin).ok()?;
+    /// What a background alone gives: one of those that belong to so many segmented pictures.
+    pub fn empty(&self, number: usize) -> Vec<Sample> {
         let part = if number % 10 < 7 { Part::Choose } else { Part::Final };
-        Some(Sample::new(recogniser, Scene::Empty, part, 1.0, OTHER, &found))
-    });
-    found.collect()
+        let hand = if number % 2 == 0 { Side::Right } else { Side::Left };
+        let shown = Shown { scene: Scene::Empty, part, weight: 1.0, grasp: OTHER, hand };
+        let picture = compose::no_hand(&mut Draws::of("no hand", number));
+        picture.map_or_else(Vec::new, |picture| {
+            let params = SegmentParams::default();
+            self.of(&shown, Prepared::new(picture, false, &MaskSource::Skin, &params))
+        })
+    }
+
+    /// Where no hand was found, there is no answer to trust.
+    fn of(&self, shown: &Shown<'_>, prepared: Result<Prepared, RecogniseError>) -> Vec<Sample> {
+        let Ok(prepared) = prepared else { return Vec::new() };
+        let [left, right] = &self.given;
+        let given = if shown.hand == Side::Left { left } else { right };
+        let sample = |recogniser: &Recogniser<'_>, hand_is_given| {
+            let found = recogniser.recognise_prepared(prepared.clone(), Timings::default()).ok()?;
+            Some(Sample::new(shown, hand_is_given, &found))
+        };
+        [sample(&self.tried, false), sample(given, true)].into_iter().flatten().collect()
+    }
+}
+
+/// What a picture shows, and how it counts.
+struct Shown<'a> {
+    scene: Scene,
+    part: Part,
+    weight: f64,
+    grasp: &'a str,
+    hand: Side,
 }
 
 impl Sample {
-    fn new(
-        recogniser: &Recogniser<'_>,
-        scene: Scene,
-        part: Part,
-        weight: f64,
-        grasp: &str,
-        found: &Recognition,
-    ) -> Self {
+    fn new(shown: &Shown<'_>, hand_is_given: bool, found: &Recognition) -> Self {
+        let &Shown { scene, part, weight, grasp, .. } = shown;
         let classes = &found.best.vote.classes;
-        let count = recogniser.index().catalogue().classes.len();
+        let count = classes.len();
         let labelled = classes.iter().find(|class| class.name == grasp).map(|class| class.probability);
         let unknowing = if grasp == OTHER { 1.0 } else { 1.0 / count.max(1) as f64 };
         let first = classes.first();
         Self {
             scene,
             part,
+            hand_is_given,
             example: Example {
                 measures: found.evidence.measures(),
                 labelled: labelled.unwrap_or(0.0),
@@ -158,20 +204,24 @@ impl Sample {
 impl Fitted {
     /// Fits a model to the part of the samples to choose by and measures it on both.
     pub fn new(samples: &[Sample], least: f64) -> Self {
-        let fitted: Vec<Example> = samples
-            .iter()
-            .filter(|sample| sample.part == Part::Choose)
-            .map(|sample| sample.example)
-            .collect();
-        let model = fit(&fitted, least);
-        let of = |scene, part: Part| {
-            let chosen: Vec<&Sample> =
-                samples.iter().filter(|sample| sample.scene == scene && sample.part == part).collect();
-            Worth::new(scene, part == Part::Choose, &chosen, &model)
+        let [hand_tried, hand_given] = [false, true].map(|hand_is_given| {
+            let chosen = samples
+                .iter()
+                .filter(|sample| sample.part == Part::Choose && sample.hand_is_given == hand_is_given);
+            fit(&chosen.map(|sample| sample.example).collect::<Vec<_>>())
+        });
+        let model = Trust { least, hand_tried, hand_given };
+        let of = |scene, hand_is_given, part: Part| {
+            let is_meant = |sample: &&Sample| {
+                sample.scene == scene && sample.hand_is_given == hand_is_given && sample.part == part
+            };
+            let chosen: Vec<&Sample> = samples.iter().filter(is_meant).collect();
+            Worth::new((scene, hand_is_given, part == Part::Choose), &chosen, &model)
         };
         let scenes = [Scene::Camera, Scene::Composed, Scene::Empty];
+        let hands = scenes.into_iter().flat_map(|scene| [(scene, false), (scene, true)]);
         let worth =
-            scenes.into_iter().flat_map(|scene| [Part::Choose, Part::Final].map(|part| of(scene, part)));
+            hands.flat_map(|(scene, given)| [Part::Choose, Part::Final].map(|part| of(scene, given, part)));
         let worth = worth.filter(|worth| worth.n > 0).collect();
         Self { model, worth }
     }
@@ -181,30 +231,33 @@ impl Fitted {
         let mut text = String::new();
         for worth in &self.worth {
             let Worth { scene, n, right, unknown, above_before, above, .. } = worth;
-            let name = match (scene, worth.is_fitted) {
-                (Scene::Camera, true) => "camera pictures, fitted to",
-                (Scene::Camera, false) => "camera pictures, held out",
-                (Scene::Composed, true) => "composed, fitted to",
-                (Scene::Composed, false) => "composed, held out",
-                (Scene::Empty, true) => "without a hand, fitted to",
-                (Scene::Empty, false) => "without a hand, held out",
+            let scene = match scene {
+                Scene::Camera => "camera pictures",
+                Scene::Composed => "composed",
+                Scene::Empty => "without a hand",
             };
+            let hand = if worth.hand_is_given { "hand given" } else { "both hands tried" };
+            let name = format!("{scene}, {hand}, {}", if worth.is_fitted { "fitted to" } else { "held out" });
             let [before, after] = [worth.ece_before, worth.ece].map(|ece| ece.unwrap_or(0.0));
             // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
-                "{name:<28} {n:5}, {right} right, {unknown} unknown; calibration error {before:.3} -> {after:.3}; \
+                "{name:<44} {n:5}, {right} right, {unknown} unknown; calibration error {before:.3} -> {after:.3}; \
                  stated above 0.9: {} of {} right -> {} of {}",
                 above_before[1], above_before[0], above[1], above[0]
             );
         }
-        let _ = writeln!(text, "\nlogit of the trust: {:+.3}", self.model.bias);
-        for (name, term) in &self.model.measures {
-            let _ = writeln!(
-                text,
-                "  {name:<12} {:+.3} for each {:.3} above {:.3}",
-                term.weight, term.deviation, term.mean
-            );
+        for (hand, model) in
+            [("both hands tried", &self.model.hand_tried), ("hand given", &self.model.hand_given)]
+        {
+            let _ = writeln!(text, "\nlogit of the trust, {hand}: {:+.3}", model.bias);
+            for (name, term) in &model.measures {
+                let _ = writeln!(
+                    text,
+                    "  {name:<12} {:+.3} for each {:.3} above {:.3}",
+                    term.weight, term.deviation, term.mean
+                );
+            }
         }
         text
     }
@@ -225,7 +278,11 @@ impl Fitted {
 }
 
 impl Worth {
-    fn new(scene: Scene, is_fitted: bool, samples: &[&Sample], model: &Trust) -> Self {
+    fn new(
+        (scene, hand_is_given, is_fitted): (Scene, bool, bool),
+        samples: &[&Sample],
+        model: &Trust,
+    ) -> Self {
         let before = || samples.iter().map(|sample| (sample.stated, sample.is_right));
         let after = || {
             let tempered = |s: &Sample| temper(s.stated, s.trust(model), s.classes);
@@ -238,6 +295,7 @@ impl Worth {
         };
         Self {
             scene,
+            hand_is_given,
             is_fitted,
             n: samples.len(),
             right: samples.iter().filter(|sample| sample.is_right).count(),
