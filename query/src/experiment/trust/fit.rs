@@ -71,7 +71,8 @@ fn term(examples: &[Example], at: usize) -> Term {
 
 /// To four decimals: more are noise, and a file that a person reads.
 fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
+    // Adding 0 makes 0 of -0.
+    (value * 1e4).round() / 1e4 + 0.0
 }
 
 #[cfg(test)]
