@@ -84,7 +84,7 @@ mod tests {
     fn what_foretells_right_answers_is_found() {
         // Neighbours are right where the first measure is low, and wrong where it is high.
         let example = |at: usize| {
-            let is_low = at % 2 == 0;
+            let is_low = at.is_multiple_of(2);
             let measures = std::array::from_fn(|n| match n {
                 0 => Some(if is_low { 0.1 } else { 0.6 }),
                 _ => Some((at * (n + 3) % 17) as f64 / 17.0),

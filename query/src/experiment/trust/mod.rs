@@ -140,7 +140,7 @@ impl<'a> Recognisers<'a> {
     /// What a background alone gives: one of those that belong to so many segmented pictures.
     pub fn empty(&self, number: usize) -> Vec<Sample> {
         let part = if number % 10 < 7 { Part::Choose } else { Part::Final };
-        let hand = if number % 2 == 0 { Side::Right } else { Side::Left };
+        let hand = if number.is_multiple_of(2) { Side::Right } else { Side::Left };
         let shown = Shown { scene: Scene::Empty, part, weight: 1.0, grasp: OTHER, hand };
         let picture = compose::no_hand(&mut Draws::of("no hand", number));
         picture.map_or_else(Vec::new, |picture| {
