@@ -137,3 +137,143 @@ fn known_hands_are_told_from_things() {
     assert_eq!(rows, figures["curves"].as_array().unwrap().iter().map(points).sum::<usize>());
     assert!(fs::read_to_string(results.join("unknown.svg")).unwrap().starts_with("<svg"));
 }
+
+/// A wall of wooden planks in the colour of skin, which fills the frame. No hand is in it.
+fn planks() -> image::RgbImage {
+    image::RgbImage::from_fn(320, 240, |x, y| {
+        let (row, along) = (y / 60, x + y / 60 * 97);
+        if y % 60 < 5 || along % 160 < 4 {
+            return image::Rgb([70, 50, 40]);
+        }
+        let grain = (f64::from(y) * 0.35 + 3.0 * (f64::from(x) * 0.01).sin()).sin();
+        let light = 0.8 + 0.12 * f64::from((row * 7 + along / 160 * 3) % 4);
+        let value = |mean: f64, swing: f64| (light * (mean + swing * grain)).clamp(0.0, 255.0) as u8;
+        image::Rgb([value(205.0, 14.0), value(150.0, 12.0), value(118.0, 10.0)])
+    })
+}
+
+fn kinds(record: &Value) -> Vec<&str> {
+    let warnings = record["warnings"].as_array().unwrap();
+    assert!(warnings.iter().all(|warning| warning["message"].as_str().is_some_and(|text| text.len() > 20)));
+    warnings.iter().map(|warning| warning["kind"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_wooden_wall_of_the_colour_of_skin_is_warned_of_and_not_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("planks.png");
+    planks().save(&path).unwrap();
+    let recognise = |arguments: &[&str]| {
+        run(program("grasp-query")
+            .arg("recognise")
+            .arg(&path)
+            .arg("--index")
+            .arg(small_index())
+            .args(arguments))
+    };
+    let found = recognise(&["--json"]);
+    let record = &found.json_lines()[0];
+    assert!(record["probability"].as_f64().unwrap() < 0.25, "as good as a guess: {record}");
+    assert_eq!((record["grasp"].as_str(), found.status), (Some("unknown"), 1), "{record}");
+    for kind in ["segmentation_doubtful", "mask_touches_border", "picture_unlike_calibration"] {
+        assert!(kinds(record).contains(&kind), "{kind}: {record}");
+    }
+    let text = recognise(&[]).stdout;
+    assert!(text.contains("    warning: ") && text.contains("the colour of skin"), "{text}");
+
+    // Given for a segmented picture it is all hand, which no hand is.
+    let record = &recognise(&["--json", "--segmented"]).json_lines()[0];
+    assert_eq!(
+        (record["grasp"].as_str(), kinds(record)[0]),
+        (Some("unknown"), "mask_fills_frame"),
+        "{record}"
+    );
+    let sum: f64 = record["classes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|class| class["probability"].as_f64().unwrap())
+        .sum();
+    assert!((sum - 1.0).abs() < 1e-9, "{record}");
+}
+
+#[test]
+fn sample_pictures_that_are_classed_rightly_keep_their_answers() {
+    let samples = |accept: &str| -> Vec<Value> {
+        let mut command = program("grasp-query");
+        command.args(["recognise", "--json", "--accept", accept, "--index"]).arg(small_index());
+        for name in ["01-large-diameter", "02-small-diameter", "10-power-sphere", "12-precision-disc"] {
+            command.arg(pictures().join(format!("camera/{name}.jpg")));
+        }
+        run(&mut command).json_lines()
+    };
+    for (named, always) in samples("calibrated").iter().zip(samples("always")) {
+        let file = named["file"].as_str().unwrap();
+        assert!(file.contains(always["grasp"].as_str().unwrap()), "{always}");
+        assert_eq!(named["grasp"], always["grasp"], "{named}");
+        for kind in kinds(named) {
+            assert!(
+                !["segmentation_doubtful", "mask_fills_frame", "mask_touches_border"].contains(&kind),
+                "{named}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mask_that_was_given_is_trusted() {
+    let folder = tempfile::tempdir().unwrap();
+    let [picture, mask] = ["planks.png", "mask.png"].map(|name| folder.path().join(name));
+    planks().save(&picture).unwrap();
+    let is_hand = |x: u32, y: u32| x.abs_diff(160).pow(2) + 2 * y.abs_diff(120).pow(2) < 80 * 80;
+    image::GrayImage::from_fn(320, 240, |x, y| image::Luma([if is_hand(x, y) { 255 } else { 0 }]))
+        .save(&mask)
+        .unwrap();
+    let given = run(program("grasp-query")
+        .args(["recognise", "--json", "--accept", "always", "--index"])
+        .arg(small_index())
+        .arg("--mask")
+        .arg(mask)
+        .arg(picture));
+    let record = &given.json_lines()[0];
+    for kind in ["segmentation_doubtful", "mask_touches_border", "picture_unlike_calibration"] {
+        assert!(!kinds(record).contains(&kind), "{kind}: {record}");
+    }
+    assert_ne!(record["grasp"], "unknown", "{record}");
+}
+
+#[test]
+fn trust_is_fitted_to_the_same_bytes_at_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let fit = |threads: &str| {
+        let out = folder.path().join(format!("trust-{threads}.toml"));
+        let fitted = run(program("grasp-query")
+            .args(["experiment", "trust", "--json", "--threads", threads])
+            .arg(pictures().join("labels.csv"))
+            .arg("--index")
+            .arg(small_index())
+            .arg("--out")
+            .arg(&out));
+        assert_eq!(fitted.status, 0, "{}", fitted.stderr);
+        let model = fitted.json_lines().remove(0)["model"].clone();
+        (model, fs::read_to_string(out).unwrap())
+    };
+    let (model, written) = fit("1");
+    assert_eq!(model["hand_tried"]["measures"].as_object().unwrap().len(), 7, "{model}");
+    assert!(written.contains("# Made by: grasp-query experiment trust pictures/labels.csv"), "{written}");
+    assert_eq!(fit("2"), (model, written));
+}
+
+#[test]
+fn an_evaluation_counts_what_is_stated_above_nine_tenths() {
+    let evaluated = run(program("grasp-query")
+        .args(["evaluate", "--json", "--where", "kind=segmented", "--accept", "always", "--index"])
+        .arg(small_index())
+        .arg(pictures().join("labels.csv")));
+    let stated = evaluated.json_lines().remove(0)["calibration"]["stated_above"].clone();
+    let above: Vec<f64> =
+        stated.as_array().unwrap().iter().map(|above| above["probability"].as_f64().unwrap()).collect();
+    assert_eq!(above, [0.9, 0.8]);
+    let count = |at: usize, key: &str| stated[at][key].as_u64().unwrap();
+    assert!(count(0, "n") <= count(1, "n") && count(1, "right") <= count(1, "n"), "{stated}");
+}

@@ -13,7 +13,7 @@ use super::selection::Selection;
 use crate::evaluate::Outcome;
 use crate::evaluate::report::{self, Report};
 use crate::output::record::xyzw;
-use crate::recognise::Recogniser;
+use crate::recognise::{Evidence, Recogniser};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -73,7 +73,7 @@ impl Evaluate {
 
 fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Result<()> {
     let mut table = csv::Writer::from_writer(AtomicFile::create(path)?);
-    table.write_record([
+    let columns = [
         "file",
         "kind",
         "stage",
@@ -90,14 +90,16 @@ fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Re
         "iou_hand",
         "ms",
         "error",
-    ])?;
+        "trust",
+    ];
+    table.write_record(columns.into_iter().chain(Evidence::NAMES))?;
     let number = |value: Option<f64>| value.map(|value| format!("{value:.6}")).unwrap_or_default();
     for outcome in outcomes {
         let label = &outcome.label;
         let guess = outcome.result.as_ref().ok();
         let rotation = guess.map(|guess| xyzw(&guess.orientation));
         let axis = |n: usize| number(rotation.and_then(|rotation| rotation.get(n).copied()));
-        table.write_record([
+        let columns = [
             label.file.clone(),
             label.columns.get("kind").cloned().unwrap_or_default(),
             label.stage.clone(),
@@ -114,7 +116,10 @@ fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Re
             number(outcome.iou.map(|iou| iou.hand)),
             number(Some(outcome.ms)),
             outcome.result.as_ref().err().map(|miss| miss.message.clone()).unwrap_or_default(),
-        ])?;
+            number(guess.and_then(|guess| guess.trust)),
+        ];
+        let measures = guess.map(|guess| guess.evidence.measures()).unwrap_or_default().map(number);
+        table.write_record(columns.into_iter().chain(measures))?;
     }
     table.into_inner().map_err(|error| error.into_error())?.commit()?;
     Ok(())

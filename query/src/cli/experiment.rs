@@ -6,18 +6,21 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Subcommand;
 use grasp_index::Index;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Global;
 use super::index_file::{self, IndexFile};
-use super::options::{FrameArguments, RecogniseArguments};
+use super::options::{FrameArguments, RecogniseArguments, parse_share};
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
-use super::selection::{Selected, Selection};
+use super::selection::{Selected, Selection, progress_bar};
+use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
+use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
 use crate::experiment::unknown::Unknown;
-use crate::recognise::{Accept, RecogniseOptions, Recogniser};
+use crate::recognise::{Accept, RecogniseOptions, Recogniser, Trust};
 
 /// Repeat an experiment, over labelled pictures or in simulation, as tables and drawings.
 #[derive(Debug, clap::Args)]
@@ -31,6 +34,7 @@ enum Name {
     Paper(PaperArguments),
     Shapes(ShapesArguments),
     Unknown(UnknownArguments),
+    Trust(TrustArguments),
     Robustness(RobustnessArguments),
     Imitation(ImitationArguments),
     Sequence(SequenceArguments),
@@ -98,7 +102,7 @@ struct ShapesArguments {
     recognise: RecogniseArguments,
 }
 
-/// How well known hands are told from others, by the distance of the nearest entry and by the probability.
+/// How well known hands are told from others, by the distance of the nearest entry, by the probability and by the trust in the mask.
 ///
 /// Known are the pictures labelled with a class of the index, others those labelled `other` and those of --others. With --out,
 /// DIR gets unknown.csv, unknown.json and unknown.svg: the share of known hands kept over that of others, at every limit.
@@ -129,6 +133,34 @@ struct UnknownArguments {
     json: bool,
     #[command(flatten)]
     recognise: RecogniseArguments,
+}
+
+/// How far to trust an answer whose mask was found by colour: fits the model that the program holds as query/data/trust.toml.
+///
+/// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are hard to tell from skin, and such
+/// backgrounds are tried alone. The model is fitted to seven tenths of them all and measured on the rest.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-query experiment trust hands/labels.csv hands2/labels.csv
+  grasp-query experiment trust hands/labels.csv --out query/data/trust.toml
+
+LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where a table or a picture of it could not be used.")]
+struct TrustArguments {
+    /// Tables of labelled pictures, of both kinds, of hands that the index does not hold.
+    #[arg(required = true, value_name = "LABELS.csv")]
+    labels: Vec<PathBuf>,
+    #[command(flatten)]
+    index: IndexFile,
+    /// The trust below which a hand is unknown.
+    #[arg(long, value_name = "P", default_value_t = Trust::built_in().least, value_parser = parse_share)]
+    least: f64,
+    /// Write the model into this file.
+    #[arg(long, value_name = "OUT.toml")]
+    out: Option<PathBuf>,
+    /// Print the figures as one JSON record.
+    #[arg(long)]
+    json: bool,
 }
 
 /// What the frames before are worth: views of a grasp at the stages reach, close and grasp, told one by one and in this order.
@@ -168,6 +200,7 @@ impl Experiment {
             Name::Paper(paper) => paper.run(global),
             Name::Shapes(shapes) => shapes.run(global),
             Name::Unknown(unknown) => unknown.run(global),
+            Name::Trust(trust) => trust.run(global),
             Name::Robustness(robustness) => robustness.run(global),
             Name::Imitation(imitation) => imitation.run(global),
             Name::Sequence(sequence) => sequence.run(global),
@@ -241,7 +274,7 @@ impl UnknownArguments {
         let selected = self.selection.read(&classes)?;
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
         // What is told here must not have been told before.
-        let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
+        let options = RecogniseOptions { accept: Accept::Always, temper: false, ..self.recognise.options() };
         let recogniser = Recogniser::new(&index, options);
         let mut outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
         let mut broken = selected.broken.clone();
@@ -257,6 +290,64 @@ impl UnknownArguments {
         }
         print(self.json, &unknown, || unknown.text())?;
         Ok(if unknown.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+    }
+}
+
+impl TrustArguments {
+    fn run(&self, global: &Global) -> anyhow::Result<u8> {
+        if let Some(out) = &self.out {
+            let read = self.labels.iter().map(PathBuf::as_path);
+            super::refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
+        }
+        let index = self.index.open_for_pictures()?;
+        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
+        let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
+        let recognisers = Recognisers::new(&index);
+        let (mut samples, mut segmented, mut status) = (Vec::new(), 0, super::SUCCESS);
+        for table in &tables {
+            segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
+            let bar = progress_bar(table.labels.len() as u64, !global.no_progress, "pictures");
+            let found: Vec<_> = table
+                .labels
+                .par_iter()
+                .map(|label| {
+                    let found = recognisers.samples(&table.folder, label);
+                    bar.inc(1);
+                    found.map_err(|miss| format!("line {}: {}", label.line, miss.message))
+                })
+                .collect();
+            bar.finish_and_clear();
+            let broken = table.broken.iter().map(|row| Err(row.to_string()));
+            for found in found.into_iter().chain(broken) {
+                match found {
+                    Ok(found) => samples.extend(found),
+                    Err(message) => {
+                        status = super::ERROR;
+                        let _ = writeln!(io::stderr(), "{message}");
+                    }
+                }
+            }
+        }
+        let empty: Vec<_> =
+            (0..segmented / HANDS_PER_NONE).into_par_iter().map(|number| recognisers.empty(number)).collect();
+        samples.extend(empty.into_iter().flatten());
+        let fitted = Fitted::new(&samples, self.least);
+        if let Some(out) = &self.out {
+            fitted.write(out, &self.command(), &index)?;
+        }
+        print(self.json, &fitted, || fitted.text())?;
+        Ok(status)
+    }
+
+    /// The command that repeats the fit, without folders that are only here.
+    fn command(&self) -> String {
+        let last_two = |path: &PathBuf| {
+            let parts: Vec<_> = path.components().rev().take(2).collect();
+            parts.into_iter().rev().collect::<PathBuf>().display().to_string()
+        };
+        let labels: Vec<String> = self.labels.iter().map(last_two).collect();
+        format!("grasp-query experiment trust {} --least {} --out trust.toml", labels.join(" "), self.least)
     }
 }
 

@@ -21,7 +21,24 @@ pub struct CalibrationReport {
     pub log_likelihood: Option<f64>,
     /// Answers by the probability that they state; bins without answers are left out.
     pub reliability: Vec<BinReport>,
+    /// What became of answers that state a high probability. Pictures of none of the classes count as wrong, whatever they were
+    /// taken for; those that are unknown state nothing.
+    pub stated_above: Vec<StatedAbove>,
 }
+
+/// The answers that state more than a probability.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StatedAbove {
+    /// The probability.
+    pub probability: f64,
+    /// How many answers state more.
+    pub n: usize,
+    /// How many of them are right.
+    pub right: usize,
+}
+
+/// Probabilities that answers are counted above.
+const ABOVE: [f64; 2] = [0.9, 0.8];
 
 /// The answers whose probability lies in one bin.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -39,8 +56,8 @@ pub struct BinReport {
 }
 
 impl CalibrationReport {
-    /// Over labelled pictures of the index's classes.
-    pub(super) fn new(outcomes: &[&Outcome]) -> Self {
+    /// Over labelled pictures of the index's classes, and `all` pictures, those of none of them included.
+    pub(super) fn new(outcomes: &[&Outcome], all: &[&Outcome]) -> Self {
         let answers: Vec<(&Guess, &Outcome)> =
             outcomes.iter().filter_map(|outcome| Some((outcome.guess()?, *outcome))).collect();
         let likelihoods = answers.iter().map(|(guess, outcome)| {
@@ -60,10 +77,14 @@ impl CalibrationReport {
             ece: reliability.expected_error(),
             log_likelihood,
             reliability: bins.collect(),
+            stated_above: ABOVE.map(|probability| StatedAbove::new(probability, all)).into(),
         }
     }
 
     pub(super) fn write_text(&self, text: &mut String) -> std::fmt::Result {
+        for StatedAbove { probability, n, right } in &self.stated_above {
+            writeln!(text, "stated above {probability:.1}: {n}, of which {right} are right")?;
+        }
         let (Some(ece), Some(log_likelihood)) = (self.ece, self.log_likelihood) else {
             return Ok(());
         };
@@ -82,6 +103,17 @@ impl CalibrationReport {
             )?;
         }
         Ok(())
+    }
+}
+
+impl StatedAbove {
+    fn new(probability: f64, outcomes: &[&Outcome]) -> Self {
+        let states_more = |outcome: &&&Outcome| {
+            !outcome.is_unknown() && outcome.guess().is_some_and(|guess| guess.probability > probability)
+        };
+        let stated: Vec<_> = outcomes.iter().filter(states_more).collect();
+        let right = stated.iter().filter(|outcome| outcome.is_right()).count();
+        Self { probability, n: stated.len(), right }
     }
 }
 

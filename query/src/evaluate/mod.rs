@@ -12,8 +12,8 @@ use std::time::Instant;
 use grasp_index::HandImage;
 use nalgebra::UnitQuaternion;
 
-use crate::picture;
-use crate::recognise::{MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
+use crate::picture::{self, Picture};
+use crate::recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
 use crate::segment::{Mask, SegmentParams};
 use labels::{Kind, Label};
 
@@ -56,6 +56,10 @@ pub struct Guess {
     pub spread_deg: f64,
     /// The distance of the nearest entry.
     pub nearest: f64,
+    /// What picture and neighbours say about how far it can be relied on.
+    pub evidence: Evidence,
+    /// How far it is trusted, 0..=1; `None` where the mask was given.
+    pub trust: Option<f64>,
 }
 
 /// Why there is no answer.
@@ -98,6 +102,18 @@ pub fn hand_image(folder: &Path, label: &Label, labelled_masks: bool) -> Result<
     let bytes = picture::read(&resolve(folder, &label.file)).map_err(|error| miss(&error.into()))?;
     let prepared = Prepared::decode(&bytes, &source, &SegmentParams::default());
     prepared.and_then(|prepared| prepared.hand_image()).map_err(|error| miss(&error))
+}
+
+/// A labelled picture in its colours, and its hand's mask: the labelled one, or what is not black where there is none.
+///
+/// # Errors
+/// [`Miss`]: where the picture or its mask cannot be used, or no hand is found.
+pub fn labelled_hand(folder: &Path, label: &Label) -> Result<(Picture, Mask), Miss> {
+    let mask = labelled_mask(folder, label)?;
+    let source = mask.map_or(MaskSource::Segmented, MaskSource::SegmentedAnd);
+    let bytes = picture::read(&resolve(folder, &label.file)).map_err(|error| miss(&error.into()))?;
+    let prepared = Prepared::decode(&bytes, &source, &SegmentParams::default());
+    prepared.map(|prepared| (prepared.picture, prepared.mask)).map_err(|error| miss(&error))
 }
 
 fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource {
@@ -166,6 +182,8 @@ fn guess(recogniser: &Recogniser<'_>, found: &Recognition) -> Guess {
         orientation: best.vote.orientation.rotation,
         spread_deg: best.vote.orientation.spread_deg,
         nearest: best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance)),
+        evidence: found.evidence.clone(),
+        trust: found.trust,
     }
 }
 

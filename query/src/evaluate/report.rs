@@ -149,7 +149,7 @@ impl Report {
             }),
             per_group,
             per_hand: shares(&scored, |o| o.label.hand.map(|hand| hand.to_string()).unwrap_or_default()),
-            calibration: CalibrationReport::new(&scored),
+            calibration: CalibrationReport::new(&scored, &usable),
             confusion,
             orientation_error_deg: angles(scored.iter().copied()),
             orientation_error_deg_right_class: angles(scored.iter().copied().filter(|o| o.is_right())),

@@ -40,6 +40,9 @@ fn answer_text(answer: &Answer) -> String {
     if let Some(reason) = &answer.reason {
         let _ = writeln!(text, "    {reason}");
     }
+    for warning in &answer.warnings {
+        let _ = writeln!(text, "    warning: {}", warning.message);
+    }
     let others: Vec<String> = answer
         .classes
         .iter()

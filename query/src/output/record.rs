@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use super::view;
 use crate::evaluate::confusion::UNKNOWN;
-use crate::recognise::{RecogniseError, Recognition, Side, Timings};
+use crate::recognise::{RecogniseError, Recognition, Side, Timings, Warning};
 use crate::robot::Strategy;
 
 /// What is known about one input: an answer or an error.
@@ -34,6 +34,8 @@ pub struct Answer {
     pub cutkosky: Option<u8>,
     /// Why it is unknown; null where it is not.
     pub reason: Option<String>,
+    /// What should make a reader doubt the answer.
+    pub warnings: Vec<WarningRecord>,
     /// The probability of the most probable class, 0..=1.
     pub probability: f64,
     /// All classes of the index, most probable first.
@@ -109,6 +111,21 @@ pub struct ErrorRecord {
     /// Whether the input is sound but shows no hand that can be recognised (exit status 1, not 2).
     #[serde(skip)]
     pub is_rejection: bool,
+}
+
+/// A reason to doubt an answer.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct WarningRecord {
+    /// A short, stable name, such as `segmentation_doubtful`.
+    pub kind: &'static str,
+    /// What was seen and, where there is something, what to do.
+    pub message: String,
+}
+
+impl WarningRecord {
+    fn new(warning: &Warning) -> Self {
+        Self { kind: warning.kind(), message: warning.to_string() }
+    }
 }
 
 /// A class and its probability.
@@ -231,6 +248,7 @@ impl Record {
             grasp,
             cutkosky,
             reason: found.doubt.map(|doubt| doubt.to_string()),
+            warnings: found.warnings.iter().map(WarningRecord::new).collect(),
             probability,
             classes,
             hand: best.side,

@@ -1,8 +1,34 @@
 //! When neighbours make an answer, and when the hand is unknown.
 
-use grasp_index::{Calibration, Doubt, Index, Vote, VoteOptions};
+use grasp_index::{Calibration, Index, Vote, VoteOptions};
 
 use super::Hypothesis;
+use super::trust::{Trust, temper};
+
+/// Why there is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Doubt {
+    /// The neighbours make none.
+    #[error(transparent)]
+    Neighbours(#[from] grasp_index::Doubt),
+    /// What was found by its colour cannot be relied on.
+    #[error(
+        "pictures like this one are recognised about as well as by guessing: trust {trust:.3}, at least {least:.3} is needed (a mask can be given with --mask)"
+    )]
+    Unreliable {
+        /// The trust, 0..=1.
+        trust: f64,
+        /// The least that makes an answer.
+        least: f64,
+    },
+}
+
+impl Doubt {
+    /// Whether the hand is known and merely no class stands out.
+    pub(super) fn is_unsure(self) -> bool {
+        matches!(self, Self::Neighbours(grasp_index::Doubt::TooUnsure { .. }))
+    }
+}
 
 /// What is taken for an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,25 +43,48 @@ pub enum Accept {
 }
 
 impl Accept {
-    /// What speaks against the hypothesis.
-    pub(super) fn doubt(self, index: &Index, best: &Hypothesis, vote: &VoteOptions) -> Option<Doubt> {
+    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`.
+    pub(super) fn doubt(
+        self,
+        index: &Index,
+        best: &Hypothesis,
+        trust: Option<f64>,
+        vote: &VoteOptions,
+    ) -> Option<Doubt> {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
-        self.limits(index, vote).doubt(nearest, first_probability(&best.vote))
+        let far = self.limits(index, vote, trust).doubt(nearest, first_probability(&best.vote));
+        let unreliable = || {
+            let (trust, least) = (trust?, Trust::built_in().least);
+            (self == Self::Calibrated && trust < least).then_some(Doubt::Unreliable { trust, least })
+        };
+        far.map(Doubt::from).filter(|doubt| !doubt.is_unsure()).or_else(unreliable).or(far.map(Doubt::from))
     }
 
     /// What speaks against the classes' probabilities, wherever the neighbours lie.
-    pub(super) fn unsure(self, index: &Index, found: &Vote, vote: &VoteOptions) -> Option<Doubt> {
-        let limits = Calibration { farthest: None, ..self.limits(index, vote) };
-        limits.doubt(0.0, first_probability(found))
+    pub(super) fn unsure(
+        self,
+        index: &Index,
+        found: &Vote,
+        trust: Option<f64>,
+        vote: &VoteOptions,
+    ) -> Option<Doubt> {
+        let limits = Calibration { farthest: None, ..self.limits(index, vote, trust) };
+        limits.doubt(0.0, first_probability(found)).map(Doubt::from)
     }
 
-    fn limits(self, index: &Index, vote: &VoteOptions) -> Calibration {
+    fn limits(self, index: &Index, vote: &VoteOptions, trust: Option<f64>) -> Calibration {
         let calibration = index.catalogue().calibration;
+        // The limit was found for what neighbours say, and is tempered as that is.
+        let tempered = |trust| temper(calibration.least_probability, trust, index.catalogue().classes.len());
+        let least_probability = match calibration.least_probability > 0.0 {
+            true => trust.map_or(calibration.least_probability, tempered),
+            false => 0.0,
+        };
         match self {
             Self::Always => Calibration::default(),
             // The weights' shares are not what the limit was found for.
             Self::Calibrated if vote.has_own_width() => Calibration { least_probability: 0.0, ..calibration },
-            Self::Calibrated => calibration,
+            Self::Calibrated => Calibration { least_probability, ..calibration },
             Self::Within(farthest) => Calibration { farthest: Some(farthest), ..Calibration::default() },
         }
     }

@@ -1,8 +1,8 @@
 //! What else is known of a hand than its picture: frames before it, the object that it holds.
 
-use grasp_index::{Doubt, Neighbour, euler_deg};
+use grasp_index::{Neighbour, euler_deg};
 
-use super::{Recogniser, Recognition};
+use super::{Doubt, Recogniser, Recognition};
 use crate::prior;
 use crate::sequence::{Belief, Filter};
 
@@ -40,8 +40,7 @@ impl Recogniser<'_> {
                 found.best.vote.orientation = orientation;
             }
         }
-        found.doubt =
-            found.doubt.filter(|doubt| matches!(doubt, Doubt::TooFar { .. })).or(self.unsure(found));
+        found.doubt = found.doubt.filter(|doubt| !doubt.is_unsure()).or(self.unsure(found));
     }
 
     /// Makes of the answer to a frame what the frames before it and this one say together. A frame that shows an unknown hand says
@@ -50,8 +49,8 @@ impl Recogniser<'_> {
         let frame = self.belief(found);
         let fused = match found.doubt {
             // No class stands out: that is what its probabilities say already.
-            None | Some(Doubt::TooUnsure { .. }) => Some(filter.update(&frame)),
-            Some(Doubt::TooFar { .. }) => filter.skip(),
+            doubt if doubt.is_none_or(Doubt::is_unsure) => Some(filter.update(&frame)),
+            _ => filter.skip(),
         };
         let Some(fused) = fused else { return };
         rank(found, &fused.classes);
@@ -65,7 +64,7 @@ impl Recogniser<'_> {
 
     /// Whether no class stands out, wherever the neighbours lie.
     fn unsure(&self, found: &Recognition) -> Option<Doubt> {
-        self.options.accept.unsure(self.index, &found.best.vote, &self.options.vote)
+        self.options.accept.unsure(self.index, &found.best.vote, found.trust, &self.options.vote)
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Hypothesis {
     pub vote: Vote,
     /// How many hypotheses were searched for, this one included.
     pub tried: usize,
+    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None` where it was not tried.
+    pub rival: Option<f64>,
 }
 
 impl Hypothesis {
@@ -42,9 +44,8 @@ impl Hypothesis {
 
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
     fn unlikeliness(&self, tried_deg: f64) -> f64 {
-        let sum: f64 = self.neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
-        sum / self.neighbours.len().max(1) as f64 * (1.0 + TILT_PENALTY * tilt)
+        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt)
     }
 }
 
@@ -68,9 +69,10 @@ pub(super) fn best(
     timings: &mut Timings,
 ) -> Result<Hypothesis, RecogniseError> {
     let rolls = options.rolls.max(1);
+    let first = options.hand.sides().first().copied().unwrap_or_default();
     let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
     let search = SearchOptions { k, effort: options.effort };
-    let mut best: Option<(f64, Hypothesis)> = None;
+    let mut best: [Option<(f64, Hypothesis)>; 2] = [None, None];
     let mut describer = Describer::new(&index.catalogue().descriptor);
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
@@ -93,20 +95,45 @@ pub(super) fn best(
             let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
             let vote = timings.time(|t| &mut t.vote_ms, || index.vote(&found.neighbours, &options.vote));
             let Search { neighbours, cost } = found;
-            let hypothesis =
-                Hypothesis { side, roll_deg, image, descriptor, neighbours, cost, vote, tried: 0 };
+            let hypothesis = Hypothesis {
+                side,
+                roll_deg,
+                image,
+                descriptor,
+                neighbours,
+                cost,
+                vote,
+                tried: 0,
+                rival: None,
+            };
             let distance = hypothesis.unlikeliness(tried);
-            if best.as_ref().is_none_or(|(least, _)| distance < *least) {
-                best = Some((distance, hypothesis));
+            let [of_first, of_other] = &mut best;
+            let of_side = if side == first { of_first } else { of_other };
+            if of_side.as_ref().is_none_or(|(least, _)| distance < *least) {
+                *of_side = Some((distance, hypothesis));
             }
         }
     }
-    let (_, mut best) = best.ok_or(RecogniseError::NoHand)?;
+    let (mut best, rival) = match best {
+        // The first hand wins a tie.
+        [Some((a, first)), Some((b, other))] => {
+            let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
+            (best, Some(far / near.max(f64::MIN_POSITIVE) - 1.0))
+        }
+        [Some((_, only)), None] | [None, Some((_, only))] => (only, None),
+        [None, None] => return Err(RecogniseError::NoHand),
+    };
+    best.rival = rival;
     best.tried = rolls * options.hand.sides().len();
     let rotation = best.in_picture(&best.vote.orientation.rotation);
     best.vote.orientation.euler_deg = euler_deg(&rotation);
     best.vote.orientation.rotation = rotation;
     Ok(best)
+}
+
+fn mean_distance(neighbours: &[Neighbour]) -> f64 {
+    let sum: f64 = neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
+    sum / neighbours.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -2,22 +2,28 @@
 
 mod accept;
 mod belief;
+mod evidence;
 mod hypothesis;
 mod side;
 mod source;
 mod timings;
+mod trust;
+mod warning;
 
 use std::time::Instant;
 
 use grasp_index::{
-    DESCRIBED_SIDE, Doubt, Effort, HandImage, HandImageError, Index, SearchError, SearchOptions, VoteOptions,
+    DESCRIBED_SIDE, Effort, HandImage, HandImageError, Index, SearchError, SearchOptions, VoteOptions,
 };
 
-pub use accept::Accept;
+pub use accept::{Accept, Doubt};
+pub use evidence::Evidence;
 pub use hypothesis::Hypothesis;
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared, SourceError};
 pub use timings::Timings;
+pub use trust::{Logistic, Term, Trust, logistic, temper};
+pub use warning::Warning;
 
 use crate::picture::{self, DecodeError};
 use crate::segment::SegmentParams;
@@ -43,6 +49,8 @@ pub struct RecogniseOptions {
     pub vote: VoteOptions,
     /// When an answer is one.
     pub accept: Accept,
+    /// Whether probabilities are tempered by the trust in a mask that was found by colour, and a hand of too little trust is unknown.
+    pub temper: bool,
     /// The numbers of the segmentation.
     pub segment: SegmentParams,
 }
@@ -56,6 +64,7 @@ impl Default for RecogniseOptions {
             effort: SearchOptions::default().effort,
             vote: VoteOptions::default(),
             accept: Accept::default(),
+            temper: true,
             segment: SegmentParams::default(),
         }
     }
@@ -119,6 +128,12 @@ pub struct Recognition {
     pub hand_image: HandImage,
     /// The best hypothesis about hand and roll, with its neighbours and their vote.
     pub best: Hypothesis,
+    /// What picture and neighbours say about how far the answer can be relied on.
+    pub evidence: Evidence,
+    /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by it. `None` where the mask was given and is one.
+    pub trust: Option<f64>,
+    /// What should make a reader doubt the answer.
+    pub warnings: Vec<Warning>,
     /// Why the class is unknown, where it is.
     pub doubt: Option<Doubt>,
     /// How long each step took.
@@ -170,8 +185,23 @@ impl<'a> Recogniser<'a> {
         let started = Instant::now();
         let hand_image = prepared.hand_image()?.shrunk_to(DESCRIBED_SIDE);
         timings.descriptor_ms += timings::milliseconds(started);
-        let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
-        let doubt = self.options.accept.doubt(self.index, &best, &self.options.vote);
-        Ok(Recognition { prepared, hand_image, best, doubt, timings })
+        let mut best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
+        let evidence = Evidence::of(self.index, &prepared, &best);
+        // The weights' shares are not what trust was fitted with.
+        let is_calibrated = !self.options.vote.has_own_width();
+        let trust = Trust::built_in().of(&evidence).filter(|_| is_calibrated);
+        let applied = trust.filter(|_| self.options.temper);
+        let classes = best.vote.classes.len();
+        if let Some(trust) = applied {
+            for class in &mut best.vote.classes {
+                class.probability = temper(class.probability, trust, classes);
+            }
+        }
+        let doubt = self.options.accept.doubt(self.index, &best, applied, &self.options.vote);
+        let warnings = Vec::new();
+        let mut found = Recognition { prepared, hand_image, best, evidence, trust, warnings, doubt, timings };
+        let is_measured = self.index.catalogue().calibration.measured.is_some();
+        found.warnings = warning::of(&found, is_measured || !is_calibrated);
+        Ok(found)
     }
 }

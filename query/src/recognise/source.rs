@@ -5,7 +5,7 @@ use grasp_index::{BACKGROUND, HandImage, HandImageError};
 use super::RecogniseError;
 use crate::picture::{self, Picture, WORKING_SIDE};
 use crate::segment::depth::{DepthRange, mask_from_depth};
-use crate::segment::{self, Mask, MaskError, SegmentParams};
+use crate::segment::{self, Mask, MaskError, Quality, SegmentParams};
 use crate::segment::{component, median};
 
 /// What tells the hand from the rest.
@@ -50,6 +50,8 @@ pub struct Prepared {
     pub mask: Mask,
     /// The hand and its forearm, where the mask was found by colour.
     pub skin: Option<Mask>,
+    /// What speaks for and against the mask, where it was found by colour.
+    pub quality: Option<Quality>,
 }
 
 impl Prepared {
@@ -70,7 +72,7 @@ impl Prepared {
         Ok(HandImage::from_mask(width, height, &self.picture.grey(), self.mask.pixels())?)
     }
 
-    pub(super) fn new(
+    pub(crate) fn new(
         picture: Picture,
         is_jpeg: bool,
         source: &MaskSource,
@@ -81,7 +83,8 @@ impl Prepared {
             MaskSource::Skin => {
                 let picture = picture.shrunk_to(WORKING_SIDE);
                 let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
-                return Ok(Self { picture, mask: found.hand, skin: Some(found.skin) });
+                let (skin, quality) = (Some(found.skin), Some(found.quality));
+                return Ok(Self { picture, mask: found.hand, skin, quality });
             }
             MaskSource::Segmented => not_black(&picture, is_jpeg),
             MaskSource::SegmentedAnd(mask) => {
@@ -105,7 +108,7 @@ impl Prepared {
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
         let mask = found.resized(picture.width(), picture.height());
-        Ok(Self { picture, mask, skin: None })
+        Ok(Self { picture, mask, skin: None, quality: None })
     }
 }
 

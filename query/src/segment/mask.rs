@@ -66,6 +66,14 @@ impl Mask {
         self.inside.iter().map(|&inside| usize::from(inside)).sum()
     }
 
+    /// How many pixels of the picture's top, bottom, left and right side are inside.
+    pub fn on_sides(&self) -> [usize; 4] {
+        let row = |y: usize| (0..self.width).filter(|&x| self.get(x, y)).count();
+        let column = |x: usize| (0..self.height).filter(|&y| self.get(x, y)).count();
+        let (right, bottom) = (self.width.saturating_sub(1), self.height.saturating_sub(1));
+        [row(0), row(bottom), column(0), column(right)]
+    }
+
     /// What is inside both masks; pixels that `other` lacks are outside.
     pub fn and(&self, other: &Self) -> Self {
         let mut inside = self.inside.clone();

@@ -12,6 +12,7 @@ pub mod component;
 pub mod depth;
 pub mod hysteresis;
 pub mod median;
+pub mod quality;
 pub mod skin;
 pub mod wrist;
 
@@ -26,6 +27,7 @@ mod smooth;
 mod tests_support;
 
 pub use mask::{Mask, MaskError};
+pub use quality::Quality;
 
 use crate::picture::Picture;
 
@@ -73,23 +75,25 @@ pub struct Segmentation {
     pub skin: Mask,
     /// The hand: `skin` cut at the wrist.
     pub hand: Mask,
+    /// What speaks for and against `skin`.
+    pub quality: Quality,
 }
 
 /// Finds the hand in a colour picture, or `None` where nothing looks like one.
 pub fn segment(picture: &Picture, params: &SegmentParams) -> Option<Segmentation> {
     let factor = picture.shrink_factor(params.side);
     let shrunk = picture.shrunk(factor);
-    let small = find(&shrunk, component::MIN_PIXELS / (factor * factor), params)?;
+    let (small, quality) = find(&shrunk, component::MIN_PIXELS / (factor * factor), params)?;
     let mut skin = refine::enlarge(&small, &shrunk, picture, factor);
     for _ in 1..params.median_passes {
         skin = median::median3x3(&skin);
     }
     let hand = wrist::cut_forearm(&skin, &small, factor);
-    Some(Segmentation { skin, hand })
+    Some(Segmentation { skin, hand, quality })
 }
 
 /// The hand and its forearm in a small picture; a hand has at least `fewest` pixels.
-fn find(picture: &Picture, fewest: usize, params: &SegmentParams) -> Option<Mask> {
+fn find(picture: &Picture, fewest: usize, params: &SegmentParams) -> Option<(Mask, Quality)> {
     let (width, height) = (picture.width(), picture.height());
     let odds = adapt::log_odds(picture, &params.adapt);
     let mut mask = hysteresis::grow(width, height, &odds.placed, params.sure, params.likely);
@@ -101,7 +105,9 @@ fn find(picture: &Picture, fewest: usize, params: &SegmentParams) -> Option<Mask
     if published_share(picture, &hand, params.adapt.cast) < params.min_published {
         return None;
     }
-    Some(band::bridge(&component::with_companions(&hand, &odds.colour, &params.companions)))
+    let whole = band::bridge(&component::with_companions(&hand, &odds.colour, &params.companions));
+    let quality = Quality::of(&whole, &odds.colour);
+    Some((whole, quality))
 }
 
 /// Log-odds of the published model below which a colour is no skin under any light.

@@ -159,7 +159,7 @@ pub(super) mod tests {
     use super::*;
     use crate::evaluate::labels::Label;
     use crate::evaluate::{Guess, Miss};
-    use crate::recognise::Side;
+    use crate::recognise::{Evidence, Side};
     use nalgebra::{UnitQuaternion, Vector3};
 
     fn outcome(kind: Kind, stage: &str, grasp: &str, answer: Option<(&str, f64)>) -> Outcome {
@@ -182,6 +182,8 @@ pub(super) mod tests {
             hand: Side::Right,
             orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), degrees.to_radians()),
             nearest: 0.1,
+            evidence: Evidence::default(),
+            trust: None,
         };
         let result = answer.map(guess).ok_or(Miss { is_rejection: true, message: "no hand".into() });
         Outcome { label, result, ms: 1.0, iou: None }

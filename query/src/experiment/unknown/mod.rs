@@ -13,6 +13,7 @@ use super::{csv_of, write_file};
 use crate::evaluate::labels::{OTHER, RowError};
 use crate::evaluate::report::{Report, RowReport};
 use crate::evaluate::{Guess, Outcome};
+use crate::recognise::Trust;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -40,8 +41,10 @@ pub struct Unknown {
 pub struct AtLimits {
     /// The farthest distance of the nearest entry.
     pub farthest: f64,
-    /// The least probability.
+    /// The least probability, as the neighbours say it.
     pub least_probability: f64,
+    /// The least trust in a mask that was found by colour.
+    pub least_trust: f64,
     /// The share of known hands that become unknown.
     pub known_lost: f64,
     /// The same of those that are classed rightly.
@@ -53,7 +56,7 @@ pub struct AtLimits {
 /// What a measure tells, at every limit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
-    /// `nearest` or `probability`.
+    /// `nearest`, `probability` or `trust`.
     pub measure: &'static str,
     /// The area under the curve: 0.5 tells nothing, 1 tells all. Null without known hands or others.
     pub area: Option<f64>,
@@ -106,15 +109,20 @@ impl Unknown {
         let curves = vec![
             curve("nearest", &|guess| guess.nearest, 1.0),
             curve("probability", &|guess| guess.probability, -1.0),
+            curve("trust", &|guess| guess.trust.unwrap_or(1.0), -1.0),
         ];
+        let least_trust = Trust::built_in().least;
         let at_limits = limits.map(|(farthest, least_probability)| {
             let beyond = |guesses: &[&Guess]| {
-                let is_beyond =
-                    |guess: &&&Guess| guess.nearest > farthest || guess.probability < least_probability;
+                let is_beyond = |guess: &&&Guess| {
+                    guess.nearest > farthest
+                        || guess.probability < least_probability
+                        || guess.trust.is_some_and(|trust| trust < least_trust)
+                };
                 guesses.iter().filter(is_beyond).count() as f64 / guesses.len().max(1) as f64
             };
             let (known_lost, right_lost, others_told) = (beyond(&known), beyond(&right), beyond(&others));
-            AtLimits { farthest, least_probability, known_lost, right_lost, others_told }
+            AtLimits { farthest, least_probability, least_trust, known_lost, right_lost, others_told }
         });
         Self {
             labels,
@@ -149,9 +157,10 @@ impl Unknown {
         if let Some(at) = &self.at_limits {
             writeln!(
                 text,
-                "farther than {:.3} or less probable than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classed rightly",
+                "farther than {:.3}, less probable than {:.2} or less trusted than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classed rightly",
                 at.farthest,
                 at.least_probability,
+                at.least_trust,
                 100.0 * at.others_told,
                 100.0 * at.known_lost,
                 100.0 * at.right_lost

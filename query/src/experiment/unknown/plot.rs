@@ -45,6 +45,7 @@ mod tests {
         let at_limits = AtLimits {
             farthest: 0.3,
             least_probability: 0.2,
+            least_trust: 0.05,
             known_lost: 0.0,
             right_lost: 0.0,
             others_told: 0.5,

@@ -1,0 +1,63 @@
+//! What the picture and its neighbours say about how far an answer can be relied on, beside the neighbours' classes.
+
+use grasp_index::Index;
+
+use super::{Hypothesis, Prepared};
+use crate::segment::Quality;
+
+/// Evidence about one answer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// Of the mask, where it was found by colour.
+    pub quality: Option<Quality>,
+    /// The share of the picture that the mask fills, 0..=1.
+    pub share: f64,
+    /// The distance of the nearest neighbour as a share of the farthest that known hands lie at; `None` where the index does
+    /// not know it.
+    pub nearest: Option<f64>,
+    /// How far the neighbours disagree about the orientation, in degrees.
+    pub spread_deg: f64,
+    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None` where it was not tried.
+    pub other_hand: Option<f64>,
+}
+
+/// No outline is shorter than a disc's, but for the pixels that it is drawn with.
+const MIN_RAGGEDNESS: f64 = 0.5;
+/// Fingers make no outline more ragged than that: nine of ten hands on plain ground have less. Beyond it a mask is no more a hand.
+const MAX_RAGGEDNESS: f64 = 4.0;
+/// A measure is no larger than this, so that nothing is infinite.
+const MOST: f64 = 10.0;
+
+impl Evidence {
+    /// The names of [`Self::measures`].
+    pub const NAMES: [&str; 7] =
+        ["skin_around", "on_border", "raggedness", "thickness", "nearest", "spread", "other_hand"];
+
+    pub(super) fn of(index: &Index, prepared: &Prepared, best: &Hypothesis) -> Self {
+        let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
+        let mask = &prepared.mask;
+        Self {
+            quality: prepared.quality,
+            share: mask.area() as f64 / mask.pixels().len().max(1) as f64,
+            nearest: index.catalogue().calibration.farthest.map(|farthest| nearest / farthest),
+            spread_deg: best.vote.orientation.spread_deg,
+            other_hand: best.rival,
+        }
+    }
+
+    /// The measures as a model takes them: shares and the spread on scales on which equal steps mean about the same.
+    pub fn measures(&self) -> [Option<f64>; 7] {
+        let quality = self.quality.as_ref();
+        [
+            quality.map(|quality| quality.skin_around.sqrt()),
+            quality.map(|quality| quality.on_border.sqrt()),
+            quality.map(|quality| quality.raggedness.clamp(MIN_RAGGEDNESS, MAX_RAGGEDNESS).ln()),
+            quality.map(|quality| quality.thickness),
+            self.nearest,
+            // Neighbours that agree to 5 degrees and to none do so alike.
+            Some((self.spread_deg + 5.0).ln()),
+            self.other_hand.map(|farther| farther.max(0.0).sqrt()),
+        ]
+        .map(|measure| measure.map(|measure| measure.clamp(-MOST, MOST)))
+    }
+}
