@@ -105,7 +105,8 @@ impl Head {
 
 /// What speaks against the answer.
 fn notices(answer: &Answer) -> Vec<String> {
-    answer.reason.iter().map(|reason| format!("Unknown: {reason}.")).collect()
+    let unknown = answer.reason.iter().map(|reason| format!("Unknown: {reason}."));
+    unknown.chain(answer.warnings.iter().map(|warning| format!("Beware: {}.", warning.message))).collect()
 }
 
 /// A part's title and the line below that says how to read it.
