@@ -52,7 +52,10 @@ impl Findings {
     pub(super) fn new(hand: &RobotHand, object: &Object, layout: &Layout, grip: Point3<f64>) -> Self {
         let mut findings = Self::default();
         findings.look_for_object(hand, object, layout, grip);
-        findings.look_for_table(layout);
+        // A palm that is astray is beside the table as well.
+        if findings.problems.is_empty() {
+            findings.look_for_table(layout);
+        }
         findings
     }
 
