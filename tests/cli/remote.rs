@@ -248,7 +248,7 @@ fn a_robot_is_told_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let astray = folder.path().join("astray.toml");
     let text = std::fs::read_to_string(&camera).unwrap();
-    std::fs::write(&astray, format!("{text}hand = [-60.0, 20.0, 750.0]\n")).unwrap();
+    std::fs::write(&astray, format!("{text}hand = [-6.0, 2.0, 75.0]\n")).unwrap();
     let robot = ["--robot", "barrett", "--object", &object, "--camera", astray.to_str().unwrap()];
     for form in [["--json"].as_slice(), &[], &["--format", "moveit"]] {
         let told = compare(&server, &[form, &picture, &robot].concat(), b"");

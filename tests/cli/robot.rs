@@ -235,13 +235,13 @@ fn what_no_robot_should_try_is_refused_where_it_is_seen() {
     let record = &recognise(folder.path(), picture, &[&robot[..], &["--json"]].concat()).json_lines()[0];
     let approach = turned(numbers(&record["orientation"]["quaternion_xyzw"]), [0.0, 0.0, -1.0]);
     let below = camera_from_below(folder.path(), approach);
-    let millimetres = folder.path().join("millimetres.toml");
+    let centimetres = folder.path().join("centimetres.toml");
     let camera = fs::read_to_string(data("objects/camera.toml")).unwrap();
-    fs::write(&millimetres, format!("{camera}hand = [-60.0, 20.0, 750.0]\n")).unwrap();
+    fs::write(&centimetres, format!("{camera}hand = [-6.0, 2.0, 75.0]\n")).unwrap();
 
     for (camera, kind, words) in [
         (&below, "below_table", "below the surface of the table"),
-        (&millimetres, "hand_away", "m beside ball"),
+        (&centimetres, "hand_away", "m beside ball"),
     ] {
         let ask = |form: &[&str]| seen_by(camera, folder.path(), picture, &[&robot[..], form].concat());
         let json = ask(&["--json"]);
