@@ -59,7 +59,7 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
             }
             let exact = plan(scene.name).run(Error::default());
             let force = window.force_n.unwrap();
-            assert!((force - 1.0..force).contains(&exact.greatest_force_n), "{}: {exact:?}", scene.name);
+            assert!((force - exact.greatest_force_n).abs() <= 0.5, "{}: {exact:?}", scene.name);
             assert_eq!(held_tilted(&hand, scene, window.tilt_rad.unwrap()), 4, "{}", scene.name);
         }
     }
