@@ -114,9 +114,8 @@ mod tests {
         let upright = above(shape, UnitQuaternion::identity());
         assert_eq!(upright.len(), SIDES as usize);
         assert!(upright.iter().all(|[x, y]| ((x - 1.0).hypot(y - 2.0) - 0.05).abs() < 2e-6));
-        // Written with eight decimals, as in a file: all but exactly level.
-        let quaternion = nalgebra::Quaternion::new(0.70710678, 0.0, 0.70710678, 0.0);
-        let lying = above(shape, UnitQuaternion::new_normalize(quaternion));
+        // All but exactly level, as after the rounding of a file.
+        let lying = above(shape, turned(Vector3::y(), 90.000_001));
         assert_eq!(lying, [[0.85, 1.95], [1.15, 1.95], [1.15, 2.05], [0.85, 2.05]]);
         // Leaning: two half ellipses and what is between them.
         let leaning = above(shape, turned(Vector3::y(), 30.0));
