@@ -43,7 +43,7 @@ pub(super) fn outline(
         Shape::Sphere { radius } => ring(*right, *up, radius).map(|point| middle + point).collect::<Vec<_>>(),
     };
     let flat = points.iter().map(|point| [point.dot(right), point.dot(up)]).collect();
-    hull(flat).into_iter().map(|point| point.map(rounded)).collect()
+    straightened(hull(flat)).into_iter().map(|point| point.map(rounded)).collect()
 }
 
 fn ring(right: Vector3<f64>, up: Vector3<f64>, radius: f64) -> impl Iterator<Item = Vector3<f64>> {
@@ -66,7 +66,7 @@ fn chain(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut chain: Vec<[f64; 2]> = Vec::new();
     for point in points {
         while let [.., a, b] = chain[..]
-            && turn(a, b, point) < FLAT
+            && turn(a, b, point) <= 0.0
         {
             chain.pop();
         }
@@ -74,6 +74,23 @@ fn chain(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     }
     chain.pop();
     chain
+}
+
+/// Without the corners of a convex outline that rounding has made: of those that all but coincide one stays. While the hull is sought
+/// nothing may be left out so, as a point beside an edge need not lie between its ends.
+fn straightened(mut outline: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let mut at = 0;
+    while let Some(&corner) = outline.get(at).filter(|_| outline.len() > 3) {
+        let before = at.checked_sub(1).and_then(|before| outline.get(before)).or(outline.last());
+        let after = outline.get(at + 1).or(outline.first());
+        match before.zip(after) {
+            Some((before, after)) if turn(*before, corner, *after) < FLAT => {
+                outline.remove(at);
+            }
+            _ => at += 1,
+        }
+    }
+    outline
 }
 
 /// The doubled area of a triangle, positive where it turns left.
