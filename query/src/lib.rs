@@ -12,6 +12,7 @@ pub mod client;
 pub mod evaluate;
 pub mod experiment;
 pub mod explain;
+mod lettering;
 pub mod output;
 pub mod picture;
 pub mod prior;

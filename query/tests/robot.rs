@@ -1,7 +1,9 @@
 //! From a recognised hand to what a robot does: geometry, warnings, the two hands, bad input.
 
 use grasp_query::recognise::Side;
-use grasp_query::robot::{Arm, Camera, Hindrance, Object, RobotError, RobotHand, Seen, Strategy, moveit};
+use grasp_query::robot::{
+    Arm, Camera, Hindrance, Object, ProblemKind, RobotError, RobotHand, Seen, Shape, Step, Strategy, moveit,
+};
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -179,13 +181,78 @@ fn a_thin_thing_is_tolerated_less_than_a_thick_one() {
     insta::assert_snapshot!(strategy.warnings.join("\n"), @"the hand's orientation is known to +-8 degrees, the grasp tolerates a tilt of +-7: take it as a first guess and correct it by touch");
 }
 
+fn kinds(strategy: &Strategy) -> Vec<ProblemKind> {
+    assert_eq!(strategy.feasible, strategy.problems.is_empty());
+    // Who reads warnings alone reads of every problem, and who reads both reads nothing twice.
+    let messages = strategy.problems.iter().map(|problem| &problem.message);
+    assert!(strategy.warnings.iter().zip(messages.clone()).all(|(warning, message)| warning == message));
+    assert!(strategy.doubts().iter().all(|doubt| messages.clone().all(|message| message != doubt)));
+    strategy.problems.iter().map(|problem| problem.kind).collect()
+}
+
+#[test]
+fn what_cannot_be_right_is_a_problem() {
+    let of = |grasp: &str, turned: UnitQuaternion<f64>, object: &Object, camera: &Camera| {
+        Strategy::new(&hand("barrett"), &seen(grasp, turned, camera), object, camera).unwrap()
+    };
+    let camera = camera();
+    let sound = of("large-diameter", upright(), &bottle(), &camera);
+    assert_eq!(kinds(&sound), []);
+    // Within +-30 mm at a standard deviation of 10 mm, and a tilt of +-15 degrees at one of 8.
+    assert!((sound.quality.unwrap() - 0.9973 * 0.9973 * 0.938).abs() < 2e-3, "{:?}", sound.quality);
+
+    // From below, through the table.
+    let below = of("large-diameter", UnitQuaternion::new(Vector3::x() * 3.0), &bottle(), &camera);
+    assert_eq!((kinds(&below), below.quality), (vec![ProblemKind::BelowTable], Some(0.0)));
+    // From the side to something that lies: the fingers close across its axis, one of them under it.
+    let lying = BOTTLE.replace("[0.50, 0.0, 0.08]", "[0.50, 0.0, 0.035]");
+    let lying = lying.replace("[0.0, 0.0, 0.0, 1.0]", "[0.70710678, 0.0, 0.0, 0.70710678]");
+    let lying = Object::parse("lying.toml", &lying).unwrap();
+    let flat = Matrix3::from_columns(&[-Vector3::z(), -Vector3::y(), -Vector3::x()]);
+    let flat = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&flat));
+    let sideways = of("large-diameter", flat, &lying, &camera);
+    assert_eq!(kinds(&sideways), [ProblemKind::BelowTable]);
+    // Millimetres where metres are asked for.
+    let mut astray = camera.clone();
+    astray.hand = Some(Point3::new(-60.0, 20.0, 750.0));
+    let astray = of("large-diameter", upright(), &bottle(), &astray);
+    assert_eq!(kinds(&astray), [ProblemKind::HandAway]);
+    let said = [&below, &sideways, &astray].map(|strategy| strategy.warnings.join("\n"));
+    insta::assert_snapshot!(said.join("\n\n"));
+    // A hand of one's own without a description of its fingers.
+    let text = include_str!("../data/robots/parallel-gripper.toml");
+    let bare: Vec<&str> = text.split("[[finger]]").collect();
+    let bare = format!("{}[map]{}", bare[0], bare[2].split("[map]").nth(1).unwrap());
+    let bare = RobotHand::parse("own.toml", &bare).unwrap();
+    let strategy = Strategy::new(&bare, &seen("pinch", upright(), &camera), &bottle(), &camera).unwrap();
+    assert!(strategy.feasible && strategy.layout.fingers.is_empty());
+}
+
+#[test]
+fn the_force_that_was_simulated_is_said_beside_the_one_that_is_described() {
+    let camera = camera();
+    let seen = seen("large-diameter", upright(), &camera);
+    let grasp = |name: &str| {
+        let strategy = Strategy::new(&hand(name), &seen, &bottle(), &camera).unwrap();
+        let step = strategy.steps.into_iter().find_map(|step| match step {
+            Step::Grasp { max_contact_force, simulated_force, .. } => {
+                Some((max_contact_force, simulated_force))
+            }
+            _ => None,
+        });
+        step.unwrap()
+    };
+    assert_eq!(grasp("barrett"), (20.0, Some(110.0)));
+    assert_eq!(grasp("parallel-gripper"), (40.0, None));
+}
+
 #[test]
 fn moveit_gets_the_wrist_in_the_world() {
     let camera = camera();
     let strategy =
         Strategy::new(&hand("parallel-gripper"), &seen("pinch", upright(), &camera), &bottle(), &camera)
             .unwrap();
-    insta::assert_snapshot!(moveit::yaml(&strategy, "cup.jpg", 0.75));
+    insta::assert_snapshot!(moveit::yaml(&strategy, "cup.jpg"));
 }
 
 #[test]
@@ -228,6 +295,90 @@ proptest! {
         let palm = isometry(&strategy.palm);
         prop_assert!((palm.translation.vector + 0.04 * (palm * Vector3::z())).norm() < 1e-9);
         prop_assert!((Vector3::from(strategy.approach_vector.vector) - palm * Vector3::z()).norm() < 1e-9);
+    }
+}
+
+/// A box, a cylinder or a ball.
+fn shapes() -> [(&'static str, Shape); 3] {
+    [
+        ("shape = 'box'\nsize = [0.16, 0.06, 0.10]", Shape::Box { size: [0.16, 0.06, 0.10] }),
+        (
+            "shape = 'cylinder'\nradius = 0.035\nheight = 0.16",
+            Shape::Cylinder { radius: 0.035, height: 0.16 },
+        ),
+        ("shape = 'sphere'\nradius = 0.04", Shape::Sphere { radius: 0.04 }),
+    ]
+}
+
+proptest! {
+    /// However object and hand are turned: what is drawn is where the strategy's own numbers say that it is.
+    #[test]
+    fn a_drawing_shows_what_the_strategy_says(
+        which in 0..3_usize,
+        object_turn in prop::array::uniform3(-3.1f64..3.1),
+        hand_turn in prop::array::uniform3(-3.1f64..3.1),
+        far in -0.1f64..0.1,
+    ) {
+        let (description, shape) = shapes()[which];
+        let [a, b, c] = object_turn;
+        let world_from_object = Isometry3::from_parts(
+            Vector3::new(0.5, -0.2, 0.6).into(), UnitQuaternion::from_euler_angles(a, b, c));
+        let q = world_from_object.rotation.coords;
+        let text = format!(
+            "{description}\nposition = [0.5, -0.2, 0.6]\nquaternion_xyzw = [{}, {}, {}, {}]", q.x, q.y, q.z, q.w);
+        let object = Object::parse("turned.toml", &text).unwrap();
+        let [a, b, c] = hand_turn;
+        let mut camera = camera();
+        let world_from_hand = UnitQuaternion::from_euler_angles(a, b, c);
+        // Held beside its middle.
+        let grip = world_from_object * Point3::new(far, 0.02, -0.01);
+        let wrist = grip - world_from_hand * Vector3::new(0.089, 0.013, -0.059);
+        camera.hand = Some(camera.world_from_camera.inverse() * wrist);
+        let barrett = hand("barrett");
+        let strategy =
+            Strategy::new(&barrett, &seen("large-diameter", world_from_hand, &camera), &object, &camera).unwrap();
+        let layout = &strategy.layout;
+
+        let is_near = |one: &Isometry3<f64>, other: &Isometry3<f64>| {
+            (one.translation.vector - other.translation.vector).norm() < 1e-6
+                && one.rotation.angle_to(&other.rotation) < 1e-5
+        };
+        prop_assert!(is_near(&isometry(&layout.object.pose), &world_from_object));
+        let palm = isometry(&strategy.palm_in_world);
+        prop_assert!(is_near(&(world_from_object * isometry(&strategy.palm)), &palm));
+        let Some((from, distance)) = strategy.steps.iter().find_map(|step| match step {
+            Step::Approach { from, distance, .. } => Some((from, *distance)),
+            _ => None,
+        }) else { panic!("no approach") };
+        let start = world_from_object * isometry(from) * Isometry3::translation(0.0, 0.0, 0.08);
+        prop_assert!(is_near(&isometry(&layout.palm_at_start), &start));
+        prop_assert!(((start.translation.vector - palm.translation.vector).norm() - distance).abs() < 1e-6);
+        let lifted = isometry(&layout.palm_lifted).translation.vector - palm.translation.vector;
+        prop_assert!(close(lifted, Vector3::new(0.0, 0.0, 0.15)));
+
+        for view in &layout.views {
+            let [right, up] = [view.right, view.up].map(Vector3::from);
+            prop_assert!(right.z.abs() < 1e-6 && right.dot(&up).abs() < 1e-5);
+            let flat = |point: Vector3<f64>| [point.dot(&right), point.dot(&up)];
+            let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            prop_assert!(far(view.approach[0], flat(start.translation.vector)) < 5e-6);
+            prop_assert!(far(view.approach[1], flat(palm.translation.vector)) < 5e-6);
+            // In every direction of the drawing the outline reaches as far as the shape does, but for a circle's corners.
+            for angle in 0..24 {
+                let (sin, cos) = f64::from(15 * angle).to_radians().sin_cos();
+                let direction = right * cos + up * sin;
+                let expected = world_from_object.translation.vector.dot(&direction)
+                    + shape.reach(&world_from_object.inverse_transform_vector(&direction));
+                let reach = view.object.iter().map(|[x, y]| x * cos + y * sin).fold(f64::MIN, f64::max);
+                prop_assert!((expected - reach).abs() < 2.5e-4, "{} {expected} {reach}", view.name);
+            }
+            for (drawn, points) in view.fingers.iter().zip(&layout.fingers) {
+                prop_assert_eq!(drawn.len(), 3);
+                prop_assert!(drawn.iter().zip(points).all(|(at, point)| far(*at, flat((*point).into())) < 5e-6));
+            }
+            prop_assert!(view.palm.len() > 3 && view.palm.iter().all(|at| far(*at, view.approach[1]) < 0.1));
+        }
+        prop_assert_eq!(layout.fingers.len(), 3);
     }
 }
 
@@ -300,12 +451,13 @@ fn an_arm_says_where_it_cannot_go_on() {
         ("approach", 0.0, Hindrance::OutOfReach)
     );
     assert!(away.warnings.iter().any(|warning| warning.starts_with("unreachable: kuka-kr6-r700")));
+    assert_eq!(kinds(&away), [ProblemKind::Unreachable]);
     assert!(!away.arm.as_ref().unwrap().reachable && away.arm.as_ref().unwrap().waypoints.is_empty());
     let behind = carried(&standing("[-0.35, 0.0, 0.0]"));
     assert!(why(&behind).distance > 0.0 && why(&behind).why == Hindrance::OutOfReach, "{:?}", why(&behind));
     let stiff = ARM.replace("[-3.3161, 0.7853]", "[-3.3161, -3.0]");
     assert_eq!(why(&carried(&stiff)).why, Hindrance::JointLimit);
-    assert!(moveit::yaml(&away, "a", 0.5).contains("# warning: unreachable"));
+    assert!(moveit::yaml(&away, "a").contains("# warning: unreachable"));
 }
 
 #[test]

@@ -57,6 +57,9 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
                 let outcome = plan(scene.name).run(error);
                 assert!(outcome.success, "{}, {error:?}: {outcome:?}", scene.name);
             }
+            let exact = plan(scene.name).run(Error::default());
+            let force = window.force_n.unwrap();
+            assert!((force - exact.greatest_force_n).abs() <= 0.5, "{}: {exact:?}", scene.name);
             assert_eq!(held_tilted(&hand, scene, window.tilt_rad.unwrap()), 4, "{}", scene.name);
         }
     }

@@ -323,3 +323,75 @@ fn the_camera_takes_a_picture_and_the_robot_is_shown_what_to_do() {
     keep(&mut browser, "page-robot.png");
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 }
+
+/// A box that is turned by 30 degrees about the vertical.
+const TURNED_BOX: &str = "name = 'box'\\nshape = 'box'\\nsize = [0.16, 0.06, 0.10]\\nposition = [0.5, 0.1, 0.05]\\nquaternion_xyzw = [0, 0, 0.25881905, 0.96592583]\\ntable = 0\\n";
+
+/// The points of a drawn area or way: x to the right, y up, in pixels.
+fn points(browser: &mut Browser, selector: &str) -> Vec<[f64; 2]> {
+    let list = browser.evaluate(&format!("document.querySelector('{selector}').getAttribute('points')"));
+    let pair = |pair: &str| {
+        let (x, y) = pair.split_once(',').unwrap();
+        [x.parse().unwrap(), -y.parse::<f64>().unwrap()]
+    };
+    list.as_str().unwrap_or_else(|| panic!("{selector} is not drawn")).split(' ').map(pair).collect()
+}
+
+#[test]
+fn a_turned_box_and_the_palm_are_drawn_where_they_are() {
+    let Some((service, mut browser)) = start() else { return };
+    browser.look_like(1200, 900, "light");
+    browser.open(&format!("http://{}/", service.address()));
+    browser.evaluate("document.getElementById('robot-choice').open = true");
+    browser.wait_for("document.getElementById('object').value.includes('radius') && document.getElementById('camera-pose').value.includes('position')");
+    browser.evaluate(&format!("document.getElementById('object').value = \"{TURNED_BOX}\""));
+    browser.evaluate(
+        "document.getElementById('robot').value = 'barrett'; document.getElementById('side').value = 'right'",
+    );
+    browser.drop_file("#drop", &pictures().join("camera/01-large-diameter.jpg"));
+    browser.wait_for("document.querySelectorAll('#strategy-picture .thing').length === 2");
+    let record = browser.evaluate("JSON.parse(document.getElementById('record').textContent)");
+    let strategy = &record["strategy"];
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+
+    // From above: a rectangle of the box's sides, turned in the world as the box is.
+    let above = points(&mut browser, "#strategy-picture svg:nth-of-type(2) .thing");
+    assert_eq!(above.len(), 4, "{above:?}");
+    let sides: Vec<[f64; 2]> =
+        (0..4).map(|at| [0, 1].map(|axis| above[(at + 1) % 4][axis] - above[at][axis])).collect();
+    let long = sides.iter().max_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1]))).unwrap();
+    let scale = long[0].hypot(long[1]) / 0.16;
+    let shortest = sides.iter().map(|[x, y]| x.hypot(*y)).fold(f64::MAX, f64::min);
+    assert!((shortest - 0.06 * scale).abs() < 0.1, "{sides:?}");
+    let right = &strategy["layout"]["views"][1]["right"];
+    let turn = number(&right[1]).atan2(number(&right[0]));
+    let off = (long[1].atan2(long[0]) + turn - 30f64.to_radians()).rem_euclid(std::f64::consts::PI);
+    assert!(off < 0.01 || off > std::f64::consts::PI - 0.01, "{off} rad off in {above:?}");
+
+    // The way ends in the palm, which is beside the box's middle as its pose in the world says.
+    let way = points(&mut browser, "#strategy-picture svg:nth-of-type(2) .way");
+    let middle = [0, 1].map(|axis| above.iter().map(|point| point[axis]).sum::<f64>() / 4.0);
+    let drawn = [0, 1].map(|axis| (way[1][axis] - middle[axis]) / scale);
+    let palm = &strategy["palm_in_world"]["position"];
+    let (sin, cos) = turn.sin_cos();
+    let in_world = [drawn[0] * cos - drawn[1] * sin + 0.5, drawn[0] * sin + drawn[1] * cos + 0.1];
+    for (axis, found) in in_world.iter().enumerate() {
+        assert!((found - number(&palm[axis])).abs() < 1e-3, "{in_world:?}, {palm}");
+    }
+    // From the side: it stands on the table, and the palm is as high as it is.
+    let side = points(&mut browser, "#strategy-picture svg:nth-of-type(1) .thing");
+    let table = "Number(document.querySelector('#strategy-picture .table').getAttribute('y'))";
+    let table = -number(&browser.evaluate(table));
+    let lowest = side.iter().map(|[_, y]| *y).fold(f64::MAX, f64::min);
+    let way = points(&mut browser, "#strategy-picture svg:nth-of-type(1) .way");
+    assert!((lowest - table).abs() < 0.1, "{side:?}, the table at {table}");
+    assert!(((way[1][1] - table) / scale - number(&palm[2])).abs() < 1e-3, "{way:?}, {palm}");
+    // What is pressed with is what was simulated, or is said not to be known.
+    let steps = browser.evaluate("document.getElementById('steps').innerText");
+    let steps = steps.as_str().unwrap();
+    assert!(steps.contains("one link pressed with up to") || steps.contains("not simulated"), "{steps}");
+    assert!(!steps.contains("at most 20 N"), "{steps}");
+    browser.evaluate("document.getElementById('strategy').scrollIntoView()");
+    keep(&mut browser, "page-robot-box.png");
+    assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
+}

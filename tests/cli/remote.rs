@@ -244,6 +244,16 @@ fn a_robot_is_told_the_same() {
             compare(&server, &[form, &picture, &robot].concat(), b"");
         }
     }
+    // What no robot should try is refused by both in the same words.
+    let folder = tempfile::tempdir().unwrap();
+    let astray = folder.path().join("astray.toml");
+    let text = std::fs::read_to_string(&camera).unwrap();
+    std::fs::write(&astray, format!("{text}hand = [-6.0, 2.0, 75.0]\n")).unwrap();
+    let robot = ["--robot", "barrett", "--object", &object, "--camera", astray.to_str().unwrap()];
+    for form in [["--json"].as_slice(), &[], &["--format", "moveit"]] {
+        let told = compare(&server, &[form, &picture, &robot].concat(), b"");
+        assert_eq!((told.status, told.stdout.is_empty()), (1, form.len() == 2), "{}", told.stderr);
+    }
     let arm = path("arms/kuka-kr6-r700.toml");
     for arm in ["kuka-kr6-r700", &arm, "elephant"] {
         let robot = ["--robot", "barrett", "--object", &object, "--camera", &camera, "--arm", arm];

@@ -23,12 +23,16 @@ fn ball() -> tempfile::TempDir {
 }
 
 fn recognise(folder: &Path, picture: &str, arguments: &[&str]) -> Outcome {
+    seen_by(&data("objects/camera.toml"), folder, picture, arguments)
+}
+
+fn seen_by(camera: &Path, folder: &Path, picture: &str, arguments: &[&str]) -> Outcome {
     run(program("grasp-query")
         .args(["recognise", "--segmented", "--hand", "right", "--accept", "always", "--index"])
         .arg(small_index())
         .arg(pictures().join("segmented").join(picture))
         .arg("--camera")
-        .arg(data("objects/camera.toml"))
+        .arg(camera)
         .args(arguments)
         .current_dir(folder))
 }
@@ -112,6 +116,7 @@ fn a_person_reads_what_the_hand_does() {
     let palm =
         format!("barrett: wrap on ball (60 mm between the fingers), palm at {x:.0}, {y:.0}, {z:.0} mm");
     assert!(text.stdout.contains(&palm), "{}", text.stdout);
+    assert_eq!(strategy["problems"], serde_json::json!([]));
     for warning in strategy["warnings"].as_array().unwrap() {
         assert!(text.stdout.contains(&format!("warning: {}", warning.as_str().unwrap())), "{}", text.stdout);
     }
@@ -169,7 +174,15 @@ fn moveit_reads_the_same_strategy_as_a_message() {
         ];
         assert_eq!(top.collect::<Vec<_>>(), grasp, "the fields of moveit_msgs/Grasp");
         assert_eq!(value("id"), record["file"]);
-        assert_eq!(value("grasp_quality"), record["probability"]);
+        // How sure the grasp is, and not how sure the human's class is.
+        assert_eq!(strategy["feasible"], true);
+        let quality = strategy["quality"].as_f64().unwrap_or_default();
+        assert!((value("grasp_quality").as_f64().unwrap() - quality).abs() < 1e-6, "{document}");
+        for warning in strategy["warnings"].as_array().unwrap() {
+            let name = record["file"].as_str().unwrap();
+            let line = format!("{name}: warning: {}\n", warning.as_str().unwrap());
+            assert_eq!(messages.stderr.matches(&line).count(), 1, "{}", messages.stderr);
+        }
         assert_eq!(value("grasp_pose.header.frame_id"), "world");
         let parts = |of: &str, names: &[&str]| -> Vec<f64> {
             names.iter().map(|name| value(&format!("{of}.{name}")).as_f64().unwrap()).collect()
@@ -195,6 +208,65 @@ fn moveit_reads_the_same_strategy_as_a_message() {
         assert_eq!(parts("post_grasp_retreat.direction.vector", &["x", "y", "z"]), [0.0, 0.0, 1.0]);
         assert_eq!(value("allowed_touch_objects"), serde_json::json!(["ball"]));
     }
+}
+
+/// A camera that sees the hand come along the world's z, where it sees it come along `approach` in its own frame.
+fn camera_from_below(folder: &Path, approach: [f64; 3]) -> PathBuf {
+    let axis = cross(approach, [0.0, 0.0, 1.0]);
+    let quaternion = [axis[0], axis[1], axis[2], 1.0 + approach[2]];
+    let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let path = folder.join("below.toml");
+    let quaternion = quaternion.map(|part| part / length);
+    fs::write(
+        &path,
+        format!("position = [0, 0, 0]\nquaternion_xyzw = {quaternion:?}\nposition_spread = 0.01\n"),
+    )
+    .unwrap();
+    path
+}
+
+#[test]
+fn what_no_robot_should_try_is_refused_where_it_is_seen() {
+    let folder = ball();
+    // The table is well below the ball, and the hand comes through it.
+    fs::write(folder.path().join("standing.toml"), format!("{BALL}table = 0.42\n")).unwrap();
+    let picture = "10-power-sphere.png";
+    let robot = ["--robot", "barrett", "--object", "standing.toml"];
+    let record = &recognise(folder.path(), picture, &[&robot[..], &["--json"]].concat()).json_lines()[0];
+    let approach = turned(numbers(&record["orientation"]["quaternion_xyzw"]), [0.0, 0.0, -1.0]);
+    let below = camera_from_below(folder.path(), approach);
+    let centimetres = folder.path().join("centimetres.toml");
+    let camera = fs::read_to_string(data("objects/camera.toml")).unwrap();
+    fs::write(&centimetres, format!("{camera}hand = [-6.0, 2.0, 75.0]\n")).unwrap();
+
+    for (camera, kind, words) in [
+        (&below, "below_table", "below the surface of the table"),
+        (&centimetres, "hand_away", "m beside ball"),
+    ] {
+        let ask = |form: &[&str]| seen_by(camera, folder.path(), picture, &[&robot[..], form].concat());
+        let json = ask(&["--json"]);
+        let strategy = &json.json_lines()[0]["strategy"];
+        assert_eq!((json.status, &strategy["feasible"]), (1, &Value::Bool(false)), "{strategy}");
+        assert_eq!((&strategy["problems"][0]["kind"], &strategy["quality"]), (&kind.into(), &0.0.into()));
+        let message = strategy["problems"][0]["message"].as_str().unwrap();
+        assert!(message.contains(words), "{message}");
+        let text = ask(&[]);
+        assert_eq!(text.status, 1);
+        assert_eq!(text.stdout.matches(message).count(), 1, "{}", text.stdout);
+        assert!(text.stdout.contains(&format!("not feasible: {message}")), "{}", text.stdout);
+        // A message would be carried out by whoever reads it: there is none.
+        let moveit = ask(&["--format", "moveit"]);
+        assert_eq!((moveit.status, moveit.stdout.as_str()), (1, ""));
+        assert!(moveit.stderr.contains(message), "{}", moveit.stderr);
+    }
+    // An arm that stands 3 m away.
+    let arm = fs::read_to_string(data("arms/kuka-kr6-r700.toml")).unwrap();
+    fs::write(folder.path().join("far.toml"), arm.replacen("[-0.15, 0.0, 0.0]", "[-3.0, 0.0, 0.0]", 1))
+        .unwrap();
+    let ball = ["--robot", "barrett", "--object", "ball.toml", "--arm", "far.toml"];
+    let far = recognise(folder.path(), picture, &[&ball[..], &["--format", "moveit"]].concat());
+    assert_eq!((far.status, far.stdout.as_str()), (1, ""));
+    assert!(far.stderr.contains("unreachable: kuka-kr6-r700"), "{}", far.stderr);
 }
 
 #[test]

@@ -682,3 +682,31 @@ fn without_a_sound_index_it_does_not_start() {
         run(program("grasp-query").args(["serve", "--listen", "127.0.0.1:0", "--index"]).arg(&broken));
     assert!(refused.status == 2 && refused.stderr.contains("truncated"), "{}", refused.stderr);
 }
+
+#[test]
+fn a_strategy_that_nobody_should_try_is_no_message() {
+    let service = serve(&[]);
+    let picture = sample("segmented/10-power-sphere.png");
+    let data = workspace().join("query/data/objects");
+    let [object, camera] =
+        ["bottle.toml", "camera.toml"].map(|name| std::fs::read_to_string(data.join(name)).unwrap());
+    let astray = format!("{camera}hand = [-6.0, 2.0, 75.0]\n");
+    let path = "/v1/strategy?robot=barrett&segmented=true&hand=right&accept=always";
+    let ask = |camera: &str, accept: &str| {
+        let parts =
+            [("picture", picture.as_slice()), ("object", object.as_bytes()), ("camera", camera.as_bytes())];
+        let (kind, body) = form(&parts);
+        service.send(&request("POST", path, &format!("{kind}Accept: {accept}\r\n"), &body))
+    };
+    let record = ask(&astray, "application/json");
+    let strategy = &record.json()["strategy"];
+    assert_eq!((record.status, record.header("grasp-status")), (200, Some("1")));
+    assert_eq!(
+        (&strategy["feasible"], &strategy["problems"][0]["kind"]),
+        (&false.into(), &"hand_away".into())
+    );
+    let message = ask(&astray, "application/yaml");
+    assert_eq!((message.status, message.header("grasp-status")), (422, Some("1")), "{}", message.text());
+    assert!(message.text().contains("not feasible: the hand held something 7"), "{}", message.text());
+    assert!(!message.text().contains("grasp_pose"));
+}

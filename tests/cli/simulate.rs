@@ -46,7 +46,21 @@ fn a_strip_of_frames_shows_the_trial() {
     let first = film("a.png");
     assert_eq!(film("b.png"), first, "a trial repeats to the bit, and so do its pictures");
     let strip = image::load_from_memory(&first.1).unwrap().to_rgb8();
-    assert_eq!(strip.dimensions(), (1500, 300));
+    assert_eq!(strip.dimensions(), (1500, 326));
+    // A caption below each frame, and none in it.
+    for frame in 0..5 {
+        let band =
+            |x: u32, y: u32| strip.get_pixel(300 * frame + x, 300 + y).0.iter().all(|value| *value < 90);
+        let ink = (0..26).flat_map(|y| (0..300).map(move |x| (x, y))).filter(|(x, y)| band(*x, *y)).count();
+        assert!(ink > 50, "{ink} dark pixels below frame {frame}");
+    }
+    // Under the lifted disc the table is darker than beside it: of its colour, but not of its light.
+    let shadow = |frame: u32| {
+        let is_shade = |[r, g, b]: [u8; 3]| (110..150).contains(&r) && r > g && g > b && r - b < 25;
+        let pixels = (0..300).flat_map(|y| (0..300).map(move |x| (300 * frame + x, y)));
+        pixels.filter(|(x, y)| is_shade(strip.get_pixel(*x, *y).0)).count()
+    };
+    assert!(shadow(4) > 500, "{} pixels of shadow", shadow(4));
     // The disc is the only thing that is orange: it lies, and is up in the last frame.
     let middle_of_disc = |frame: u32| {
         let orange = |x: u32, y: u32| {

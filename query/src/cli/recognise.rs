@@ -381,15 +381,29 @@ impl<W: Write> Output<W> {
                 self.out.write_all(b"\n")?;
             }
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
-                self.out.write_all(moveit::of_answer(answer).unwrap_or_default().as_bytes())?;
+                match moveit::of_answer(answer) {
+                    Some(yaml) => self.write_message(&human::name(&answer.file, answer.frame), &yaml)?,
+                    None => warn(&moveit::refusal(answer).unwrap_or_default()),
+                }
             }
             (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
             // Standard output is answers; why there is none belongs beside it.
-            (Form::Text | Form::Moveit, _) => {
-                let _ = io::stderr().write_all(human::text(record).as_bytes());
-            }
+            (Form::Text | Form::Moveit, _) => warn(&human::text(record)),
         }
         self.out.flush()?;
         Ok(())
     }
+
+    /// Writes a message for MoveIt, and what it warns of for the person who does not read its comments.
+    fn write_message(&mut self, name: &str, yaml: &str) -> io::Result<()> {
+        for warning in moveit::warnings(yaml) {
+            warn(&format!("{name}: warning: {warning}\n"));
+        }
+        self.out.write_all(yaml.as_bytes())
+    }
+}
+
+/// Writes lines to standard error, whether or not anybody reads it.
+fn warn(lines: &str) {
+    let _ = io::stderr().write_all(lines.as_bytes());
 }

@@ -19,7 +19,7 @@ pub(super) struct RobotArguments {
     /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or an ARM.toml that describes another and where it stands.
     #[arg(long, value_name = "ARM", requires = "robot")]
     arm: Option<String>,
-    /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message.
+    /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message; what is not feasible is no message, and exit status 1.
     #[arg(long, value_enum, value_name = "FORMAT", requires = "robot", conflicts_with = "json")]
     format: Option<Format>,
 }

@@ -18,7 +18,8 @@ pub fn text(record: &Record) -> String {
     }
 }
 
-fn name(file: &str, frame: Option<u64>) -> String {
+/// What a line of text calls an input.
+pub fn name(file: &str, frame: Option<u64>) -> String {
     frame.map_or_else(|| file.to_owned(), |frame| format!("{file} frame {frame}"))
 }
 
@@ -102,7 +103,10 @@ fn strategy_text(strategy: &Strategy, text: &mut String) {
             arm.waypoints.len()
         );
     }
-    for warning in &strategy.warnings {
+    for problem in &strategy.problems {
+        let _ = writeln!(text, "    not feasible: {}", problem.message);
+    }
+    for warning in strategy.doubts() {
         let _ = writeln!(text, "    warning: {warning}");
     }
 }

@@ -296,11 +296,14 @@ impl Record {
         Self::Failure(Failure { file, frame, error: ErrorRecord { kind, message, is_rejection: false } })
     }
 
-    /// The exit status that the input asks for: 0 recognised, 1 rejected or unknown, 2 an error.
+    /// The exit status that the input asks for: 0 recognised, 1 rejected, unknown, or with a strategy that is not feasible, 2 an error.
     pub fn status(&self) -> u8 {
         match self {
             Self::Answer(answer) if answer.error.is_some() => 2,
-            Self::Answer(answer) => u8::from(answer.reason.is_some()),
+            Self::Answer(answer) => {
+                let is_infeasible = answer.strategy.as_ref().is_some_and(|strategy| !strategy.feasible);
+                u8::from(answer.reason.is_some() || is_infeasible)
+            }
             Self::Failure(failure) if failure.error.is_rejection => 1,
             Self::Failure(_) => 2,
         }

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use serde::Deserialize;
 
 use super::RobotError;
+use super::finger::Finger;
 use super::human::HumanGrasp;
 use super::read::{Source, built_in, described, text};
 use super::window::Window;
@@ -15,6 +16,14 @@ const BUILT_IN: [(&str, &str); 2] = [
     ("barrett", include_str!("../../data/robots/barrett.toml")),
     ("parallel-gripper", include_str!("../../data/robots/parallel-gripper.toml")),
 ];
+
+/// The reach of a hand whose description names no fingers, in metres.
+const ORDINARY_REACH: f64 = 0.20;
+
+/// The palm's radius where a description has none, in metres.
+fn ordinary_palm() -> f64 {
+    0.045
+}
 
 /// A robot hand.
 #[derive(Clone, Debug, Deserialize)]
@@ -30,6 +39,12 @@ pub struct RobotHand {
     pub wrist_link: String,
     /// The middle of the palm's surface in the wrist's frame, in metres; both frames are turned alike.
     pub wrist_from_palm: [f64; 3],
+    /// The palm's radius, in metres: it is taken for a cylinder from the wrist to its surface.
+    #[serde(default = "ordinary_palm")]
+    pub palm_radius: f64,
+    /// The fingers; without them drawings show none, and none is looked for in the table.
+    #[serde(default)]
+    pub finger: Vec<Finger>,
     /// Links that may touch the object.
     pub touch_links: Vec<String>,
     /// In newtons.
@@ -172,6 +187,10 @@ impl RobotHand {
     fn check(&self, source: Source<'_>) -> Result<(), RobotError> {
         source.position("wrist_from_palm", self.wrist_from_palm)?;
         source.length("max_contact_force", self.max_contact_force, 1e4)?;
+        source.length("palm_radius", self.palm_radius, 1.0)?;
+        if let Some(fault) = self.finger.iter().find_map(|finger| finger.fault(&self.limits)) {
+            return Err(source.error(fault));
+        }
         for (key, way) in [("approach", self.approach), ("retreat", self.retreat)] {
             source.length(&format!("{key}.least"), way.least, way.distance)?;
             source.length(&format!("{key}.distance"), way.distance, 1.0)?;
@@ -203,8 +222,9 @@ impl RobotHand {
         for window in &grasp.window {
             let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));
             let tilt = window.tilt_rad.map(|tilt| ("tilt_rad", tilt, PI));
+            let force = window.force_n.map(|force| ("force_n", force, 1e4));
             let lengths = [("position_m", window.position_m, 1.0), ("width_m", window.width_m, 1.0)];
-            for (key, value, most) in lengths.into_iter().chain(yaw).chain(tilt) {
+            for (key, value, most) in lengths.into_iter().chain(yaw).chain(tilt).chain(force) {
                 source.length(&format!("grasp.{name}.window.{key}"), value, most)?;
             }
         }
@@ -226,9 +246,16 @@ impl RobotHand {
         Ok(())
     }
 
-    /// A number that differs where two hands do, but for the windows that were measured with them.
+    /// How far from the middle of the palm's surface a finger's tip may be, in metres.
+    pub(super) fn reach(&self) -> f64 {
+        let fingers = self.finger.iter().map(|finger| finger.reach(&self.limits));
+        fingers.reduce(f64::max).unwrap_or(ORDINARY_REACH)
+    }
+
+    /// A number that differs where two hands do, but for the windows that were measured with them and what is only drawn.
     pub fn fingerprint(&self) -> u64 {
         let mut bare = self.clone();
+        bare.finger.clear();
         bare.grasp.values_mut().for_each(|grasp| grasp.window.clear());
         xxhash_rust::xxh3::xxh3_64(format!("{bare:?}").as_bytes())
     }

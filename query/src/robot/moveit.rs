@@ -6,19 +6,42 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::strategy::{Direction, Pose, Step, Strategy};
+use crate::output::human;
 use crate::output::record::Answer;
 
-/// The YAML document of an answer, where it has a strategy.
+/// What begins a comment that warns.
+const WARNING: &str = "# warning: ";
+
+/// The YAML document of an answer, where it has a strategy that can be carried out: a message is for machines, which would try any.
 pub fn of_answer(answer: &Answer) -> Option<String> {
     let id = answer.frame.map_or_else(|| answer.file.clone(), |frame| format!("{} {frame}", answer.file));
-    answer.strategy.as_ref().map(|strategy| yaml(strategy, &id, answer.probability))
+    let feasible = answer.strategy.as_ref().filter(|strategy| strategy.feasible);
+    feasible.map(|strategy| yaml(strategy, &id))
+}
+
+/// Why an answer's strategy is no message, where it cannot be carried out: a line for each problem.
+pub fn refusal(answer: &Answer) -> Option<String> {
+    let infeasible = answer.strategy.as_ref().filter(|strategy| !strategy.feasible)?;
+    let name = human::name(&answer.file, answer.frame);
+    let lines = infeasible.problems.iter();
+    Some(
+        lines
+            .map(|problem| format!("{name}: no message, as it is not feasible: {}\n", problem.message))
+            .collect(),
+    )
+}
+
+/// The warnings of a document: they are for a person, who may not read its comments.
+pub fn warnings(yaml: &str) -> impl Iterator<Item = &str> {
+    yaml.lines().filter_map(|line| line.strip_prefix(WARNING))
 }
 
 /// The message of one strategy as a YAML document, with its leading `---`.
 ///
 /// Poses are those of the wrist, the end effector's parent link. What the message has no field for, the estimate's
-/// spread, the tolerated window and warnings, stands before it as comments.
-pub fn yaml(strategy: &Strategy, id: &str, probability: f64) -> String {
+/// spread, the tolerated window and warnings, stands before it as comments. `grasp_quality` is the strategy's, and 0, the message's
+/// own default, where that is unknown.
+pub fn yaml(strategy: &Strategy, id: &str) -> String {
     let mut text = String::from("---\n");
     let mut comment = |line: String| {
         // A name may hold a line break, which would end the comment.
@@ -48,14 +71,36 @@ pub fn yaml(strategy: &Strategy, id: &str, probability: f64) -> String {
     if let Some(arm) = strategy.arm.as_ref().filter(|arm| arm.reachable) {
         comment(format!("arm: {} reaches all of it", arm.arm));
     }
+    comment(match strategy.quality {
+        Some(_) => {
+            "grasp_quality: the probability that the estimate's error stays within what is tolerated".into()
+        }
+        None => {
+            "grasp_quality: not known, and so 0: it needs the position's spread and what is tolerated".into()
+        }
+    });
+    let described = strategy.max_contact_force;
+    comment(match simulated_force(strategy) {
+        Some(force) => format!(
+            "max_contact_force: the hand's description; simulated, one link pressed with up to {force:.0} N, as nothing keeps it to {described} N"
+        ),
+        None => "max_contact_force: the hand's description; how hard it presses was never simulated".into(),
+    });
     for warning in &strategy.warnings {
         comment(format!("warning: {warning}"));
     }
-    block(&message(strategy, id, probability), 0, &mut text);
+    block(&message(strategy, id), 0, &mut text);
     text
 }
 
-fn message(strategy: &Strategy, id: &str, probability: f64) -> Value {
+fn simulated_force(strategy: &Strategy) -> Option<f64> {
+    strategy.steps.iter().find_map(|step| match step {
+        Step::Grasp { simulated_force, .. } => *simulated_force,
+        _ => None,
+    })
+}
+
+fn message(strategy: &Strategy, id: &str) -> Value {
     let mut approach = Value::Null;
     let mut retreat = Value::Null;
     for step in &strategy.steps {
@@ -73,10 +118,10 @@ fn message(strategy: &Strategy, id: &str, probability: f64) -> Value {
     }
     let mut message = serde_json::Map::new();
     message.insert("id".into(), json!(id));
-    message.insert("pre_grasp_posture".into(), posture(&strategy.open, None));
-    message.insert("grasp_posture".into(), posture(&strategy.closed, Some(strategy.max_contact_force)));
+    message.insert("pre_grasp_posture".into(), posture(&strategy.open));
+    message.insert("grasp_posture".into(), posture(&strategy.closed));
     message.insert("grasp_pose".into(), pose(&strategy.wrist_in_world));
-    message.insert("grasp_quality".into(), json!(probability));
+    message.insert("grasp_quality".into(), json!(rounded(strategy.quality.unwrap_or_default())));
     message.insert("pre_grasp_approach".into(), approach);
     message.insert("post_grasp_retreat".into(), retreat.clone());
     // Setting the object down again is that way back.
@@ -116,12 +161,12 @@ fn translation(direction: &Direction, desired: f64, least: f64) -> Value {
     })
 }
 
-fn posture(joints: &BTreeMap<String, f64>, effort: Option<f64>) -> Value {
+/// A posture without efforts: those of a turning joint would be torques, and what is known is a force.
+fn posture(joints: &BTreeMap<String, f64>) -> Value {
     let positions: Vec<f64> = joints.values().copied().map(rounded).collect();
-    let effort = effort.map(|effort| vec![effort; joints.len()]).unwrap_or_default();
     json!({
         "joint_names": joints.keys().collect::<Vec<_>>(),
-        "points": [{ "positions": positions, "effort": effort, "time_from_start": { "sec": 1, "nanosec": 0 } }],
+        "points": [{ "positions": positions, "effort": [], "time_from_start": { "sec": 1, "nanosec": 0 } }],
     })
 }
 

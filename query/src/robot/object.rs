@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Deserialize;
 
 use super::read::{Source, text};
@@ -44,6 +44,21 @@ impl Shape {
             }
             Self::Box { size } => 0.5 * direction.abs().dot(&Vector3::from(*size)),
             Self::Sphere { radius } => *radius,
+        }
+    }
+
+    /// How far a point in the shape's frame is from its surface, in metres; 0 inside.
+    pub fn distance(&self, point: &Point3<f64>) -> f64 {
+        match self {
+            Self::Cylinder { radius, height } => {
+                let beside = (point.coords.xy().norm() - radius).max(0.0);
+                beside.hypot((point.z.abs() - 0.5 * height).max(0.0))
+            }
+            Self::Box { size } => {
+                let beyond = point.coords.abs() - 0.5 * Vector3::from(*size);
+                beyond.map(|metres| metres.max(0.0)).norm()
+            }
+            Self::Sphere { radius } => (point.coords.norm() - radius).max(0.0),
         }
     }
 

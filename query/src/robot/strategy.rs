@@ -9,17 +9,17 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::feasible::{Findings, Problem, ProblemKind};
 use super::hand::{RobotGrasp, RobotHand};
 use super::human::HumanGrasp;
-use super::window::{Window, doubts, tolerated};
+use super::layout::Layout;
+use super::window::{Window, confidence, doubts, tolerated};
 use super::{Arm, ArmMotion, Camera, Object, RobotError};
 use crate::output::record::xyzw;
 use crate::recognise::Side;
 
 /// A spread of this many degrees means that the orientation is unknown (the neighbours had none).
 const UNKNOWN_SPREAD_DEG: f64 = 180.0;
-/// Farther than this between the hand's grip and the object, in metres, the hand hardly holds it.
-const AWAY: f64 = 0.05;
 
 /// A human hand that grasps, as it was recognised.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ pub struct Strategy {
     pub open: BTreeMap<String, f64>,
     /// The joints that closing aims at.
     pub closed: BTreeMap<String, f64>,
-    /// What the fingers may press with.
+    /// What the fingers may press with, by the hand's description. Nothing here keeps to it: see `simulated_force` of the step `grasp`.
     pub max_contact_force: f64,
     /// Links of the robot that may touch the object.
     pub touch_links: Vec<String>,
@@ -78,7 +78,16 @@ pub struct Strategy {
     /// How an arm carries the hand there; absent where none was named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arm: Option<ArmMotion>,
-    /// What speaks against trying this.
+    /// The probability that the estimate's error stays within what is tolerated, were it normal; 0 where the strategy is not
+    /// feasible, null where the spread of the position or the window is unknown.
+    pub quality: Option<f64>,
+    /// Where everything is in the world, as drawings show it.
+    pub layout: Layout,
+    /// Whether this can be tried at all: false where there are `problems`.
+    pub feasible: bool,
+    /// What cannot be right.
+    pub problems: Vec<Problem>,
+    /// What speaks against trying this: the problems' messages, then what is merely doubtful.
     pub warnings: Vec<String>,
 }
 
@@ -128,8 +137,10 @@ pub enum Step {
     Grasp {
         /// What they aim at.
         joints: BTreeMap<String, f64>,
-        /// What they may press with.
+        /// What they may press with, by the hand's description.
         max_contact_force: f64,
+        /// What one link pressed with in the simulation of such an object, at most; null where that is unknown.
+        simulated_force: Option<f64>,
     },
     /// The hand lifts the object.
     Retreat {
@@ -179,22 +190,32 @@ impl Strategy {
             orientation_rad: seen.spread_deg.to_radians(),
             hand_position: if camera.hand.is_some() { "given" } else { "assumed" },
         };
-        let mut warnings = placed.warnings(object, &world_from_object, grip);
-        warnings.extend(doubts(&estimate, grasp, placed.width, &placed.approach));
-        Ok(Self::assemble(hand, seen, (name, grasp), object, &world_from_object, &placed, estimate, warnings))
+        let layout = Layout::new(hand, grasp, object, &world_from_object, &placed);
+        let mut findings = Findings::new(hand, object, &layout, grip);
+        findings.doubts.extend(doubts(&estimate, grasp, placed.width, &placed.approach));
+        Ok(Self::assemble(hand, seen, (name, grasp), object, layout, &placed, estimate, findings))
     }
 
-    /// Says how `arm` carries the hand there, and warns where it cannot.
+    /// What is doubtful about a strategy that may be tried all the same: the warnings that are no problems.
+    pub fn doubts(&self) -> &[String] {
+        self.warnings.get(self.problems.len()..).unwrap_or_default()
+    }
+
+    /// Says how `arm` carries the hand there; where it cannot, the strategy is not feasible.
     pub fn carried_by(mut self, arm: &Arm) -> Self {
         let motion = arm.carry(&self);
         if let Some(end) = &motion.unreachable {
-            self.warnings.push(format!(
+            let message = format!(
                 "unreachable: {} cannot carry the hand beyond {:.0} mm of the {}: {}",
                 motion.arm,
                 1e3 * end.distance,
                 end.step,
                 end.why
-            ));
+            );
+            self.warnings.insert(self.problems.len(), message.clone());
+            self.problems.push(Problem { kind: ProblemKind::Unreachable, message });
+            self.feasible = false;
+            self.quality = Some(0.0);
         }
         self.arm = Some(motion);
         self
@@ -206,12 +227,12 @@ impl Strategy {
         seen: &Seen,
         (name, grasp): (&str, &RobotGrasp),
         object: &Object,
-        world_from_object: &Isometry3<f64>,
+        layout: Layout,
         placed: &Placed,
         estimate: Estimate,
-        warnings: Vec<String>,
+        Findings { problems, doubts }: Findings,
     ) -> Self {
-        let object_from_world = world_from_object.inverse();
+        let object_from_world = layout.object.pose.isometry().inverse();
         let wrist_from_palm = Translation3::from(hand.wrist_from_palm);
         let palm = placed.world_from_palm;
         let wrist = palm * wrist_from_palm.inverse();
@@ -223,6 +244,11 @@ impl Strategy {
             frame: "object".into(),
             vector: (object_from_world.rotation * placed.approach).into(),
         };
+        let tolerated = tolerated(grasp, placed.width, &placed.approach);
+        let quality = match problems.is_empty() {
+            true => tolerated.as_ref().and_then(|window| confidence(&estimate, window)),
+            false => Some(0.0),
+        };
         let steps = vec![
             Step::Preshape { joints: open.clone() },
             Step::Approach {
@@ -232,7 +258,11 @@ impl Strategy {
                 distance: hand.approach.distance,
                 min_distance: hand.approach.least,
             },
-            Step::Grasp { joints: closed.clone(), max_contact_force: hand.max_contact_force },
+            Step::Grasp {
+                joints: closed.clone(),
+                max_contact_force: hand.max_contact_force,
+                simulated_force: tolerated.as_ref().and_then(|window| window.force_n),
+            },
             Step::Retreat {
                 direction: Direction { frame: "world".into(), vector: [0.0, 0.0, 1.0] },
                 distance: hand.retreat.distance,
@@ -258,15 +288,19 @@ impl Strategy {
             touch_links: hand.touch_links.clone(),
             allowed_touch_objects: vec![object.name.clone()],
             estimate,
-            tolerated: tolerated(grasp, placed.width, &placed.approach),
+            tolerated,
             arm: None,
-            warnings,
+            quality,
+            layout,
+            feasible: problems.is_empty(),
+            warnings: problems.iter().map(|problem| problem.message.clone()).chain(doubts).collect(),
+            problems,
         }
     }
 }
 
 impl Pose {
-    fn new(frame: &'static str, pose: &Isometry3<f64>) -> Self {
+    pub(super) fn new(frame: &'static str, pose: &Isometry3<f64>) -> Self {
         Self { frame, position: pose.translation.vector.into(), quaternion_xyzw: xyzw(&pose.rotation) }
     }
 
@@ -325,32 +359,9 @@ impl Placed {
         }
         Ok(Self { world_from_palm: Isometry3::from_parts(palm.coords.into(), turned), approach, width })
     }
-
-    fn warnings(
-        &self,
-        object: &Object,
-        world_from_object: &Isometry3<f64>,
-        grip: Point3<f64>,
-    ) -> Vec<String> {
-        let mut warnings = Vec::new();
-        let to_grip = grip.coords - world_from_object.translation.vector;
-        let beyond = to_grip.try_normalize(1e-9).map_or(0.0, |direction| {
-            to_grip.norm() - object.shape.reach(&world_from_object.inverse_transform_vector(&direction))
-        });
-        if beyond > AWAY {
-            warnings.push(format!(
-                "the hand held something {:.0} mm beside {}: check the positions of hand and object",
-                1e3 * beyond,
-                object.name
-            ));
-        }
-        if object.table.is_some_and(|table| self.world_from_palm.translation.z < table) {
-            warnings.push("the palm is below the table: the orientation is likely wrong".into());
-        }
-        warnings
-    }
 }
 
-fn posture(joints: &BTreeMap<String, super::hand::Value>, width: f64) -> BTreeMap<String, f64> {
+/// The joints' values for an object of this width, in metres.
+pub(super) fn posture(joints: &BTreeMap<String, super::hand::Value>, width: f64) -> BTreeMap<String, f64> {
     joints.iter().map(|(name, value)| (name.clone(), value.at(width))).collect()
 }

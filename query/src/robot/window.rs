@@ -23,6 +23,9 @@ pub struct Window {
     pub yaw_rad: Option<f64>,
     /// The approach may be tilted by as much as this in any direction, in radians; none where that was not simulated.
     pub tilt_rad: Option<f64>,
+    /// What one link pressed with, at most, where object and hand were where they should be, in newtons; none where that was
+    /// not measured.
+    pub force_n: Option<f64>,
     /// The object that this was simulated with.
     pub object: String,
     /// That object's extent across the closing fingers, in metres.
@@ -35,7 +38,7 @@ pub struct Window {
 
 impl Window {
     /// The one of `windows` that counts for an object as wide as `width`, in metres, to which the hand comes `from`: between two
-    /// objects that were simulated, the narrower of theirs. `None` where none so thin or so wide was.
+    /// objects that were simulated, the narrower of theirs, and the greater force. `None` where none so thin or so wide was.
     pub(super) fn of(windows: &[Self], width: f64, from: From) -> Option<Self> {
         let comparable = || windows.iter().filter(|window| window.from == from);
         let widths = || comparable().map(|window| window.width_m);
@@ -53,13 +56,33 @@ impl Window {
         let narrowest = near().min_by(|a, b| a.position_m.total_cmp(&b.position_m))?;
         let yaw_rad = near().filter_map(|window| window.yaw_rad).reduce(f64::min);
         let tilt_rad = near().filter_map(|window| window.tilt_rad).reduce(f64::min);
-        Some(Self { yaw_rad, tilt_rad, ..narrowest.clone() })
+        let force_n = near().filter_map(|window| window.force_n).reduce(f64::max);
+        Some(Self { yaw_rad, tilt_rad, force_n, ..narrowest.clone() })
     }
 }
 
 /// What error the grasp tolerates on something as wide, in metres, to which the hand moves along `approach`, of unit length in the world.
 pub(super) fn tolerated(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> Option<Window> {
     Window::of(&grasp.window, width, From::of(approach)?)
+}
+
+/// The probability that an error of the estimate's spread stays within `window`, were it normal and the same in each direction:
+/// in both directions along the table, and of the turn that is tolerated least. `None` where a spread or the tolerated turn is
+/// unknown. The estimate's whole angle is taken for the error of that one turn, which is at most as much.
+pub(super) fn confidence(estimate: &Estimate, window: &Window) -> Option<f64> {
+    let turn = window.tilt_rad.into_iter().chain(window.yaw_rad).reduce(f64::min)?;
+    let position = within(window.position_m, estimate.position_m?);
+    Some(position * position * within(turn, estimate.orientation_rad))
+}
+
+/// The probability that a normal error of this standard deviation is at most `most` in either direction.
+fn within(most: f64, deviation: f64) -> f64 {
+    // Of the error function, Abramowitz and Stegun 7.1.26: to 1.5e-7.
+    let x = most / deviation.max(f64::MIN_POSITIVE) * std::f64::consts::FRAC_1_SQRT_2;
+    let t = 1.0 / (1.0 + 0.327_591_1 * x);
+    let polynomial = [1.061_405_429, -1.453_152_027, 1.421_413_741, -0.284_496_736, 0.254_829_592];
+    let sum = polynomial.into_iter().fold(0.0, |sum, coefficient| sum * t + coefficient) * t;
+    (1.0 - sum * (-x * x).exp()).clamp(0.0, 1.0)
 }
 
 /// Where the estimate is worse than the grasp tolerates, or one of them is not known; see [`tolerated`].
@@ -118,7 +141,34 @@ mod tests {
 
     fn window(from: From, width_m: f64, position_m: f64, yaw_rad: Option<f64>) -> Window {
         let (object, engine) = (format!("{width_m}"), "none".into());
-        Window { position_m, yaw_rad, tilt_rad: yaw_rad.map(|yaw| 0.5 * yaw), object, width_m, from, engine }
+        let tilt_rad = yaw_rad.map(|yaw| 0.5 * yaw);
+        Window {
+            position_m,
+            yaw_rad,
+            tilt_rad,
+            force_n: Some(100.0 * width_m),
+            object,
+            width_m,
+            from,
+            engine,
+        }
+    }
+
+    #[test]
+    fn an_error_as_large_as_its_window_is_within_it_in_two_of_three() {
+        let erf = [(0.5, 0.382_925), (1.0, 0.682_689), (2.0, 0.954_500), (3.0, 0.997_300)];
+        for (deviations, share) in erf {
+            assert!((within(0.02 * deviations, 0.02) - share).abs() < 1e-6, "{deviations}");
+        }
+        assert_eq!((within(0.02, 0.0), within(0.0, 0.02).abs() < 1e-6), (1.0, true));
+        let estimate = |position_m| Estimate { position_m, orientation_rad: 0.25, hand_position: "given" };
+        // Tilt, 0.25 rad, is what is tolerated less than yaw.
+        let window = window(From::Top, 0.06, 0.02, Some(0.5));
+        let both = confidence(&estimate(Some(0.01)), &window).unwrap();
+        assert!((both - 0.954_500_f64.powi(2) * 0.682_689).abs() < 1e-5, "{both}");
+        assert_eq!(confidence(&estimate(None), &window), None);
+        let untried = Window { yaw_rad: None, tilt_rad: None, ..window };
+        assert_eq!(confidence(&estimate(Some(0.01)), &untried), None);
     }
 
     #[test]
@@ -144,6 +194,6 @@ mod tests {
         assert_eq!((at(0.090, From::Top), at(0.020, From::Side), at(0.045, From::Top)), (None, None, None));
         assert_eq!(Window::of(&[], 0.05, From::Top), None);
         let found = Window::of(&windows, 0.065, From::Top).unwrap();
-        assert_eq!(found.tilt_rad, Some(0.35));
+        assert_eq!((found.tilt_rad, found.force_n), (Some(0.35), Some(100.0 * 0.07)));
     }
 }

@@ -402,10 +402,13 @@ async fn recognise_picture(
         `robot=described` and `arm` for `arm=described`.",
         content_type = "multipart/form-data"),
     responses(
-        (status = 200, description = "The record of `/v1/recognise`, whose `strategy` says what the robot does, or whose `error` says why it can do nothing",
+        (status = 200, description = "The record of `/v1/recognise`, whose `strategy` says what the robot does, or whose `error` says why \
+            it can do nothing. Where `strategy.feasible` is false, `strategy.problems` says what cannot be right, and the header \
+            `grasp-status` is 1: nobody should try it.",
             body = crate::output::record::Record),
         (status = 400, description = "The picture, a description or a parameter cannot be used", body = problem::ProblemRecord),
-        (status = 422, description = "The picture shows no hand", body = crate::output::record::Record)))]
+        (status = 422, description = "The picture shows no hand; or, for `Accept: application/yaml`, there is no strategy or it is not \
+            feasible: the text says why, and no message is sent", body = crate::output::record::Record)))]
 async fn robot_strategy(
     service: State<Shared>,
     parameters: Options<PictureParameters>,

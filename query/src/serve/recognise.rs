@@ -98,7 +98,11 @@ pub(super) fn answer(
             Some(yaml) => {
                 Ok(send(&record, StatusCode::OK, served.generation, "application/yaml", yaml.into()))
             }
-            None => render(&record, form, StatusCode::UNPROCESSABLE_ENTITY, served.generation),
+            None => {
+                let why = moveit::refusal(answer).unwrap_or_else(|| human::text(&record));
+                let status = StatusCode::UNPROCESSABLE_ENTITY;
+                Ok(send(&record, status, served.generation, "text/plain; charset=utf-8", why.into()))
+            }
         };
     }
     if let (Form::Drawing, Record::Answer(answer)) = (form, &record) {

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::{Drawings, Form, Output, Recognise, STANDARD_INPUT, each_frame};
 use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
 use crate::explain;
+use crate::output::human;
 use crate::output::record::Record;
 use crate::picture;
 use crate::serve::DESCRIBED;
@@ -15,7 +16,8 @@ use crate::serve::parameters::PictureParameters;
 
 /// A picture's answer, or the record of why the service was not asked or did not want it.
 enum Told {
-    Service(Answer),
+    /// The picture's name, and what the service says.
+    Service(String, Answer),
     Own(Record),
 }
 
@@ -118,7 +120,7 @@ impl Recognise {
                 Ok(explain::save(&decoded(&drawing.body)?, path)?)
             });
         }
-        Ok(Told::Service(answer))
+        Ok(Told::Service(human::name(&name, frame), answer))
     }
 }
 
@@ -129,12 +131,14 @@ fn decoded(png: &[u8]) -> image::ImageResult<image::RgbImage> {
 
 impl<W: Write> Output<W> {
     fn write_told(&mut self, told: &Told) -> anyhow::Result<()> {
-        let answer = match told {
+        let (name, answer) = match told {
             Told::Own(record) => return self.write(record),
-            Told::Service(answer) => answer,
+            Told::Service(name, answer) => (name, answer),
         };
         self.status = self.status.max(answer.exit);
-        if self.form == Form::Json || answer.is_answer {
+        if self.form == Form::Moveit && answer.is_answer {
+            self.write_message(name, &String::from_utf8_lossy(&answer.body))?;
+        } else if self.form == Form::Json || answer.is_answer {
             self.out.write_all(&answer.body)?;
         } else {
             let _ = io::stderr().write_all(&answer.body);

@@ -139,6 +139,25 @@ mod tests {
     }
 
     #[test]
+    fn the_description_draws_the_fingers_that_are_simulated() {
+        let hand = crate::robot::RobotHand::find("barrett").unwrap();
+        for (spread, inner, distal) in [(0.0, 0.75, 0.25), (PI / 3.0, 0.7, 0.233), (0.4, 2.0, 0.8)] {
+            let mut posture = std::collections::BTreeMap::new();
+            for finger in [1, 2, 3] {
+                for (joint, value) in [(1, spread), (2, inner), (3, distal)] {
+                    posture.insert(format!("bh_j{finger}{joint}_joint"), f64::from(value));
+                }
+            }
+            for (at, finger) in hand.finger.iter().enumerate() {
+                let points = finger.points(&posture);
+                let tip = points.last().unwrap().coords.map(|metres| metres as f32);
+                let off = tip - nalgebra::Vector3::from(self::tip(at, spread, inner, distal).to_array());
+                assert!(off.norm() < 1e-4 && points.len() == 3, "finger {at}: {off}");
+            }
+        }
+    }
+
+    #[test]
     fn finger_2_mirrors_the_spread_of_finger_1() {
         for spread in [0.0, 0.4, PI / 3.0, PI] {
             let [one, two] = [0, 1].map(|finger| tip(finger, spread, 0.7, 0.2));

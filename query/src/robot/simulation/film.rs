@@ -1,11 +1,12 @@
-//! Pictures of a trial: a strip of frames, drawn with a depth buffer.
+//! Pictures of a trial: a strip of frames with captions, drawn with a depth buffer and the shadow on the table.
 
 use image::{Rgb, RgbImage};
 use rapier3d::math::{Pose, Vector};
 
 use super::trial::{Error, Outcome, Plan};
 use super::world::World;
-use crate::robot::{Object, Shape};
+use crate::lettering::{self, Font};
+use crate::robot::{From, Object, Shape};
 
 /// A frame's side in pixels, and how many times finer it is drawn.
 const SIDE: u32 = 300;
@@ -13,46 +14,84 @@ const FINER: u32 = 2;
 /// What a frame shows, in metres, and where its middle is over the table.
 const VIEW: f32 = 0.46;
 const MIDDLE: f32 = 0.15;
-/// When the frames are taken, in seconds: above the object, about to close, closed, half way up, held.
-const TIMES: [f32; 5] = [0.15, 0.63, 1.93, 2.38, 4.0];
+/// Frames of a strip, and the pixels below each for its caption.
+const FRAMES: u32 = 5;
+const CAPTION: u32 = 26;
 /// From where it is seen, and from where the light comes.
 const EYE: Vector = Vector::new(-0.62, -0.66, 0.42);
-const LIGHT: Vector = Vector::new(-0.75, -0.25, 0.61);
+const LIGHT: Vector = Vector::new(-0.60, -0.25, 0.76);
+/// What of the light reaches a face that looks away from it, and what of it a shadow.
+const AMBIENT: f32 = 0.45;
+const SHADE: f32 = 0.70;
 
 const BACKGROUND: [u8; 3] = [244, 245, 247];
 const TABLE: [f32; 3] = [214.0, 205.0, 190.0];
 const HAND: [f32; 3] = [120.0, 130.0, 145.0];
 const LINK: [f32; 3] = [165.0, 174.0, 186.0];
 const THING: [f32; 3] = [230.0, 120.0, 50.0];
+const INK: [u8; 3] = [40, 44, 52];
 
 impl Plan {
-    /// [`Self::run`], and a strip of five frames: above the object, about to close, closed, half way up, held.
+    /// [`Self::run`], and a strip of five frames, each with a caption: settled, about to close, closed, half way up, held.
     pub fn film(&self, error: Error) -> (Outcome, RgbImage) {
         let mut frames = Vec::new();
+        let moments = self.moments();
         let (outcome, _) = self.run_watched(error, |world, now| {
-            if TIMES.get(frames.len()).is_some_and(|time| now >= *time) {
+            if moments.get(frames.len()).is_some_and(|moment| now >= *moment) {
                 frames.push(frame(world, self.object()));
             }
         });
-        let mut strip = RgbImage::from_pixel(SIDE * TIMES.len() as u32, SIDE, Rgb(BACKGROUND));
-        for (at, frame) in (0_i64..).zip(&frames) {
-            image::imageops::replace(&mut strip, frame, at * i64::from(SIDE), 0);
+        let mut strip = RgbImage::from_pixel(SIDE * FRAMES, SIDE + CAPTION, Rgb(BACKGROUND));
+        for ((at, frame), caption) in (0u32..).zip(&frames).zip(captions(self, &outcome)) {
+            image::imageops::replace(&mut strip, frame, i64::from(at * SIDE), 0);
+            let left = at * SIDE + SIDE.saturating_sub(Font::BODY.width_of(&caption)) / 2;
+            lettering::write(&mut strip, (left, SIDE + 4), Font::BODY, &caption, INK);
         }
         (outcome, strip)
     }
 }
 
+/// What each frame shows, and what became of it.
+fn captions(plan: &Plan, outcome: &Outcome) -> [String; FRAMES as usize] {
+    let (from, distance) = plan.way();
+    let side = match from {
+        Some(From::Top) => "above",
+        Some(From::Side) => "beside",
+        None => "below",
+    };
+    // Without a sign: what moves by less than half a millimetre does not move.
+    let millimetres = |value: f64| value.round().abs();
+    let end = match (outcome.success, outcome.lifted) {
+        (true, _) => format!("lifted, slip {} mm", millimetres(outcome.slip_mm)),
+        (false, true) => format!("slipping, {} mm", millimetres(outcome.slip_mm)),
+        (false, false) => "not lifted".into(),
+    };
+    [
+        format!("open, {:.0} mm {side}", 1e3 * distance),
+        "about to close".into(),
+        format!("closed, pushed {} mm", millimetres(outcome.pushed_mm)),
+        "lifting".into(),
+        end,
+    ]
+}
+
 fn frame(world: &World, object: &Object) -> RgbImage {
     let mut canvas = Canvas::new(SIDE * FINER);
+    let mut solids = vec![(faces(object), world.object(), THING)];
+    for (at, (solid, pose)) in world.hand_solids().into_iter().enumerate() {
+        let pose = pose * Pose::from_translation(solid.middle);
+        solids.push((cuboid(solid.half), pose, if at == 0 { HAND } else { LINK }));
+    }
     if let Some(table) = object.table {
         let slab = Vector::new(0.22, 0.22, 0.004);
         let at = Pose::from_translation(Vector::new(0.0, 0.0, table as f32 - slab.z));
         canvas.draw(&cuboid(slab), &at, TABLE);
+        for (faces, at, _) in &solids {
+            canvas.shade(faces, at, table as f32);
+        }
     }
-    canvas.draw(&faces(object), &world.object(), THING);
-    for (at, (solid, pose)) in world.hand_solids().into_iter().enumerate() {
-        let pose = pose * Pose::from_translation(solid.middle);
-        canvas.draw(&cuboid(solid.half), &pose, if at == 0 { HAND } else { LINK });
+    for (faces, at, colour) in &solids {
+        canvas.draw(faces, at, *colour);
     }
     image::imageops::thumbnail(&canvas.picture, SIDE, SIDE)
 }
@@ -141,11 +180,39 @@ impl Canvas {
             if normal.dot(middle - at.translation) < 0.0 {
                 normal = -normal;
             }
-            let light = 0.45 + 0.55 * normal.dot(LIGHT.normalize()).max(0.0);
-            let colour = Rgb(colour.map(|value| (value * light) as u8));
-            for (second, third) in corners.iter().skip(1).zip(corners.iter().skip(2)) {
-                self.triangle([a, *second, *third].map(|corner| self.project(corner)), colour);
-            }
+            let colour = lit(colour, normal);
+            self.face(&corners, |pixel, nearest, depth| {
+                if depth > *nearest {
+                    *nearest = depth;
+                    *pixel = colour;
+                }
+            });
+        }
+    }
+
+    /// Darkens the table where a solid keeps the light from it. Of what is drawn already, only the table's surface has its colour.
+    fn shade(&mut self, faces: &Faces, at: &Pose, table: f32) {
+        let surface = lit(TABLE, Vector::Z);
+        let shadow = Rgb(surface.0.map(|value| (f32::from(value) * SHADE) as u8));
+        let cast = |corner: &Vector| {
+            let corner = at.transform_point(*corner);
+            corner - LIGHT * ((corner.z - table).max(0.0) / LIGHT.z)
+        };
+        for face in faces {
+            let corners: Vec<Vector> = face.iter().map(cast).collect();
+            self.face(&corners, |pixel, _, _| {
+                if *pixel == surface {
+                    *pixel = shadow;
+                }
+            });
+        }
+    }
+
+    /// Visits every pixel of a convex face, with the depth there so far and the face's.
+    fn face(&mut self, corners: &[Vector], mut visit: impl FnMut(&mut Rgb<u8>, &mut f32, f32)) {
+        let [a, ..] = corners[..] else { return };
+        for (second, third) in corners.iter().skip(1).zip(corners.iter().skip(2)) {
+            self.triangle([a, *second, *third].map(|corner| self.project(corner)), &mut visit);
         }
     }
 
@@ -160,7 +227,7 @@ impl Canvas {
         [half + scale * point.dot(right), half - scale * point.dot(up), scale * point.dot(toward)]
     }
 
-    fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3], colour: Rgb<u8>) {
+    fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3], visit: &mut impl FnMut(&mut Rgb<u8>, &mut f32, f32)) {
         let edge = |p: [f32; 3], q: [f32; 3], x: f32, y: f32| {
             (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
         };
@@ -183,11 +250,14 @@ impl Canvas {
                 }
                 let depth = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
                 let Some(nearest) = self.depth.get_mut((y * self.side + x) as usize) else { continue };
-                if depth > *nearest {
-                    *nearest = depth;
-                    self.picture.put_pixel(x, y, colour);
-                }
+                visit(self.picture.get_pixel_mut(x, y), nearest, depth);
             }
         }
     }
+}
+
+/// The colour of a face that looks along `normal`.
+fn lit(colour: [f32; 3], normal: Vector) -> Rgb<u8> {
+    let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(LIGHT.normalize()).max(0.0);
+    Rgb(colour.map(|value| (value * light) as u8))
 }

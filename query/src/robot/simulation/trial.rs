@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::barrett::FINGERS;
 use super::world::{Begin, DT, World};
 use crate::robot::strategy::Placed;
-use crate::robot::{Frame, Object, RobotError, RobotHand};
+use crate::robot::{Frame, From, Object, RobotError, RobotHand};
 
 /// The phases' lengths in seconds.
 const SETTLE: f32 = 0.15;
@@ -15,6 +15,8 @@ const APPROACH_SPEED: f32 = 0.25;
 const CLOSE: f32 = 1.3;
 const LIFT_TIME: f32 = 0.9;
 const HOLD: f32 = 1.2;
+/// So much before the end, which rounding may miss.
+const ALL_BUT: f32 = 0.03;
 /// How high it is lifted, and how high the object must come, in metres.
 const LIFT: f32 = 0.15;
 const LIFTED: f32 = 0.10;
@@ -118,6 +120,19 @@ impl Plan {
             world_from_object,
             object: object.clone(),
         })
+    }
+
+    /// When a phase has ended, in seconds: settled, approached, closed; then half way up, and all but held to the end.
+    pub(super) fn moments(&self) -> [f32; 5] {
+        let approached = SETTLE + self.distance as f32 / APPROACH_SPEED;
+        let closed = approached + CLOSE;
+        let held = closed + LIFT_TIME + HOLD;
+        [SETTLE, approached, closed, closed + 0.5 * LIFT_TIME, held - ALL_BUT]
+    }
+
+    /// From where the hand comes, and how far, in metres.
+    pub(super) fn way(&self) -> (Option<From>, f64) {
+        (From::of(&self.approach), self.distance)
     }
 
     /// What is grasped.

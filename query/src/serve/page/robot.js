@@ -1,54 +1,67 @@
-// The robot's strategy as a picture: the object, the way of the palm to it and the way up, from the side and from above.
+// The robot's strategy as a picture. What is drawn, and where, the strategy's `layout` says, in metres; here it gets pixels.
 "use strict";
 
 const ROBOT_FILES = { object: "bottle.toml", "camera-pose": "camera.toml" };
-// Metres that the picture is high and wide.
-const FIELD = 0.5;
+// Each view's size in pixels, and the room around what is drawn.
+const VIEW = { width: 300, height: 260, margin: 30 };
+// No object fills the picture: pixels a metre, at most.
+const LARGEST_SCALE = 900;
 
-// The palm's axis of approach, and its side of the thumb, in the world.
-function palmAxes(pose) {
-  const m = matrixOf(pose.quaternion_xyzw);
-  return { z: [m[2], m[5], m[8]], y: [m[1], m[4], m[7]] };
+// All that a view shows, which has to fit.
+const shown = (view) => [view.object, view.palm, view.palm_at_start, ...view.fingers, view.approach, view.retreat].flat();
+
+function extent(points, axis) {
+  const values = points.map((point) => point[axis]);
+  return [Math.min(...values), Math.max(...values)];
 }
 
-// One view; `right` and `up` say which of the world's axes go right and up in it, `sign` whether right is reversed.
-function strategyView(strategy, title, left, [right, up]) {
-  const palm = strategy.palm_in_world;
-  const { z, y } = palmAxes(palm);
-  const middle = palm.position;
-  const at = (p) => [150 + (300 / FIELD) * (p[right] - middle[right]), 130 - (300 / FIELD) * (p[up] - middle[up])];
-  const line = (from, to, name) => {
-    const [a, b] = [at(from), at(to)];
-    return drawn("line", { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: name });
+// Both views have one scale, so that they can be compared.
+function scaleOf(views) {
+  const fits = views.flatMap((view) => [VIEW.width, VIEW.height].map((size, axis) => {
+    const [least, most] = extent(shown(view), axis);
+    return (size - 2 * VIEW.margin) / Math.max(most - least, 1e-6);
+  }));
+  return Math.min(LARGEST_SCALE, ...fits);
+}
+
+function strategyView(view, scale, summary) {
+  const [middle, level] = [0, 1].map((axis) => extent(shown(view), axis).reduce((a, b) => a + b) / 2);
+  const at = ([x, y]) => [VIEW.width / 2 + scale * (x - middle), VIEW.height / 2 - scale * (y - level)];
+  const points = (list) => list.map((point) => at(point).map((pixels) => pixels.toFixed(2)).join(",")).join(" ");
+  const area = (list, name) => drawn("polygon", { points: points(list), class: name });
+  const way = (list, name) => drawn("polyline", { points: points(list), class: name });
+  const label = (x, y, words) => {
+    const text = drawn("text", { x, y });
+    text.textContent = words;
+    return text;
   };
-  const plus = (p, d, length) => p.map((x, i) => x + length * d[i]);
   const parts = [];
-  const approach = strategy.steps.find((step) => step.step === "approach");
-  const retreat = strategy.steps.find((step) => step.step === "retreat");
-  // Where the palm comes from: the wrist's way, moved to the palm.
-  const back = approach.from.position.map((x, i) => x - approach.to.position[i]);
-  const start = middle.map((x, i) => x + back[i]);
-  parts.push(line(start, middle, "way"));
-  if (retreat.direction.frame === "world") parts.push(line(middle, plus(middle, retreat.direction.vector, retreat.distance), "way up"));
-  // The object lies in front of the palm, as wide across the fingers as the strategy says.
-  const width = strategy.object_width;
-  const [cx, cy] = at(plus(middle, z, width / 2));
-  parts.unshift(drawn("circle", { cx, cy, r: (150 / FIELD) * width, class: "thing" }));
-  // The palm, its fingers on one side of the object and its thumb on the other.
-  const half = Math.max(width / 2 + 0.02, 0.04);
-  const [one, other] = [plus(middle, y, half), plus(middle, y, -half)];
-  parts.push(line(one, other, "palm"), line(one, plus(one, z, 0.09), "palm"), line(other, plus(other, z, 0.09), "palm"));
-  const group = drawn("g", { transform: `translate(${left} 0)` }, ...parts);
-  const text = drawn("text", { x: 12, y: 22 });
-  text.textContent = title;
-  group.append(text);
-  return group;
+  if (view.table !== null) {
+    const [, y] = at([0, view.table]);
+    parts.push(drawn("rect", { x: 0, y, width: VIEW.width, height: Math.max(0, VIEW.height - y), class: "table" }));
+  }
+  parts.push(area(view.object, "thing"), area(view.palm_at_start, "start"), area(view.palm, "palm"));
+  parts.push(...view.fingers.map((finger) => way(finger, "finger")));
+  parts.push(way(view.approach, "way"), way(view.retreat, "way up"), label(12, 22, view.name));
+  // A bar as long as it says, in the largest round length that has room.
+  const bar = [1, 0.1, 0.01].find((metres) => scale * metres < VIEW.width / 2) ?? 0.01;
+  const foot = VIEW.height - 10;
+  parts.push(drawn("line", { x1: 12, y1: foot, x2: 12 + scale * bar, y2: foot, class: "ruler" }));
+  parts.push(label(12, foot - 7, bar < 1 ? `${100 * bar} cm` : `${bar} m`));
+  const svg = drawn("svg", { viewBox: `0 0 ${VIEW.width} ${VIEW.height}`, role: "img" }, ...parts);
+  svg.setAttribute("aria-label", `${summary}, ${view.name}`);
+  return svg;
 }
+
+const forceInWords = (step) => (step.simulated_force === null
+  ? "How hard they press was not simulated"
+  : `In the simulation of such an object one link pressed with up to ${Math.round(step.simulated_force)} N`)
+  + `; the hand's description says ${step.max_contact_force} N, which nothing here keeps to.`;
 
 const stepInWords = {
   preshape: () => "Open the fingers, away from the object.",
   approach: (step) => `Move straight to it, ${Math.round(100 * step.distance)} cm.`,
-  grasp: (step) => `Close the fingers until they meet it; press with at most ${step.max_contact_force} N.`,
+  grasp: (step) => `Close the fingers until they meet it. ${forceInWords(step)}`,
   retreat: (step) => `Lift it by ${Math.round(100 * step.distance)} cm.`,
 };
 
@@ -61,12 +74,16 @@ function drawStrategy(strategy, error) {
     return;
   }
   const summary = `${inWords(strategy.grasp)} of the ${strategy.robot}, as ${inWords(strategy.human_grasp)}, on the ${strategy.object}`;
-  const svg = drawn("svg", { viewBox: "0 0 600 260", role: "img" },
-    strategyView(strategy, "from the side", 0, [0, 2]), strategyView(strategy, "from above", 300, [0, 1]));
-  svg.setAttribute("aria-label", summary);
-  $("strategy-picture").append(svg, element("p", {}, `A ${summary}.`));
+  const { views } = strategy.layout;
+  const scale = scaleOf(views);
+  $("strategy-picture").append(...views.map((view) => strategyView(view, scale, summary)));
+  $("strategy-picture").append(element("p", {}, `A ${summary}. Dashed: the way to it; solid: the way up.`));
+  // What cannot be right comes before what would be done.
+  const problems = strategy.problems.map(({ message }) => element("p", { className: "warning" }, `This cannot be carried out: ${message}.`));
+  $("strategy-picture").append(...problems);
   $("steps").append(...strategy.steps.map((step) => element("li", {}, stepInWords[step.step]?.(step) ?? step.step)));
-  for (const warning of strategy.warnings) $("steps").append(element("li", { className: "warning" }, `Beware: ${warning}.`));
+  // The first warnings are the problems.
+  for (const doubt of strategy.warnings.slice(problems.length)) $("steps").append(element("li", { className: "warning" }, `Beware: ${doubt}.`));
 }
 
 // The descriptions to begin with are those that the program brings along.
