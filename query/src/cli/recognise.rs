@@ -17,7 +17,7 @@ use crate::client::Address;
 use crate::explain;
 use crate::output::human;
 use crate::output::record::{Record, SingleRecord};
-use crate::picture::{self, Frames};
+use crate::picture::{self, DecodeWarning, Frames};
 use crate::prior::Priors;
 use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use crate::robot::{Setting, moveit};
@@ -40,11 +40,12 @@ Examples:
   grasp-query recognise cup.jpg --server http://127.0.0.1:8750
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
-/// Recognise the grasp in pictures (PNG, JPEG, PNM).
+/// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; `-` reads a picture, or a stream of PNM, JPEG or PNG frames, from standard input.
+    /// The pictures; `-` reads a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG
+    /// or YUV4MPEG2.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -220,7 +221,9 @@ impl Recognise {
 
     fn find(&self, means: &Means<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Found {
         let found = means.recogniser.recognise(bytes, &means.source);
-        found.map_err(|error| Record::not_recognised(name, frame, &error))
+        let found = found.map_err(|error| Record::not_recognised(name.clone(), frame, &error))?;
+        found.decode_warnings.iter().for_each(|warning| warn(&name, frame, warning));
+        Ok(found)
     }
 
     /// The record of what was found, after the frames before it where there is a filter.
@@ -317,29 +320,40 @@ impl Recognise {
     }
 }
 
-/// Standard input, frame by frame: each is answered before the next is awaited. `answer` is given a frame's number, where there are
-/// several, and its bytes, or the record of why there are none.
+/// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited only then. `answer` is
+/// given a frame's number and its bytes, or the record of why there are none.
 fn each_frame(
     mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut frames = Frames::new(io::stdin().lock());
     let name = || STANDARD_INPUT.to_owned();
-    let Some(first) = frames.next() else {
+    let mut next = 0;
+    while let Some(frame) = frames.next() {
+        // A picture alone is frame 0: whether another follows is not known yet.
+        let number = Some(next);
+        next += 1;
+        let bytes = frame.map(|frame| {
+            if frame.skipped > 0 {
+                warn(&name(), number, &DecodeWarning::Skipped { bytes: frame.skipped });
+            }
+            frame.bytes
+        });
+        answer(number, bytes.map_err(|error| Record::failed(name(), number, "stream", error.to_string())))?;
+    }
+    let skipped = frames.skipped_at_end();
+    if next > 0 && skipped > 0 {
+        let _ = writeln!(io::stderr(), "-: warning: {skipped} bytes behind the last frame are no picture");
+    }
+    if next == 0 {
         let empty = RecogniseError::Decode(picture::DecodeError::Empty);
         return answer(None, Err(Record::not_recognised(name(), None, &empty)));
-    };
-    // A picture alone has no frame number: only what follows tells a stream from it.
-    let mut held = Some(first);
-    let mut number = 0;
-    while let Some(frame) = held.take() {
-        let is_stream = number > 0 || frames.has_more();
-        let frame_number = is_stream.then_some(number);
-        let bytes = frame.map_err(|error| Record::failed(name(), frame_number, "stream", error.to_string()));
-        answer(frame_number, bytes)?;
-        held = frames.next();
-        number += 1;
     }
     Ok(())
+}
+
+/// Reports what is odd about a picture that was decoded all the same.
+fn warn(name: &str, frame: Option<u64>, warning: &DecodeWarning) {
+    let _ = writeln!(io::stderr(), "{}: warning: {warning}", human::name(name, frame));
 }
 
 fn is_png(path: &Path) -> bool {
@@ -352,7 +366,7 @@ fn drawing_name(file: &str, frame: Option<u64>) -> String {
     let flat = file.trim_start_matches(['.', '/', '\\']).replace(['/', '\\', ':'], "_");
     match frame {
         Some(frame) => format!("frame-{frame:06}.png"),
-        None if flat == "-" || flat.is_empty() => "stdin.png".into(),
+        None if flat.is_empty() => "picture.png".into(),
         None => format!("{flat}.png"),
     }
 }
@@ -403,6 +417,5 @@ mod tests {
         assert_eq!(drawing_name("a/1.jpg", None), "a_1.jpg.png");
         assert_ne!(drawing_name("a/1.jpg", None), drawing_name("b/1.jpg", None));
         assert_eq!(drawing_name("-", Some(12)), "frame-000012.png");
-        assert_eq!(drawing_name("-", None), "stdin.png");
     }
 }

@@ -18,7 +18,8 @@ pub fn text(record: &Record) -> String {
     }
 }
 
-fn name(file: &str, frame: Option<u64>) -> String {
+/// What a message calls a picture.
+pub(crate) fn name(file: &str, frame: Option<u64>) -> String {
     frame.map_or_else(|| file.to_owned(), |frame| format!("{file} frame {frame}"))
 }
 

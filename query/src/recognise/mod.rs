@@ -19,7 +19,7 @@ pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared, SourceError};
 pub use timings::Timings;
 
-use crate::picture::{self, DecodeError};
+use crate::picture::{self, DecodeError, DecodeWarning};
 use crate::segment::SegmentParams;
 
 /// Rolls tried for each picture unless told otherwise: the picture as it is.
@@ -121,6 +121,8 @@ pub struct Recognition {
     pub best: Hypothesis,
     /// Why the class is unknown, where it is.
     pub doubt: Option<Doubt>,
+    /// What was odd about the encoded picture.
+    pub decode_warnings: Vec<DecodeWarning>,
     /// How long each step took.
     pub timings: Timings,
 }
@@ -143,19 +145,19 @@ impl<'a> Recogniser<'a> {
         self.index
     }
 
-    /// Recognises an encoded picture (PNG, JPEG or PNM), whose hand `source` finds.
+    /// Recognises an encoded picture ([`picture::FORMATS`]), whose hand `source` finds.
     ///
     /// # Errors
     /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
     pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
         let mut timings = Timings::default();
-        let picture = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
-        let is_jpeg = picture::is_jpeg(bytes);
+        let decoded = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
         let prepared = timings.time(
             |t| &mut t.segmentation_ms,
-            || Prepared::new(picture, is_jpeg, source, &self.options.segment),
+            || Prepared::new(decoded.picture, decoded.is_jpeg, source, &self.options.segment),
         )?;
-        self.recognise_prepared(prepared, timings)
+        let found = self.recognise_prepared(prepared, timings)?;
+        Ok(Recognition { decode_warnings: decoded.warnings, ..found })
     }
 
     /// Recognises a hand whose mask is known.
@@ -172,6 +174,6 @@ impl<'a> Recogniser<'a> {
         timings.descriptor_ms += timings::milliseconds(started);
         let best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
         let doubt = self.options.accept.doubt(self.index, &best, &self.options.vote);
-        Ok(Recognition { prepared, hand_image, best, doubt, timings })
+        Ok(Recognition { prepared, hand_image, best, doubt, decode_warnings: Vec::new(), timings })
     }
 }
