@@ -63,8 +63,14 @@ fn a_jpeg_without_its_end_marker_is_told_from_one_that_is_cut() {
             Ok(decoded) => match decoded.warnings[..] {
                 [DecodeWarning::NoEndMarker { missing_percent }] => {
                     let bytes_missing = (100 * (whole.len() - cut)).div_ceil(whole.len()) as u32;
-                    assert!(missing_percent >= missing_before && missing_percent <= 25, "{missing_percent} %");
-                    assert!(missing_percent.abs_diff(bytes_missing) < 10, "{missing_percent} % of {bytes_missing}");
+                    assert!(
+                        missing_percent >= missing_before && missing_percent <= 25,
+                        "{missing_percent} %"
+                    );
+                    assert!(
+                        missing_percent.abs_diff(bytes_missing) < 10,
+                        "{missing_percent} % of {bytes_missing}"
+                    );
                     missing_before = missing_percent;
                 }
                 ref other => panic!("{cut} of {} bytes: {other:?}", whole.len()),

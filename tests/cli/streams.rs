@@ -32,7 +32,8 @@ fn recognise(stream: &[u8]) -> Outcome {
 
 /// What became of each frame: its grasp, or the kind of its error.
 fn told(outcome: &Outcome) -> Vec<String> {
-    let of = |record: Value| record["grasp"].as_str().or(record["error"]["kind"].as_str()).unwrap().to_owned();
+    let of =
+        |record: Value| record["grasp"].as_str().or(record["error"]["kind"].as_str()).unwrap().to_owned();
     outcome.json_lines().into_iter().map(of).collect()
 }
 
@@ -128,8 +129,7 @@ fn raw_video_is_read() {
     let [hand, none] = [hand(), no_hand()].map(|jpeg| image::load_from_memory(&jpeg).unwrap().to_rgb8());
     let none = image::imageops::resize(&none, hand.width(), hand.height(), image::imageops::Triangle);
     let header = format!("YUV4MPEG2 W{} H{} F25:1 Ip C444\n", hand.width(), hand.height());
-    let stream =
-        [header.as_bytes(), &y4m_frame(&hand), &y4m_frame(&none), &y4m_frame(&hand)].concat();
+    let stream = [header.as_bytes(), &y4m_frame(&hand), &y4m_frame(&none), &y4m_frame(&hand)].concat();
     let outcome = recognise(&stream);
     let mut png = Vec::new();
     DynamicImage::from(hand).write_to(&mut Cursor::new(&mut png), ImageFormat::Png).unwrap();

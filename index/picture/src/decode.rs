@@ -7,7 +7,7 @@ use image::codecs::{
 };
 use image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
-use crate::limits::{MAX_BYTES_A_PIXEL, MAX_PIXELS, check_size, max_bytes};
+use crate::limits::{MAX_BYTES_A_PIXEL, MAX_SIDE, check_size, max_bytes};
 use crate::{DecodeError, DecodeWarning, Format, Orientation, jpeg, png, webp};
 
 /// A decoded picture.
@@ -30,7 +30,7 @@ pub struct Decoded {
 pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     let opened = Opened::new(bytes)?;
     let (width, height) = opened.decoder.dimensions();
-    let most = max_bytes(check_size(width, height)?);
+    let most = max_bytes(opened.format, check_size(width, height)?);
     if bytes.len() as u64 > most {
         return Err(DecodeError::TooLong { most, width, height });
     }
@@ -72,8 +72,12 @@ impl<'a> Opened<'a> {
             Format::Png => {
                 let (pieces, found) = png::essence(bytes);
                 exif = found;
-                // A row of the widest picture, and as much again.
-                Box::new(PngDecoder::with_limits(pieces, limits(MAX_PIXELS)).map_err(explain)?)
+                // The decoder allocates a row before it can be asked for the size.
+                if let Some((width, height)) = png::size(bytes) {
+                    check_size(width, height)?;
+                }
+                let rows = limits(8 * MAX_BYTES_A_PIXEL * u64::from(MAX_SIDE));
+                Box::new(PngDecoder::with_limits(pieces, rows).map_err(explain)?)
             }
             Format::Jpeg => {
                 let essence = jpeg::essence(bytes)?;
@@ -92,7 +96,7 @@ impl<'a> Opened<'a> {
                 let mut decoder = GifDecoder::new(whole).map_err(explain)?;
                 let (width, height) = decoder.dimensions();
                 // A frame may be larger than the picture that it belongs to.
-                decoder.set_limits(limits(u64::from(width) * u64::from(height))).map_err(explain)?;
+                decoder.set_limits(limits(4 * u64::from(width) * u64::from(height))).map_err(explain)?;
                 Box::new(decoder)
             }
             Format::Bmp => Box::new(BmpDecoder::new(whole).map_err(explain)?),
@@ -102,10 +106,10 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// What a decoder may allocate for a picture of so many pixels.
-fn limits(pixels: u64) -> Limits {
+/// At most so many bytes besides the pixels.
+fn limits(bytes: u64) -> Limits {
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(pixels.saturating_mul(2 * MAX_BYTES_A_PIXEL));
+    limits.max_alloc = Some(bytes);
     limits
 }
 

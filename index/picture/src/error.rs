@@ -90,7 +90,9 @@ impl DecodeError {
 #[non_exhaustive]
 pub enum DecodeWarning {
     /// A JPEG without its end marker; the rows that its data does not reach are grey.
-    #[error("the JPEG has no end marker, and {missing_percent} % of its rows are missing: it may be cut short")]
+    #[error(
+        "the JPEG has no end marker, and {missing_percent} % of its rows are missing: it may be cut short"
+    )]
     NoEndMarker {
         /// The share of rows that were not decoded, rounded up, 0..=100.
         missing_percent: u32,

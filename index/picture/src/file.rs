@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use crate::limits::{MAX_OVERHEAD, check_size, max_bytes};
-use crate::{DecodeError, dimensions};
+use crate::{DecodeError, Format, dimensions};
 
 /// The bytes of a picture's file.
 ///
@@ -23,7 +23,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
         return Ok(bytes);
     }
     let (width, height) = dimensions(&bytes)?;
-    let most = max_bytes(check_size(width, height)?);
+    let most = max_bytes(Format::of(&bytes)?, check_size(width, height)?);
     if length > most {
         return Err(DecodeError::TooLong { most, width, height });
     }

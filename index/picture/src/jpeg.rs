@@ -14,9 +14,9 @@ pub const MAX_SCANS: usize = 22;
 /// connections lose the marker, or the last rows; a picture that lacks more is reported as truncated.
 pub const MAX_MISSING_PERCENT: u32 = 25;
 
-/// The most bytes of tables: before each scan, four quantization tables of 16 bits and eight Huffman tables of 256 codes. A
-/// decoder expands each table, so many of them cost time whatever the pixels.
-const MAX_TABLE_BYTES: usize = MAX_SCANS * (4 * 129 + 8 * 273 + 2 * 4);
+/// The most bytes of what stands between scans: twice four quantization tables of 16 bits and eight Huffman tables of 256
+/// codes before each. A decoder expands each table, so many of them cost time whatever the pixels.
+const MAX_TABLE_BYTES: usize = 2 * MAX_SCANS * (4 * 129 + 8 * 273);
 
 /// What a decoder needs of a JPEG.
 #[derive(Debug)]
@@ -48,21 +48,18 @@ pub(crate) fn essence(bytes: &[u8]) -> Result<Essence<'_>, DecodeError> {
                     return Err(DecodeError::TooManyScans);
                 }
             }
-            DHT | DQT => {
-                table_bytes += data.len();
-                if table_bytes > MAX_TABLE_BYTES {
-                    return Err(DecodeError::TooManyTables);
-                }
-            }
             APP1 if exif.is_none() => {
                 exif = data.strip_prefix(b"Exif\0\0");
                 continue;
             }
+            SOF0..=SOF15 | DQT..=DRI => table_bytes += whole.len(),
             // How colours are stored, and that the usual Huffman tables are left out.
-            APP14 if data.starts_with(b"Adobe") => {}
-            APP0 if data.starts_with(b"AVI1") => {}
-            APP0..=APP15 | COM => continue,
-            _ => {}
+            APP14 if data.starts_with(b"Adobe") => table_bytes += whole.len(),
+            APP0 if data.starts_with(b"AVI1") => table_bytes += whole.len(),
+            _ => continue,
+        }
+        if table_bytes > MAX_TABLE_BYTES {
+            return Err(DecodeError::TooManyTables);
         }
         pieces.push(whole);
     }
@@ -87,16 +84,18 @@ pub(crate) fn missing(image: &DynamicImage) -> Result<DecodeWarning, DecodeError
     }
 }
 
-const DHT: u8 = 0xC4;
+/// The first and the last of the frame headers, between which the Huffman tables lie.
+const SOF0: u8 = 0xC0;
+const SOF15: u8 = 0xCF;
 const SOI: u8 = 0xD8;
 const EOI: u8 = 0xD9;
 const SOS: u8 = 0xDA;
+/// Quantization tables; the number of lines and the restart interval follow.
 const DQT: u8 = 0xDB;
+const DRI: u8 = 0xDD;
 const APP0: u8 = 0xE0;
 const APP1: u8 = 0xE1;
 const APP14: u8 = 0xEE;
-const APP15: u8 = 0xEF;
-const COM: u8 = 0xFE;
 
 /// A marker and what belongs to it.
 #[derive(Debug)]

@@ -4,7 +4,8 @@
 //! from what a file claims or unpacks to. Three rules give that:
 //!
 //! - The header is checked before anything is decoded: at most [`MAX_PIXELS`] pixels, at most [`MAX_SIDE`] a side, and at
-//!   most [`MAX_BYTES_A_PIXEL`] encoded bytes a pixel and [`MAX_OVERHEAD`] besides.
+//!   most [`MAX_BYTES_A_PIXEL`] encoded bytes a pixel ([`MAX_COMPRESSED_BYTES_A_PIXEL`] in JPEG, WebP and GIF) and
+//!   [`MAX_OVERHEAD`] besides.
 //! - A decoder is given only what pixels follow from. Colour profiles, text, thumbnails and the later frames of an
 //!   animation are skipped by length and never unpacked; of EXIF, only the orientation is read.
 //! - Where a format allows any number of passes over the pixels, they are bounded (a JPEG's scans:
@@ -32,5 +33,5 @@ pub use file::read;
 pub use format::{FORMATS, Format};
 pub use image::metadata::Orientation;
 pub use jpeg::{MAX_MISSING_PERCENT, MAX_SCANS};
-pub use limits::{MAX_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SIDE};
+pub use limits::{MAX_BYTES_A_PIXEL, MAX_COMPRESSED_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SIDE};
 pub use stream::{Frame, Frames, StreamError};

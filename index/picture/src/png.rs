@@ -7,6 +7,12 @@ pub(crate) const SIGNATURE: &[u8; 8] = b"\x89PNG\r\n\x1a\n";
 /// What a chunk has besides its data: length, type and checksum, four bytes each.
 pub(crate) const CHUNK_OVERHEAD: usize = 12;
 
+/// Width and height, as the header chunk says, which comes first.
+pub(crate) fn size(bytes: &[u8]) -> Option<(u32, u32)> {
+    let &[a, b, c, d, e, f, g, h] = bytes.get(16..24)? else { return None };
+    Some((u32::from_be_bytes([a, b, c, d]), u32::from_be_bytes([e, f, g, h])))
+}
+
 /// The chunks that pixels follow from, and the EXIF data.
 ///
 /// Skipped are colour profiles and compressed text, which inflate a thousandfold, the later frames of an animation, and

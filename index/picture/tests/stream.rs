@@ -167,17 +167,22 @@ fn raw_video_becomes_pictures_of_its_colours() {
     let (black, white, red) = ([0; 3], [255; 3], [254, 0, 0]);
     // Three columns and rows: the colour of the last is its own.
     let luma = [16, 16, 235, 16, 16, 235, 81, 81, 81];
-    let half = [b"YUV4MPEG2 W3 H3 F30:1 Ip A1:1 C420jpeg\nFRAME\n".as_slice(), &luma, &[128, 128, 90, 90], &[
-        128, 128, 240, 240,
-    ]]
+    let half = [
+        b"YUV4MPEG2 W3 H3 F30:1 Ip A1:1 C420jpeg\nFRAME\n".as_slice(),
+        &luma,
+        &[128, 128, 90, 90],
+        &[128, 128, 240, 240],
+    ]
     .concat();
     let first = vec![black, black, white, black, black, white, red, red, red];
     assert_eq!(rgb(&half), [first.clone()]);
     let twice = [&half[..], b"FRAME Ip\n", &luma, &[128, 128, 90, 90], &[128, 128, 240, 240]].concat();
     assert_eq!(rgb(&twice), [first.clone(), first]);
-    let beside = [b"YUV4MPEG2 W2 H2 C422\nFRAME\n".as_slice(), &[16, 235, 81, 81], &[128, 90], &[128, 240]].concat();
+    let beside =
+        [b"YUV4MPEG2 W2 H2 C422\nFRAME\n".as_slice(), &[16, 235, 81, 81], &[128, 90], &[128, 240]].concat();
     assert_eq!(rgb(&beside), [[black, white, red, red]]);
-    let full = [b"YUV4MPEG2 W2 H1 C444 XCOLORRANGE=FULL\nFRAME\n".as_slice(), &[0, 255, 128, 128, 128, 128]].concat();
+    let full = [b"YUV4MPEG2 W2 H1 C444 XCOLORRANGE=FULL\nFRAME\n".as_slice(), &[0, 255, 128, 128, 128, 128]]
+        .concat();
     assert_eq!(rgb(&full), [[black, white]]);
     assert_eq!(rgb(b"YUV4MPEG2 W1 H2 Cmono\nFRAME\n\x10\xEB"), [[black, white]]);
     for header in ["W2 H2 C420p10", "W2", "W-1 H2", "Cmono H1 W"] {

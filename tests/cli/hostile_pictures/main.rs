@@ -76,7 +76,8 @@ impl Cost {
         let stat = fs::read_to_string(format!("/proc/{process}/stat")).expect("the process runs");
         // The name in parentheses may hold spaces; user and system time are the 14th and 15th field, in hundredths of a second.
         let after_name = stat.rsplit(')').next().expect("fields");
-        let ticks: u64 = after_name.split_whitespace().skip(11).take(2).map(|n| n.parse::<u64>().unwrap()).sum();
+        let ticks: u64 =
+            after_name.split_whitespace().skip(11).take(2).map(|n| n.parse::<u64>().unwrap()).sum();
         Self { bytes: kilobytes << 10, milliseconds: 10 * ticks }
     }
 

@@ -127,10 +127,26 @@ fn webps() -> Vec<Hostile> {
         Hostile::new("WebP forged", 0, webp(&[(b"VP8 ", vp8(16_383, 16_383, 4000))])),
         Hostile::new("WebP large", 64 * 48, webp(&[(b"VP8 ", vp8(64, 48, 500_000))])),
         Hostile::new("WebP lossless", 0, webp(&[(b"VP8L", lossless.clone())])),
-        Hostile::new("WebP alpha", 0, webp(&[(b"VP8X", extended(0x10)), (b"ALPH", lossless), (b"VP8 ", small())])),
-        Hostile::new("WebP ICC", 64 * 48, webp(&[(b"VP8X", extended(0x20)), (b"ICCP", vec![1; BULK]), (b"VP8 ", small())])),
-        Hostile::new("WebP EXIF", 64 * 48, webp(&[(b"VP8X", extended(8)), (b"EXIF", vec![1; BULK]), (b"VP8 ", small())])),
-        Hostile::new("WebP XMP", 64 * 48, webp(&[(b"VP8X", extended(4)), (b"VP8 ", small()), (b"XMP ", vec![1; BULK])])),
+        Hostile::new(
+            "WebP alpha",
+            0,
+            webp(&[(b"VP8X", extended(0x10)), (b"ALPH", lossless), (b"VP8 ", small())]),
+        ),
+        Hostile::new(
+            "WebP ICC",
+            64 * 48,
+            webp(&[(b"VP8X", extended(0x20)), (b"ICCP", vec![1; BULK]), (b"VP8 ", small())]),
+        ),
+        Hostile::new(
+            "WebP EXIF",
+            64 * 48,
+            webp(&[(b"VP8X", extended(8)), (b"EXIF", vec![1; BULK]), (b"VP8 ", small())]),
+        ),
+        Hostile::new(
+            "WebP XMP",
+            64 * 48,
+            webp(&[(b"VP8X", extended(4)), (b"VP8 ", small()), (b"XMP ", vec![1; BULK])]),
+        ),
         Hostile::new("WebP of many chunks", 64 * 48, {
             let mut chunks: Vec<(&[u8; 4], Vec<u8>)> = vec![(b"VP8X", extended(0))];
             chunks.extend((0..1_000_000).map(|_| (b"junk", Vec::new())));
@@ -159,7 +175,8 @@ fn pnms() -> Vec<Hostile> {
         let forged = head.replace("2000", "65000").replace("1000", "65000");
         all.push(Hostile::new(format!("PNM {name} forged"), 0, of(&forged, vec![0; 1000])));
     }
-    for (head, samples) in [("P1\n2000 1000\n", 1), ("P2\n2000 1000\n255\n", 1), ("P3\n2000 1000\n255\n", 3)] {
+    for (head, samples) in [("P1\n2000 1000\n", 1), ("P2\n2000 1000\n255\n", 1), ("P3\n2000 1000\n255\n", 3)]
+    {
         let body = b"0 ".repeat(samples * pixels);
         all.push(Hostile::new(format!("PNM {}", &head[..2]), pixels as u64, of(head, body)));
     }
