@@ -91,7 +91,7 @@ impl DecodeError {
 pub enum DecodeWarning {
     /// A JPEG without its end marker; the rows that its data does not reach are grey.
     #[error(
-        "the JPEG has no end marker, and {missing_percent} % of its rows are missing: it may be cut short"
+        "the JPEG has no end marker: it may be cut short, and {missing_percent} % of its rows are missing"
     )]
     NoEndMarker {
         /// The share of rows that were not decoded, rounded up, 0..=100.

@@ -31,7 +31,12 @@ pub(crate) fn essence(bytes: &[u8]) -> Result<(Pieces<'_>, Option<&[u8]>), Decod
                 continue;
             }
             b"VP8 " if lossy.is_none() => lossy = bytes.get(at..end.min(bytes.len())),
-            b"EXIF" if exif.is_none() => exif = bytes.get(at + CHUNK_HEADER..end),
+            b"EXIF" if exif.is_none() => {
+                // Some writers put JPEG's name for it in front.
+                exif = bytes
+                    .get(at + CHUNK_HEADER..end)
+                    .map(|exif| exif.strip_prefix(b"Exif\0\0").unwrap_or(exif));
+            }
             _ => {}
         }
         // Chunks begin at even places.

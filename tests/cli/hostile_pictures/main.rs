@@ -18,10 +18,10 @@ use grasp_tests::{program, run, small_index};
 const BYTES_A_PIXEL: u64 = 20;
 const BYTES_BESIDES: u64 = 100 << 20;
 
-/// The processor time that a picture may cost: what a JPEG of all its scans costs a pixel in an unhurried build, and besides, in
+/// The processor time that a picture may cost: six times what was measured at most, for each of its pixels, and besides, in
 /// milliseconds.
-const NANOSECONDS_A_PIXEL: u64 = 2000;
-const MILLISECONDS_BESIDES: u64 = 1500;
+const NANOSECONDS_A_PIXEL: u64 = 200;
+const MILLISECONDS_BESIDES: u64 = 1000;
 
 /// How much metadata a hostile picture carries: less than the service's limit of a body.
 const BULK: usize = 16 << 20;
@@ -41,9 +41,10 @@ impl Hostile {
         Self { name: name.into(), bytes, pixels }
     }
 
-    fn check(&self, by: &str, cost: Cost) {
+    /// Asserts what it cost a process whose largest picture so far had so many pixels.
+    fn check(&self, by: &str, cost: Cost, largest: u64) {
         let (name, pixels) = (&self.name, self.pixels);
-        let allowed = BYTES_A_PIXEL * pixels + BYTES_BESIDES;
+        let allowed = BYTES_A_PIXEL * largest + BYTES_BESIDES;
         assert!(
             cost.bytes <= allowed,
             "{name} of {pixels} pixels in {} kB cost {by} {} MB",
@@ -125,7 +126,7 @@ fn no_picture_costs_the_command_line_more_than_its_pixels() {
             let Cost { bytes, milliseconds } = cost;
             println!("{}\t{}\t{}\t{milliseconds}\t{message}", hostile.name, hostile.pixels, bytes >> 20);
         }
-        hostile.check("the command line", cost);
+        hostile.check("the command line", cost, hostile.pixels);
         if hostile.pixels == 0 {
             assert!(!record["error"].is_null(), "{} was answered", hostile.name);
         }
@@ -139,14 +140,17 @@ fn no_picture_costs_the_service_more_than_its_pixels() {
     let service = Service::start(|command| {
         command.args(["--threads", "1", "--index"]).arg(small_index());
     });
+    // An allocator may keep what an earlier picture needed.
+    let mut largest = 0;
     for hostile in all() {
+        largest = hostile.pixels.max(largest);
         Cost::reset_peak(service.id());
         let before = Cost::of(service.id());
         let answer = service.post("/v1/recognise", &hostile.bytes);
         let after = Cost::of(service.id());
         assert!([200, 400, 413, 422].contains(&answer.status), "{}: {}", hostile.name, answer.text());
         let milliseconds = after.milliseconds - before.milliseconds;
-        hostile.check("the service", Cost { bytes: after.bytes, milliseconds });
+        hostile.check("the service", Cost { bytes: after.bytes, milliseconds }, largest);
     }
     assert_eq!(service.get("/healthz").status, 200);
 }

@@ -76,7 +76,7 @@ impl Kind {
 }
 
 /// How many bytes [`Kind::of`] looks at.
-const LONGEST_SIGNATURE: usize = 12;
+pub(super) const LONGEST_SIGNATURE: usize = 12;
 
 /// A length of 32 bits at a place in the header, which counts all but `besides` bytes.
 fn end_by_length(bytes: &[u8], at: usize, besides: usize) -> End {

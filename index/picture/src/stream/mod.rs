@@ -13,7 +13,7 @@ use std::io::{self, Read};
 
 use crate::MAX_PIXELS;
 use crate::jpeg::EndScan;
-use end::{End, Kind};
+use end::{End, Kind, LONGEST_SIGNATURE};
 use multipart::PartHeader;
 use y4m::Y4m;
 
@@ -166,11 +166,19 @@ impl<R: Read> Frames<R> {
             PartHeader::None => {}
         }
         let zeros = self.buffer.iter().take_while(|&&byte| byte == 0).count();
-        if zeros > 0 {
+        // A few zeros at the beginning may be a format's own.
+        let are_between = self.last.is_some()
+            || zeros >= LONGEST_SIGNATURE
+            || Kind::of(self.buffer.get(zeros..).unwrap_or_default()).is_some();
+        if zeros > 0 && are_between {
             self.skip(zeros);
             return Ok(true);
         }
         let Some(last) = self.last else { return Ok(false) };
+        // Any format may begin with what has come.
+        if self.buffer.len() < LONGEST_SIGNATURE && !self.ended {
+            return Ok(false);
+        }
         let next = last.find(&self.buffer);
         self.skip(next);
         Ok(next > 0)
