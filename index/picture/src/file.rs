@@ -9,9 +9,8 @@ use crate::{DecodeError, Format, dimensions};
 
 /// The bytes of a picture's file.
 ///
-/// # Errors
-/// Where the file cannot be read, and where it is longer than any picture of its size can be; of that much, no more than
-/// the first [`MAX_OVERHEAD`] bytes are held.
+/// # Errors Where the file cannot be read, and where it is longer than any picture of its size can
+/// be; of that much, no more than the first [`MAX_OVERHEAD`] bytes are held.
 pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
     let cannot = |reason| DecodeError::Read { path: path.to_owned(), reason };
     let mut file = File::open(path).map_err(cannot)?;

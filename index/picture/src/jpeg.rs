@@ -1,21 +1,25 @@
-//! What of a JPEG its pixels follow from, how often it goes over them, and how much of it is missing.
+//! What of a JPEG its pixels follow from, how often it goes over them, and how much of it is
+//! missing.
 
 use image::DynamicImage;
 
 use crate::pieces::Pieces;
 use crate::{DecodeError, DecodeWarning};
 
-/// The most scans a JPEG may have. Each is a pass over all pixels that may take no more than a hundred bytes.
+/// The most scans a JPEG may have. Each is a pass over all pixels that may take no more than a
+/// hundred bytes.
 ///
 /// libjpeg's own progressive script has 10 and mozjpeg's longest 11; this is twice that.
 pub const MAX_SCANS: usize = 22;
 
-/// The most rows, in percent, that a JPEG without its end marker may lack to be decoded with a warning. Cameras and cut
-/// connections lose the marker, or the last rows; a picture that lacks more is reported as truncated.
+/// The most rows, in percent, that a JPEG without its end marker may lack to be decoded with a
+/// warning. Cameras and cut connections lose the marker, or the last rows; a picture that lacks
+/// more is reported as truncated.
 pub const MAX_MISSING_PERCENT: u32 = 25;
 
-/// The most bytes of what stands between scans: twice four quantization tables of 16 bits and eight Huffman tables of 256
-/// codes before each. A decoder expands each table, so many of them cost time whatever the pixels.
+/// The most bytes of what stands between scans: twice four quantization tables of 16 bits and eight
+/// Huffman tables of 256 codes before each. A decoder expands each table, so many of them cost time
+/// whatever the pixels.
 const MAX_TABLE_BYTES: usize = 2 * MAX_SCANS * (4 * 129 + 8 * 273);
 
 /// What a decoder needs of a JPEG.
@@ -28,8 +32,8 @@ pub(crate) struct Essence<'a> {
     pub(crate) is_cut: bool,
 }
 
-/// The segments that pixels follow from. Skipped are the application's own (colour profiles, thumbnails, text, which
-/// decoders copy), comments, and what follows the end marker.
+/// The segments that pixels follow from. Skipped are the application's own (colour profiles,
+/// thumbnails, text, which decoders copy), comments, and what follows the end marker.
 pub(crate) fn essence(bytes: &[u8]) -> Result<Essence<'_>, DecodeError> {
     let mut pieces = Pieces::default();
     let mut exif = None;
@@ -107,7 +111,8 @@ struct Segment<'a> {
     whole: &'a [u8],
 }
 
-/// The segments of a JPEG behind its start marker, up to its end marker, another picture's start, or a segment that is cut.
+/// The segments of a JPEG behind its start marker, up to its end marker, another picture's start,
+/// or a segment that is cut.
 #[derive(Debug)]
 struct Segments<'a> {
     bytes: &'a [u8],
@@ -160,7 +165,8 @@ fn next_marker(bytes: &[u8], mut at: usize) -> Option<(usize, u8)> {
     }
 }
 
-/// The place of the marker that ends a scan's entropy-coded data from `at` on: neither a stuffed byte (FF 00) nor a restart.
+/// The place of the marker that ends a scan's entropy-coded data from `at` on: neither a stuffed
+/// byte (FF 00) nor a restart.
 fn end_of_scan(bytes: &[u8], mut at: usize) -> Option<usize> {
     loop {
         match next_marker(bytes, at)? {
@@ -170,15 +176,16 @@ fn end_of_scan(bytes: &[u8], mut at: usize) -> Option<usize> {
     }
 }
 
-/// Where a JPEG ends in a stream. It remembers where it stopped, so that each byte is looked at once.
+/// Where a JPEG ends in a stream. It remembers where it stopped, so that each byte is looked at
+/// once.
 #[derive(Debug, Default)]
 pub(crate) struct EndScan {
     at: usize,
 }
 
 impl EndScan {
-    /// The end of the JPEG that `bytes` begins with: behind its end marker, or where the next one begins. `None` where
-    /// more bytes are needed.
+    /// The end of the JPEG that `bytes` begins with: behind its end marker, or where the next one
+    /// begins. `None` where more bytes are needed.
     pub(crate) fn end(&mut self, bytes: &[u8]) -> Option<usize> {
         self.at = self.at.max(2);
         loop {

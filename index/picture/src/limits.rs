@@ -2,17 +2,20 @@
 
 use crate::{DecodeError, Format};
 
-/// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged header does not.
+/// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged
+/// header does not.
 pub const MAX_PIXELS: u64 = 1 << 27;
 
-/// The most pixels a side may have: what JPEG and GIF can say at all. Decoders hold several rows at a time, so that a
-/// picture of a single row would cost several times its pixels.
+/// The most pixels a side may have: what JPEG and GIF can say at all. Decoders hold several rows at
+/// a time, so that a picture of a single row would cost several times its pixels.
 pub const MAX_SIDE: u32 = 65_535;
 
-/// The most encoded bytes that a pixel may take where pixels may be stored as they are: 16-bit RGBA, the widest.
+/// The most encoded bytes that a pixel may take where pixels may be stored as they are: 16-bit
+/// RGBA, the widest.
 pub const MAX_BYTES_A_PIXEL: u64 = 8;
 
-/// The most encoded bytes that a pixel may take where it always is compressed. A JPEG of noise at the highest quality has three.
+/// The most encoded bytes that a pixel may take where it always is compressed. A JPEG of noise at
+/// the highest quality has three.
 pub const MAX_COMPRESSED_BYTES_A_PIXEL: u64 = 4;
 
 /// The bytes that an encoded picture may have besides: headers, colour profile, text, thumbnails.

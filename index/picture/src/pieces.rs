@@ -1,4 +1,5 @@
-//! Parts of a file, read as if nothing had been between them: a decoder sees what pixels follow from, and nothing is copied.
+//! Parts of a file, read as if nothing had been between them: a decoder sees what pixels follow
+//! from, and nothing is copied.
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 

@@ -15,8 +15,9 @@ pub(crate) fn size(bytes: &[u8]) -> Option<(u32, u32)> {
 
 /// The chunks that pixels follow from, and the EXIF data.
 ///
-/// Skipped are colour profiles and compressed text, which inflate a thousandfold, the later frames of an animation, and
-/// whatever else a file may carry beside its pixels. A chunk that a decoder must understand is left for it to refuse.
+/// Skipped are colour profiles and compressed text, which inflate a thousandfold, the later frames
+/// of an animation, and whatever else a file may carry beside its pixels. A chunk that a decoder
+/// must understand is left for it to refuse.
 pub(crate) fn essence(bytes: &[u8]) -> (Pieces<'_>, Option<&[u8]>) {
     let mut exif = None;
     let mut pieces = Pieces::default();

@@ -10,9 +10,11 @@ const CHUNK_HEADER: usize = 8;
 /// What an animation's frame has before its own chunks.
 const FRAME_HEADER: usize = 16;
 
-/// The lossy picture in a WebP, the first where it is animated, as a file of its own; and the EXIF data.
+/// The lossy picture in a WebP, the first where it is animated, as a file of its own; and the EXIF
+/// data.
 ///
-/// Lossless pictures and compressed transparency are refused, because their decoder cannot be bounded.
+/// Lossless pictures and compressed transparency are refused, because their decoder cannot be
+/// bounded.
 pub(crate) fn essence(bytes: &[u8]) -> Result<(Pieces<'_>, Option<&[u8]>), DecodeError> {
     let mut lossy = None;
     let mut exif = None;

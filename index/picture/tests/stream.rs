@@ -175,7 +175,7 @@ fn raw_video_becomes_pictures_of_its_colours() {
     ]
     .concat();
     let first = vec![black, black, white, black, black, white, red, red, red];
-    assert_eq!(rgb(&half), [first.clone()]);
+    assert_eq!(rgb(&half), std::slice::from_ref(&first));
     let twice = [&half[..], b"FRAME Ip\n", &luma, &[128, 128, 90, 90], &[128, 128, 240, 240]].concat();
     assert_eq!(rgb(&twice), [first.clone(), first]);
     let beside =

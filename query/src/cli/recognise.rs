@@ -328,7 +328,7 @@ fn each_frame(
     let mut frames = Frames::new(io::stdin().lock());
     let name = || STANDARD_INPUT.to_owned();
     let mut next = 0;
-    while let Some(frame) = frames.next() {
+    for frame in frames.by_ref() {
         // A picture alone is frame 0: whether another follows is not known yet.
         let number = Some(next);
         next += 1;

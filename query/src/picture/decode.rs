@@ -32,7 +32,8 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     Ok(Decoded { picture, is_jpeg: decoded.format == Format::Jpeg, warnings: decoded.warnings })
 }
 
-/// As 8 bits a channel without transparency, as segmented pictures have it: what is transparent is no hand.
+/// As 8 bits a channel without transparency, as segmented pictures have it: what is transparent is
+/// no hand.
 fn on_black(image: DynamicImage) -> DynamicImage {
     if !image.color().has_alpha() {
         return image.into_rgb8().into();

@@ -16,7 +16,8 @@ fn bulk(marker: u8, head: &[u8], length: usize) -> Vec<u8> {
     one.repeat(length / one.len())
 }
 
-/// A quantization table, and Huffman tables of a code each: 0, the end of a block, or of 2^14 of them and more.
+/// A quantization table, and Huffman tables of a code each: 0, the end of a block, or of 2^14 of
+/// them and more.
 fn tables(is_progressive: bool) -> Vec<u8> {
     let code = |class: u8, symbol: u8| {
         let mut counts = [0; 16];
@@ -56,7 +57,8 @@ impl Layout {
         mcus(self.width, across) * mcus(self.height, down) * in_mcu
     }
 
-    /// A scan of components, of some coefficients, with all bits 0: each block differs from the one before in nothing.
+    /// A scan of components, of some coefficients, with all bits 0: each block differs from the one
+    /// before in nothing.
     fn scan(self, components: &[u8], band: (u8, u8), approximation: u8, bits: usize) -> Vec<u8> {
         let mut data = vec![components.len() as u8];
         components.iter().for_each(|&id| data.extend([id, 0]));
@@ -76,7 +78,8 @@ impl Layout {
         [head, self.scan(&self.all_components(), band, 0, bits), EOI.to_vec()].concat()
     }
 
-    /// A progressive picture that goes over its pixels so many times; a scan of the higher coefficients is but a few bytes.
+    /// A progressive picture that goes over its pixels so many times; a scan of the higher
+    /// coefficients is but a few bytes.
     fn of_scans(self, scans: usize) -> Vec<u8> {
         let head = [&SOI[..], &tables(true), &self.frame()].concat();
         let first = self.scan(&self.all_components(), (0, 0), 0, self.blocks());

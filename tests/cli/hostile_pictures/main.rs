@@ -1,5 +1,5 @@
-//! Pictures that are made to cost far more than their pixels: through the command line, the service and the builder, each costs
-//! at most 20 bytes a pixel and 100 MB, and time in proportion.
+//! Pictures that are made to cost far more than their pixels: through the command line, the service
+//! and the builder, each costs at most 20 bytes a pixel and 100 MB, and time in proportion.
 #![cfg(target_os = "linux")]
 
 mod jpeg;
@@ -18,8 +18,8 @@ use grasp_tests::{program, run, small_index};
 const BYTES_A_PIXEL: u64 = 20;
 const BYTES_BESIDES: u64 = 100 << 20;
 
-/// The processor time that a picture may cost: six times what was measured at most, for each of its pixels, and besides, in
-/// milliseconds.
+/// The processor time that a picture may cost: six times what was measured at most, for each of its
+/// pixels, and besides, in milliseconds.
 const NANOSECONDS_A_PIXEL: u64 = 200;
 const MILLISECONDS_BESIDES: u64 = 1000;
 
@@ -75,7 +75,8 @@ impl Cost {
         let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a peak");
         let kilobytes: u64 = peak.trim().trim_end_matches(" kB").parse().expect("a number");
         let stat = fs::read_to_string(format!("/proc/{process}/stat")).expect("the process runs");
-        // The name in parentheses may hold spaces; user and system time are the 14th and 15th field, in hundredths of a second.
+        // The name in parentheses may hold spaces; user and system time are the 14th and 15th
+        // field, in hundredths of a second.
         let after_name = stat.rsplit(')').next().expect("fields");
         let ticks: u64 =
             after_name.split_whitespace().skip(11).take(2).map(|n| n.parse::<u64>().unwrap()).sum();
@@ -164,7 +165,8 @@ fn no_picture_costs_a_build_more_than_its_pixels() {
     let builder = program("grasp-builder").get_program().to_owned();
     for hostile in png::bombs().into_iter().chain(jpeg::many_scans()) {
         fs::write(folder.path().join("picture"), &hostile.bytes).unwrap();
-        // A build ends with its one picture: private memory is limited instead of looked at, the pixels' own included.
+        // A build ends with its one picture: private memory is limited instead of looked at, the
+        // pixels' own included.
         let limit = (BYTES_A_PIXEL * hostile.pixels + BYTES_BESIDES) >> 10;
         let outcome = run(std::process::Command::new("sh")
             .arg("-c")

@@ -56,7 +56,8 @@ impl Kind {
         }
     }
 
-    /// How many bytes go before what may be the next picture of this format, or the header of a part that holds one.
+    /// How many bytes go before what may be the next picture of this format, or the header of a
+    /// part that holds one.
     pub(super) fn find(self, bytes: &[u8]) -> usize {
         let first = match self {
             Self::Pnm | Self::Pam => b'P',

@@ -1,9 +1,10 @@
 //! A stream of pictures on one pipe, split into its frames.
 //!
-//! Read are encoded pictures one behind the other (`ffmpeg -f image2pipe -c:v mjpeg`, or `ppm`, or `png`), the parts of an
-//! HTTP `multipart/x-mixed-replace` response as network cameras send it, and YUV4MPEG2 (`ffmpeg -f yuv4mpegpipe`). Where a
-//! frame ends is found from the format alone, without decoding. A frame is given as soon as its last byte has come, and at
-//! most one is held in memory.
+//! Read are encoded pictures one behind the other (`ffmpeg -f image2pipe -c:v mjpeg`, or `ppm`, or
+//! `png`), the parts of an HTTP `multipart/x-mixed-replace` response as network cameras send it,
+//! and YUV4MPEG2 (`ffmpeg -f yuv4mpegpipe`). Where a frame ends is found from the format alone,
+//! without decoding. A frame is given as soon as its last byte has come, and at most one is held in
+//! memory.
 
 mod end;
 mod multipart;
@@ -17,7 +18,8 @@ use end::{End, Kind, LONGEST_SIGNATURE};
 use multipart::PartHeader;
 use y4m::Y4m;
 
-/// The most bytes that one frame may have: the largest allowed picture as 16-bit RGB, and its header.
+/// The most bytes that one frame may have: the largest allowed picture as 16-bit RGB, and its
+/// header.
 const MAX_FRAME_BYTES: usize = MAX_PIXELS as usize * 6 + 4096;
 /// How much is asked of the pipe at once.
 const CHUNK: usize = 64 * 1024;
@@ -49,10 +51,11 @@ pub struct Frame {
 
 /// Splits a byte stream into the encoded pictures in it.
 ///
-/// PNM (binary: P4, P5, P6, P7), JPEG, PNG, BMP and WebP frames are told apart by their first bytes. Behind the first frame,
-/// what belongs to none is skipped up to the next of the same format; zeros are skipped before the first, too. Other bytes at
-/// the stream's beginning are one picture up to its end, and so is a last frame that is cut short: decoding then reports
-/// what is wrong.
+/// PNM (binary: P4, P5, P6, P7), JPEG, PNG, BMP and WebP frames are told apart by their first
+/// bytes. Behind the first frame, what belongs to none is skipped up to the next of the same
+/// format; zeros are skipped before the first, too. Other bytes at the stream's beginning are one
+/// picture up to its end, and so is a last frame that is cut short: decoding then reports what is
+/// wrong.
 #[derive(Debug)]
 pub struct Frames<R> {
     input: R,
@@ -86,7 +89,8 @@ impl<R: Read> Frames<R> {
         self.skipped
     }
 
-    /// Takes what the pipe has ready: waiting for a full chunk would hold a live camera's frame back.
+    /// Takes what the pipe has ready: waiting for a full chunk would hold a live camera's frame
+    /// back.
     fn read_more(&mut self) -> Result<(), StreamError> {
         let held = self.buffer.len();
         self.buffer.resize(held + CHUNK, 0);
@@ -143,8 +147,8 @@ impl<R: Read> Frames<R> {
         }
     }
 
-    /// Takes what stands where a frame should begin and is none. `false` where more bytes are needed to tell, or where all
-    /// that follows is one picture.
+    /// Takes what stands where a frame should begin and is none. `false` where more bytes are
+    /// needed to tell, or where all that follows is one picture.
     fn between_frames(&mut self) -> Result<bool, StreamError> {
         if let Some(header) = y4m::header(&self.buffer) {
             let (y4m, length) = header?;

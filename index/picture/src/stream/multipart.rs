@@ -1,7 +1,9 @@
-//! The headers between the pictures of an HTTP `multipart/x-mixed-replace` response, as network cameras send it.
+//! The headers between the pictures of an HTTP `multipart/x-mixed-replace` response, as network
+//! cameras send it.
 //!
-//! Each part is a boundary line, header lines and an empty line, then the picture, whose own format says where it ends: a
-//! `Content-Length` is left out by some cameras and wrong in others. With `curl -i` the response's own header comes first.
+//! Each part is a boundary line, header lines and an empty line, then the picture, whose own format
+//! says where it ends: a `Content-Length` is left out by some cameras and wrong in others. With
+//! `curl -i` the response's own header comes first.
 
 /// The longest header of a part or a response.
 const MAX_HEADER: usize = 8192;

@@ -1,4 +1,5 @@
-//! YUV4MPEG2: raw video, its frames' size and sampling told once in a header. A frame becomes a PNM.
+//! YUV4MPEG2: raw video, its frames' size and sampling told once in a header. A frame becomes a
+//! PNM.
 
 use super::StreamError;
 use super::end::End;
