@@ -1,8 +1,8 @@
-//! Pictures as the world sends them: whole, cut short, forged, and one behind the other.
+//! Pictures as the world sends them: whole, cut short and forged.
 
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 
-use grasp_query::picture::{DecodeError, Frames, StreamError, decode, decode_grey, decode_grey16};
+use grasp_query::picture::{self, DecodeError, DecodeWarning, Picture, decode_grey, decode_grey16};
 use image::{DynamicImage, ImageFormat, Luma, Rgb, RgbImage};
 use proptest::prelude::*;
 
@@ -15,6 +15,10 @@ fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Vec::new();
     image.into().write_to(&mut Cursor::new(&mut bytes), format).unwrap();
     bytes
+}
+
+fn decode(bytes: &[u8]) -> Result<Picture, DecodeError> {
+    picture::decode(bytes).map(|decoded| decoded.picture)
 }
 
 const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Pnm];
@@ -42,10 +46,45 @@ fn a_picture_cut_short_is_truncated_in_every_format() {
         let whole = encoded(picture(40, 30), format);
         let half = decode(&whole[..whole.len() / 2]).unwrap_err();
         assert!(matches!(half, DecodeError::Truncated), "half a {format:?}: {half}");
-        // The last bytes of a PNG are an empty closing chunk: nothing is lost with them.
+        // Only PNM ends with pixels: nothing is lost with a closing chunk or an end marker.
         let nearly = decode(&whole[..whole.len() - 2]);
-        assert!(nearly.is_err() || format == ImageFormat::Png, "{format:?} without its last two bytes");
+        assert_eq!(nearly.is_ok(), format != ImageFormat::Pnm, "{format:?} without its last two bytes");
     }
+}
+
+#[test]
+fn a_jpeg_without_its_end_marker_is_told_from_one_that_is_cut() {
+    let original = picture(256, 256);
+    let whole = encoded(original.clone(), ImageFormat::Jpeg);
+    assert!(picture::decode(&whole).unwrap().warnings.is_empty());
+    let mut missing_before = 0;
+    for cut in (whole.len() / 2..whole.len() - 1).rev().step_by(200) {
+        match picture::decode(&whole[..cut]) {
+            Ok(decoded) => match decoded.warnings[..] {
+                [DecodeWarning::NoEndMarker { missing_percent }] => {
+                    let bytes_missing = (100 * (whole.len() - cut)).div_ceil(whole.len()) as u32;
+                    assert!(
+                        missing_percent >= missing_before && missing_percent <= 25,
+                        "{missing_percent} %"
+                    );
+                    assert!(
+                        missing_percent.abs_diff(bytes_missing) < 10,
+                        "{missing_percent} % of {bytes_missing}"
+                    );
+                    missing_before = missing_percent;
+                }
+                ref other => panic!("{cut} of {} bytes: {other:?}", whole.len()),
+            },
+            Err(error) => {
+                assert!(matches!(error, DecodeError::Truncated), "{cut} of {} bytes: {error}", whole.len());
+                assert!(missing_before > 15, "truncated where {missing_before} % were missing before");
+            }
+        }
+    }
+    assert!(matches!(decode(&whole[..whole.len() / 2]), Err(DecodeError::Truncated)));
+    // A mask has nobody to warn.
+    let mask = encoded(image::GrayImage::new(64, 64), ImageFormat::Jpeg);
+    assert!(matches!(decode_grey(&mask[..mask.len() - 2]), Err(DecodeError::Truncated)));
 }
 
 #[test]
@@ -108,76 +147,6 @@ fn masks_and_depth_are_read_as_what_they_are() {
     assert!(error.to_string().contains("16 bits"), "{error}");
 }
 
-/// A pipe that gives a few bytes at a time.
-struct Drip<'a> {
-    bytes: &'a [u8],
-    at_once: usize,
-}
-
-impl Read for Drip<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let given = self.at_once.min(buffer.len()).min(self.bytes.len());
-        buffer[..given].copy_from_slice(&self.bytes[..given]);
-        self.bytes = &self.bytes[given..];
-        Ok(given)
-    }
-}
-
-#[test]
-fn a_stream_is_split_where_its_frames_end_however_the_pipe_cuts_it() {
-    let jpeg = |w, h| encoded(picture(w, h), ImageFormat::Jpeg);
-    let pnm = |w, h| encoded(picture(w, h), ImageFormat::Pnm);
-    let png = |w, h| encoded(picture(w, h), ImageFormat::Png);
-    let grey = b"P5 # a comment\n# and another\n4 3\n255\n0123456789AB".to_vec();
-    let colour = [b"P6 2 1 255\n".as_slice(), &[1, 2, 3, 4, 5, 6]].concat();
-    let wide = b"P5\n2 2\n65535\n01234567".to_vec();
-    let bits = b"P4\n9 2\nabcd".to_vec();
-    for frames in [
-        vec![pnm(5, 4), pnm(5, 4), pnm(7, 2)],
-        vec![jpeg(9, 9), jpeg(16, 8), jpeg(24, 24)],
-        vec![png(9, 9), png(16, 8), png(3, 3)],
-        vec![grey, pnm(3, 3), colour, wide, bits, jpeg(8, 8), png(4, 4), pnm(1, 1)],
-    ] {
-        let stream = frames.concat();
-        for at_once in (1..stream.len() + 2).step_by(if stream.len() > 1500 { 13 } else { 1 }) {
-            let found: Vec<Vec<u8>> =
-                Frames::new(Drip { bytes: &stream, at_once }).map(Result::unwrap).collect();
-            assert_eq!(found, frames, "{at_once} bytes at a time");
-        }
-    }
-}
-
-#[test]
-fn restart_markers_and_stuffed_bytes_do_not_end_a_jpeg() {
-    let frame = [
-        &[0xFF, 0xD8, 0xFF, 0xE0, 0, 4, 0xFF, 0xD9][..], // an end marker inside a segment
-        &[0xFF, 0xDA, 0, 2, 1, 2, 0xFF, 0x00, 3, 0xFF, 0xD0, 4, 0xFF, 0xFF, 0xD9],
-    ]
-    .concat();
-    let found: Vec<_> = Frames::new(Cursor::new(frame.repeat(3))).map(Result::unwrap).collect();
-    assert_eq!(found, vec![frame.clone(), frame.clone(), frame]);
-}
-
-#[test]
-fn a_last_frame_cut_short_is_given_as_it_is_and_decoding_says_why() {
-    let whole = encoded(picture(20, 20), ImageFormat::Pnm);
-    let stream = [&whole[..], &whole[..whole.len() - 1]].concat();
-    let found: Vec<_> = Frames::new(Cursor::new(stream)).map(Result::unwrap).collect();
-    assert_eq!(found.len(), 2);
-    assert!(decode(&found[0]).is_ok());
-    assert!(matches!(decode(&found[1]), Err(DecodeError::Truncated)));
-}
-
-#[test]
-fn a_jpeg_cut_short_does_not_swallow_the_next_one() {
-    let whole = encoded(picture(64, 64), ImageFormat::Jpeg);
-    let stream = [&whole[..], &whole[..whole.len() - 40], &whole[..]].concat();
-    let found: Vec<_> = Frames::new(Cursor::new(stream)).map(Result::unwrap).collect();
-    assert_eq!(found.len(), 3);
-    assert!(matches!(decode(&found[1]), Err(DecodeError::Truncated)));
-    assert_eq!(found[2], whole);
-}
-
 #[test]
 fn what_is_transparent_is_black() {
     let half =
@@ -185,22 +154,6 @@ fn what_is_transparent_is_black() {
     let picture = decode(&encoded(half, ImageFormat::Png)).unwrap();
     assert_eq!(picture.rgb()[1], [200, 100, 50]);
     assert_eq!(picture.rgb()[2], [0, 0, 0]);
-}
-
-#[test]
-fn a_lone_picture_has_nothing_behind_it() {
-    let png = encoded(picture(20, 20), ImageFormat::Png);
-    let mut frames = Frames::new(Drip { bytes: &png, at_once: 10 });
-    assert_eq!(frames.next().unwrap().unwrap(), png);
-    assert!(!frames.has_more());
-    assert!(frames.next().is_none());
-}
-
-#[test]
-fn a_gigantic_frame_ends_the_stream_with_an_error() {
-    let mut frames = Frames::new(Cursor::new(b"P6\n30000 30000\n255\n".to_vec()));
-    assert!(matches!(frames.next(), Some(Err(StreamError::TooLarge))));
-    assert!(frames.next().is_none());
 }
 
 proptest! {
@@ -226,25 +179,5 @@ proptest! {
         }
         let _ = decode(&bytes);
         let _ = decode(&bytes[..(bytes.len() as f64 * keep) as usize]);
-    }
-
-    #[test]
-    fn a_stream_loses_no_byte(bytes in prop::collection::vec(any::<u8>(), 0..300), head in 0..5usize, at_once in 1..40usize) {
-        let png = b"\x89PNG\r\n\x1a\n\0\0\0\x03IHDR";
-        let heads: [&[u8]; 5] = [b"", b"P6\n2 2\n255\n", b"P4 8", &[0xFF, 0xD8, 0xFF], png];
-        let bytes = [heads[head], &bytes[..]].concat();
-        let mut rebuilt = Vec::new();
-        let mut failed = false;
-        for frame in Frames::new(Drip { bytes: &bytes, at_once }) {
-            match frame {
-                Ok(frame) => {
-                    prop_assert!(!frame.is_empty());
-                    rebuilt.extend(frame);
-                }
-                Err(_) => failed = true,
-            }
-        }
-        prop_assert!(bytes.starts_with(&rebuilt));
-        prop_assert!(failed || rebuilt == bytes);
     }
 }

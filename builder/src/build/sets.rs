@@ -1,7 +1,7 @@
 //! Entries read from render sets on disk.
 
 use std::fs;
-use std::io::{Cursor, Read as _};
+use std::io::Read as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,6 @@ use anyhow::{Context as _, bail};
 use grasp_index::{ClassInfo, NewEntry};
 use grasp_renders::GraspSet;
 use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
-use image::{ImageReader, Limits};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
@@ -196,13 +195,17 @@ fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
 
 /// Decodes a picture of any supported format into grey values.
 fn decode(bytes: &[u8]) -> anyhow::Result<Grey> {
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS_A_SIDE);
-    limits.max_image_height = Some(MOST_PIXELS_A_SIDE);
-    reader.limits(limits);
+    let (width, height) = grasp_picture::dimensions(bytes)?;
+    if width > MOST_PIXELS_A_SIDE || height > MOST_PIXELS_A_SIDE {
+        bail!("its header says {width} x {height} pixels; a render has at most {MOST_PIXELS_A_SIDE} a side");
+    }
+    let decoded = grasp_picture::decode(bytes)?;
+    // An index is for long: what is missing of a render would stay wrong in it.
+    if let Some(warning) = decoded.warnings.first() {
+        bail!("{warning}");
+    }
     // On black: what is transparent is no hand.
-    let picture = reader.decode()?.into_luma_alpha8();
+    let picture = decoded.image.into_luma_alpha8();
     let on_black =
         |&image::LumaA([grey, alpha]): &image::LumaA<u8>| (u16::from(grey) * u16::from(alpha) / 255) as u8;
     let pixels = picture.pixels().map(on_black).collect();

@@ -18,7 +18,7 @@ use crate::client::Address;
 use crate::explain;
 use crate::output::human;
 use crate::output::record::{Record, SingleRecord};
-use crate::picture::{self, Frames};
+use crate::picture::{self, DecodeWarning, Frames};
 use crate::prior::Priors;
 use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use crate::robot::{Setting, moveit};
@@ -42,11 +42,12 @@ Examples:
   grasp-query recognise cup.jpg --server http://127.0.0.1:8750
   ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
-/// Recognise the grasp in pictures (PNG, JPEG, PNM).
+/// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; `-` reads a picture, or a stream of PNM, JPEG or PNG frames, from standard input.
+    /// The pictures; `-` reads a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG
+    /// or YUV4MPEG2.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -332,29 +333,40 @@ impl Recognise {
     }
 }
 
-/// Standard input, frame by frame: each is answered before the next is awaited. `answer` is given a frame's number, where there are
-/// several, and its bytes, or the record of why there are none.
+/// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited only then. `answer` is
+/// given a frame's number and its bytes, or the record of why there are none.
 fn each_frame(
     mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let mut frames = Frames::new(io::stdin().lock());
     let name = || STANDARD_INPUT.to_owned();
-    let Some(first) = frames.next() else {
+    let mut next = 0;
+    for frame in frames.by_ref() {
+        // A picture alone is frame 0: whether another follows is not known yet.
+        let number = Some(next);
+        next += 1;
+        let bytes = frame.map(|frame| {
+            if frame.skipped > 0 {
+                warn_of(&name(), number, &DecodeWarning::Skipped { bytes: frame.skipped });
+            }
+            frame.bytes
+        });
+        answer(number, bytes.map_err(|error| Record::failed(name(), number, "stream", error.to_string())))?;
+    }
+    let skipped = frames.skipped_at_end();
+    if next > 0 && skipped > 0 {
+        let _ = writeln!(io::stderr(), "-: warning: {skipped} bytes behind the last frame are no picture");
+    }
+    if next == 0 {
         let empty = RecogniseError::Decode(picture::DecodeError::Empty);
         return answer(None, Err(Record::not_recognised(name(), None, &empty)));
-    };
-    // A picture alone has no frame number: only what follows tells a stream from it.
-    let mut held = Some(first);
-    let mut number = 0;
-    while let Some(frame) = held.take() {
-        let is_stream = number > 0 || frames.has_more();
-        let frame_number = is_stream.then_some(number);
-        let bytes = frame.map_err(|error| Record::failed(name(), frame_number, "stream", error.to_string()));
-        answer(frame_number, bytes)?;
-        held = frames.next();
-        number += 1;
     }
     Ok(())
+}
+
+/// Reports what is odd about a frame that was found all the same.
+fn warn_of(name: &str, frame: Option<u64>, warning: &DecodeWarning) {
+    warn(&format!("{}: warning: {warning}\n", human::name(name, frame)));
 }
 
 /// What a record is written as.

@@ -1,13 +1,11 @@
 //! Pictures: what a camera gives, decoded to RGB.
 
 mod decode;
-mod stream;
 
-pub use decode::{DecodeError, decode, decode_grey, decode_grey16, dimensions, is_jpeg, read};
-pub use stream::{Frames, StreamError};
-
-/// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged header does not.
-pub const MAX_PIXELS: u64 = 1 << 27;
+pub use decode::{Decoded, decode, decode_grey, decode_grey16};
+pub use grasp_picture::{
+    DecodeError, DecodeWarning, FORMATS, Frame, Frames, MAX_PIXELS, StreamError, dimensions, read,
+};
 
 /// The longest side, in pixels, that segmentation works on; larger pictures are averaged down first.
 ///

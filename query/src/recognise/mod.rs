@@ -158,19 +158,21 @@ impl<'a> Recogniser<'a> {
         self.index
     }
 
-    /// Recognises an encoded picture (PNG, JPEG or PNM), whose hand `source` finds.
+    /// Recognises an encoded picture ([`picture::FORMATS`]), whose hand `source` finds.
     ///
     /// # Errors
     /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
     pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
         let mut timings = Timings::default();
-        let picture = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
-        let is_jpeg = picture::is_jpeg(bytes);
+        let decoded = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
         let prepared = timings.time(
             |t| &mut t.segmentation_ms,
-            || Prepared::new(picture, is_jpeg, source, &self.options.segment),
+            || Prepared::new(decoded.picture, decoded.is_jpeg, source, &self.options.segment),
         )?;
-        self.recognise_prepared(prepared, timings)
+        let mut found = self.recognise_prepared(prepared, timings)?;
+        let odd = decoded.warnings.iter().map(|warning| Warning::Decoding(warning.to_string()));
+        found.warnings.splice(..0, odd);
+        Ok(found)
     }
 
     /// Recognises a hand whose mask is known.

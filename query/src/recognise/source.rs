@@ -55,12 +55,13 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Finds the hand in an encoded picture (PNG, JPEG or PNM).
+    /// Finds the hand in an encoded picture ([`picture::FORMATS`]).
     ///
     /// # Errors
     /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
     pub fn decode(bytes: &[u8], source: &MaskSource, params: &SegmentParams) -> Result<Self, RecogniseError> {
-        Self::new(picture::decode(bytes)?, picture::is_jpeg(bytes), source, params)
+        let decoded = picture::decode(bytes)?;
+        Self::new(decoded.picture, decoded.is_jpeg, source, params)
     }
 
     /// The hand image H: cropped around the hand, in shades of grey, black where there is no hand.

@@ -27,19 +27,30 @@ pub(super) fn encode(render: &Render, stamp: &str) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The most bytes that the parts of a render's file may take besides its pixels: far more than its stamp and a row.
+const MAX_BESIDES: usize = 1 << 20;
+
+/// The most bytes of pixels that a picture may have to be taken for a render.
+const MAX_PIXEL_BYTES: usize = 64 << 20;
+
+/// The picture at `path` behind its header, whoever wrote it. What an unknown file unpacks to is bounded.
+fn open(path: &Path) -> Option<png::Reader<BufReader<File>>> {
+    let file = BufReader::new(File::open(path).ok()?);
+    let mut decoder = png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES });
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.read_info().ok()
+}
+
 /// Whether a whole, readable picture with this stamp already lies at `path`.
 pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
-    let Ok(file) = File::open(path) else {
-        return false;
-    };
-    let Ok(mut reader) = png::Decoder::new(BufReader::new(file)).read_info() else {
+    let Some(mut reader) = open(path) else {
         return false;
     };
     let matches = |chunk: &png::text_metadata::TEXtChunk| chunk.keyword == KEYWORD && chunk.text == stamp;
     if !reader.info().uncompressed_latin1_text.iter().any(matches) {
         return false;
     }
-    let Some(size) = reader.output_buffer_size() else {
+    let Some(size) = reader.output_buffer_size().filter(|&size| size <= MAX_PIXEL_BYTES) else {
         return false;
     };
     let mut pixels = vec![0; size];
@@ -48,10 +59,7 @@ pub(super) fn is_current(path: &Path, stamp: &str) -> bool {
 
 /// Whether a picture carries any stamp of this program.
 pub(super) fn is_ours(path: &Path) -> bool {
-    let Ok(file) = File::open(path) else {
-        return false;
-    };
-    png::Decoder::new(BufReader::new(file)).read_info().is_ok_and(|reader| {
+    open(path).is_some_and(|reader| {
         reader.info().uncompressed_latin1_text.iter().any(|chunk| chunk.keyword == KEYWORD)
     })
 }

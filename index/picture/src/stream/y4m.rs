@@ -1,0 +1,139 @@
+//! YUV4MPEG2: raw video, its frames' size and sampling told once in a header. A frame becomes a
+//! PNM.
+
+use super::StreamError;
+use super::end::End;
+use crate::limits::check_size;
+
+const MAGIC: &[u8] = b"YUV4MPEG2 ";
+const FRAME: &[u8] = b"FRAME";
+/// The longest header of a stream or a frame.
+const MAX_HEADER: usize = 1024;
+
+/// How many pixels share a sample of colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sampling {
+    Mono,
+    /// Columns and rows.
+    Colour(usize, usize),
+}
+
+/// What a stream's header says of its frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Y4m {
+    width: usize,
+    height: usize,
+    sampling: Sampling,
+    /// Whether samples use 0..=255 and not 16..=235.
+    is_full_range: bool,
+}
+
+/// The header that `bytes` begins with, and its length; `None` where there is none, or not yet.
+pub(super) fn header(bytes: &[u8]) -> Option<Result<(Y4m, usize), StreamError>> {
+    let parameters = bytes.strip_prefix(MAGIC)?;
+    let line = &bytes[..bytes.len().min(MAX_HEADER)];
+    let Some(end) = line.iter().position(|&byte| byte == b'\n') else {
+        let endless = bytes.len() >= MAX_HEADER;
+        return endless.then(|| Err(StreamError::Y4m("a header of more than a kilobyte".into())));
+    };
+    let parameters = String::from_utf8_lossy(&parameters[..end - MAGIC.len()]).into_owned();
+    Some(parse(&parameters).map(|y4m| (y4m, end + 1)))
+}
+
+fn parse(parameters: &str) -> Result<Y4m, StreamError> {
+    let mut size = [0u32; 2];
+    let mut sampling = Sampling::Colour(2, 2);
+    let mut is_full_range = false;
+    for parameter in parameters.split_ascii_whitespace() {
+        let unknown = || StreamError::Y4m(format!("`{parameter}`"));
+        let (name, value) = parameter.split_at_checked(1).ok_or_else(unknown)?;
+        match name {
+            "W" => size[0] = value.parse().map_err(|_| unknown())?,
+            "H" => size[1] = value.parse().map_err(|_| unknown())?,
+            // How 4:2:0 is sited moves colour by less than a pixel.
+            "C" => {
+                sampling = match value {
+                    "420" | "420jpeg" | "420paldv" | "420mpeg2" => Sampling::Colour(2, 2),
+                    "422" => Sampling::Colour(2, 1),
+                    "444" => Sampling::Colour(1, 1),
+                    "mono" => Sampling::Mono,
+                    _ => return Err(unknown()),
+                }
+            }
+            "X" => is_full_range |= value == "COLORRANGE=FULL",
+            // The frame rate, the pixels' aspect and the interlacing change no picture's content.
+            _ => {}
+        }
+    }
+    let [width, height] = size;
+    check_size(width, height).map_err(|_| match width == 0 || height == 0 {
+        true => StreamError::Y4m("a header without width and height".into()),
+        false => StreamError::TooLarge,
+    })?;
+    Ok(Y4m { width: width as usize, height: height as usize, sampling, is_full_range })
+}
+
+impl Y4m {
+    /// Where the frame that `bytes` begins with ends.
+    pub(super) fn end_of_frame(&self, bytes: &[u8]) -> End {
+        let begins = bytes.len().min(FRAME.len());
+        if bytes[..begins] != FRAME[..begins] {
+            return End::Unknown;
+        }
+        let line = &bytes[..bytes.len().min(MAX_HEADER)];
+        match line.iter().position(|&byte| byte == b'\n') {
+            Some(end) => End::At(end + 1 + self.frame_bytes()),
+            None if bytes.len() >= MAX_HEADER => End::Unknown,
+            None => End::NeedsMore,
+        }
+    }
+
+    /// The bytes of a frame's samples.
+    fn frame_bytes(&self) -> usize {
+        let pixels = self.width * self.height;
+        match self.sampling {
+            Sampling::Mono => pixels,
+            Sampling::Colour(columns, rows) => {
+                pixels + 2 * self.width.div_ceil(columns) * self.height.div_ceil(rows)
+            }
+        }
+    }
+
+    /// A whole frame, as [`Self::end_of_frame`] bounds it, as a binary PNM.
+    pub(super) fn to_pnm(&self, frame: &[u8]) -> Vec<u8> {
+        let samples = &frame[frame.len().saturating_sub(self.frame_bytes())..];
+        let (luma, colour) = samples.split_at(samples.len().min(self.width * self.height));
+        let (format, channels) = if self.sampling == Sampling::Mono { ("P5", 1) } else { ("P6", 3) };
+        let mut pnm = format!("{format}\n{} {}\n255\n", self.width, self.height).into_bytes();
+        pnm.reserve_exact(luma.len() * channels);
+        let Sampling::Colour(columns, rows) = self.sampling else {
+            // A conversion to an integer type saturates.
+            pnm.extend(luma.iter().map(|&y| self.brightness(y).round() as u8));
+            return pnm;
+        };
+        let (blue, red) = colour.split_at(colour.len() / 2);
+        let stride = self.width.div_ceil(columns);
+        for (row, luma) in luma.chunks_exact(self.width).enumerate() {
+            let of_row = row / rows * stride..(row / rows + 1) * stride;
+            let (blue, red) = (&blue[of_row.clone()], &red[of_row]);
+            for (column, &y) in luma.iter().enumerate() {
+                let (cb, cr) = (blue[column / columns], red[column / columns]);
+                pnm.extend(self.rgb(y, cb, cr));
+            }
+        }
+        pnm
+    }
+
+    /// Luma where black is 0 and white 255.
+    fn brightness(&self, y: u8) -> f32 {
+        if self.is_full_range { f32::from(y) } else { (f32::from(y) - 16.0) * 255.0 / 219.0 }
+    }
+
+    /// Y'CbCr of ITU-R BT.601 as RGB.
+    fn rgb(&self, y: u8, cb: u8, cr: u8) -> [u8; 3] {
+        let scale = if self.is_full_range { 1.0 } else { 255.0 / 224.0 };
+        let [cb, cr] = [cb, cr].map(|value| (f32::from(value) - 128.0) * scale);
+        let y = self.brightness(y);
+        [y + 1.402 * cr, y - 0.344_136 * cb - 0.714_136 * cr, y + 1.772 * cb].map(|value| value.round() as u8)
+    }
+}
