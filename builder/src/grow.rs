@@ -10,12 +10,12 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, Catalogue, HashInfo, HashParams, Index, NewEntry, Originals, RandomParams};
 use grasp_renders::RenderPlan;
+use grasp_terminal::Progress;
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::build::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
-use crate::progress::Progress;
 
 /// Entries that are handed on at a time.
 const ENTRIES_AT_ONCE: u32 = 1 << 10;
@@ -77,7 +77,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
             bar.inc(ids.len() as u64);
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     if let Some(source) = &growth.more {
         let bar = progress.bar(source.len() as u64, "describing", "views");
         let mut take = |mut batch: Vec<Described>| -> anyhow::Result<()> {
@@ -88,7 +88,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
             gathered.take(batch)
         };
         source.describe(&names, &recipe, &Known::nothing(), 0..source.pieces(), &mut take)?;
-        bar.finish_and_clear();
+        drop(bar);
     }
     let report = gathered.finish(&Known::nothing(), || recipe.asked(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })

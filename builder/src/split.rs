@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, BuildError, Index};
+use grasp_terminal::Progress;
 
 use crate::interrupt::{self, Interrupted};
-use crate::progress::Progress;
 
 /// A segment that was written.
 #[derive(Debug)]
@@ -56,7 +56,7 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
         start = end;
         bar.inc(1);
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok(std::mem::take(&mut written.0))
 }
 

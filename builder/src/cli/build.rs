@@ -8,6 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::builder::ArgPredicate;
 use grasp_index::{DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams};
 use grasp_renders::RenderPlan;
+use grasp_terminal::text::{counted, percent, printable};
 
 use super::Global;
 use super::plan::PlanOptions;
@@ -195,7 +196,21 @@ impl Build {
     }
 }
 
-/// Tells a person what came of a build.
+impl Build {
+    /// What is kept when the build is stopped, and how to build so that more is.
+    pub(super) fn when_stopped(&self) -> String {
+        let out = self.out.display().to_string();
+        let out = printable(&out);
+        let left = if self.out.exists() { "is as it was" } else { "is not written" };
+        format!(
+            "nothing of this build is kept, and {out} {left}.\nBuilt in parts, finished parts are kept: run `grasp-builder shard \
+             --shard I/12 --out parts` with the other options\nof this build for I = 1 to 12, and after Ctrl-C again for those \
+             that are missing; then `grasp-builder merge parts --out {out}`"
+        )
+    }
+}
+
+/// Prints for a person what came of a build.
 pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     let (out, seconds) = (out.display(), report.elapsed.as_secs_f64());

@@ -61,7 +61,7 @@ impl Export {
             let Some(out) = out else { continue };
             let bar = global.progress().bar(index.len() as u64, "writing", what);
             let written = write(&index, out, &|done| bar.set_position(done));
-            bar.finish_and_clear();
+            drop(bar);
             written.with_context(|| format!("the {what} of {name} were not written"))?;
             writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
         }
@@ -76,7 +76,7 @@ impl Export {
         let spinner = global.progress().spinner("writing entries");
         let written =
             PartReader::open(&self.index).and_then(|part| export::part_as_parquet(part, out, &|_| ()));
-        spinner.finish_and_clear();
+        drop(spinner);
         let entries = written.with_context(|| format!("the entries of {name} were not written"))?;
         writeln!(std::io::stdout().lock(), "{}: {entries} entries", out.display())?;
         Ok(())

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use grasp_index::DescriptorParams;
 
+use super::Global;
 use super::plan::PlanOptions;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};
@@ -42,7 +43,7 @@ pub(crate) struct Queries {
 }
 
 impl Queries {
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let params = DescriptorParams::by_name(&self.descriptor)
             .with_context(|| format!("there is no descriptor named {}", self.descriptor))?;
@@ -52,7 +53,9 @@ impl Queries {
         }
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
+        let spinner = global.progress().spinner("rendering hands that no plan renders");
         let clean = hands.describe(&params)?.descriptors;
+        drop(spinner);
         let dim = params.dim();
         let rows = if self.clean { clean } else { held_out::moved(&clean, dim, self.seed) };
         let count = rows.len() / dim;

@@ -40,11 +40,9 @@ impl Render {
         let bar = global.progress().bar(plan.renders() as u64, "rendering", "views");
         let written =
             write_set(&self.out, &plan, &|done, _| bar.set_position(done as u64), interrupt::flag());
-        bar.finish_and_clear();
+        drop(bar);
         let summary = match written {
-            Err(RenderSetError::Cancelled { done, total }) => {
-                return Err(Interrupted).with_context(|| format!("{done} of {total} renders are made"));
-            }
+            Err(RenderSetError::Cancelled { .. }) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{} is not complete", self.out.display()))?,
         };
         writeln!(

@@ -14,10 +14,10 @@ use std::str::FromStr;
 
 use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
+use grasp_terminal::Progress;
 
 use crate::build::{Described, Known, Recipe, Source};
 use crate::interrupt;
-use crate::progress::Progress;
 
 pub(crate) use header::Header;
 pub(crate) use part::{HeldOutRows, PartReader, PartWriter, is_part};
@@ -136,7 +136,7 @@ pub fn shard(
             .try_for_each(|described| writer.push(described.map(|(entry, _)| entry)).with_context(cannot))
     };
     source.describe(&names, recipe, &Known::nothing(), range, &mut take)?;
-    bar.finish_and_clear();
+    drop(bar);
     let (entries, without_hand) = writer.finish()?;
     Ok(Report { path, entries, without_hand, was_there: false })
 }

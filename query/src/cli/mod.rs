@@ -23,6 +23,8 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use clap::{Parser, Subcommand};
+use grasp_terminal::Progress;
+use grasp_terminal::error::message;
 
 /// Every input was recognised.
 const SUCCESS: u8 = 0;
@@ -63,13 +65,21 @@ struct Global {
     /// Worker threads; 0 takes one per core. The answers are the same for any number.
     #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Draw no progress bar, even on a terminal.
+    /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error elsewhere.
     #[arg(long, global = true)]
     no_progress: bool,
 }
 
+impl Global {
+    /// How far long work has come.
+    fn progress(&self) -> Progress {
+        Progress::new("grasp-query", !self.no_progress)
+    }
+}
+
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[command(visible_alias = "recognize")]
     Recognise(Box<recognise::Recognise>),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
@@ -100,8 +110,8 @@ pub fn main() -> ExitCode {
         Ok(status) => ExitCode::from(status),
         Err(error) if is_closed_pipe(&error) => ExitCode::from(SUCCESS),
         Err(error) => {
-            // Standard error may be closed as well; there is nobody left to tell then.
-            let _ = writeln!(io::stderr(), "grasp-query: {error:#}");
+            // Standard error may be closed as well; nobody is left to read it then.
+            let _ = writeln!(io::stderr(), "grasp-query: {}", message(error.chain()));
             ExitCode::from(ERROR)
         }
     }

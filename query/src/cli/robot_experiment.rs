@@ -6,7 +6,7 @@ use super::Global;
 use super::experiment::print;
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
-use super::selection::{Selection, progress_bar};
+use super::selection::Selection;
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
 use crate::recognise::Recogniser;
@@ -64,12 +64,12 @@ impl RobustnessArguments {
             yaw_deg: self.yaw,
             yaw_step_deg: self.yaw_step,
         };
-        let bar = progress_bar(0, !global.no_progress, "trials");
+        let bar = global.progress().bar(0, "simulating", "trials");
         let robustness = Robustness::run(&hand, &sweep, self.out.as_deref(), |progress| match progress {
             Progress::Trials(count) => bar.set_length(count as u64),
             Progress::Ended => bar.inc(1),
         })?;
-        bar.finish_and_clear();
+        drop(bar);
         if let Some(folder) = &self.out {
             robustness.write(folder)?;
         }
@@ -119,9 +119,9 @@ impl ImitationArguments {
         let selected = self.selection.read(&classes)?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
         let outcomes = selected.score(&recogniser, self.labelled_masks, global);
-        let bar = progress_bar(outcomes.len() as u64, !global.no_progress, "trials");
+        let bar = global.progress().bar(outcomes.len() as u64, "simulating", "trials");
         let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
-        bar.finish_and_clear();
+        drop(bar);
         print(self.json, &imitation, || imitation.text())?;
         let failed =
             outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
 use super::Global;
@@ -101,7 +100,7 @@ impl Selected {
         labelled_masks: bool,
         global: &Global,
     ) -> Vec<Outcome> {
-        let bar = progress_bar(self.labels.len() as u64, !global.no_progress, "pictures");
+        let bar = global.progress().bar(self.labels.len() as u64, "recognising", "pictures");
         let outcomes = self
             .labels
             .par_iter()
@@ -111,7 +110,7 @@ impl Selected {
                 outcome
             })
             .collect();
-        bar.finish_and_clear();
+        drop(bar);
         outcomes
     }
 }
@@ -119,14 +118,4 @@ impl Selected {
 fn parse_condition(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("COLUMN=VALUE is needed, for example stage=grasp")?;
     Ok((column.to_owned(), value.to_owned()))
-}
-
-/// A bar on a terminal's standard error, and none elsewhere.
-pub(super) fn progress_bar(length: u64, wanted: bool, of: &str) -> ProgressBar {
-    let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let bar = ProgressBar::with_draw_target(Some(length), target);
-    match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} left")) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
