@@ -49,7 +49,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
     let Some(first) = indexes.first() else { bail!("no index is named") };
     for (index, path) in indexes.iter().zip(&growth.indexes) {
         if let Some(what) = unlike(first.catalogue(), index.catalogue()) {
-            bail!("{} differs from the first index in {what}: build one of them anew", path.display());
+            bail!("{} differs from the first index in {what}: build one of them again", path.display());
         }
     }
     let kept = if growth.keep { &indexes[..] } else { &[] };
@@ -102,7 +102,7 @@ fn open(path: &Path) -> anyhow::Result<Index> {
     }
     // What is flipped in one entry would be sealed as sound.
     if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is unsound: {problem}", path.display());
+        bail!("{} is damaged: {problem}", path.display());
     }
     Ok(index)
 }
@@ -130,7 +130,7 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     let known = || indexes.iter().flat_map(|index| &index.catalogue().hand_shapes);
     if let Some(name) = growth.without.iter().find(|name| !known().any(|hand| hand == *name)) {
         bail!(
-            "there is no hand shape {name} in the index: `grasp-builder inspect` names those that there are"
+            "there is no hand shape {name} in the index: `grasp-builder inspect` lists those that it holds"
         );
     }
     for catalogue in indexes.iter().map(Index::catalogue) {
@@ -143,7 +143,7 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     if let Some(source) = &growth.more {
         if !first.descriptor.describes_pictures() || !first.kept.labels {
             bail!(
-                "the index holds vectors without labels or of unknown making: pictures cannot be added to it"
+                "pictures cannot be added to an index of vectors without labels, or of vectors that this program did not compute"
             );
         }
         let more = source.names()?;

@@ -110,5 +110,5 @@ fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 fn useless(path: &Path) -> String {
-    format!("the part {} is of no use: run `grasp-builder shard` for it again", path.display())
+    format!("the part {} cannot be used: run `grasp-builder shard` for it again", path.display())
 }

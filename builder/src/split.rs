@@ -30,7 +30,7 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
     // What is flipped in it would be sealed as sound.
     if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is unsound: {problem}", path.display());
+        bail!("{} is damaged: {problem}", path.display());
     }
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
     clear(out);

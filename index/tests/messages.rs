@@ -34,7 +34,7 @@ fn of_an_index_from_a_newer_version() {
     bytes[8] = 5;
     let hash = xxh3_64(&bytes[..56]);
     bytes[56..64].copy_from_slice(&hash.to_le_bytes());
-    assert_snapshot!(opening(&bytes), @"written for readers >= 5, this is 4: use a newer grasp-query, or build the file again with this grasp-builder");
+    assert_snapshot!(opening(&bytes), @"needs a reader of version 5 or later, and this one is of version 4: use a newer grasp-query, or build the file again with this grasp-builder");
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub enum PriorError {
         source: std::io::Error,
     },
     /// The file is no such table.
-    #[error("the prior {} is no table of [objects.NAME] with grasp = probability", path.display())]
+    #[error("the prior {} is not a table of [objects.NAME] with grasp = probability", path.display())]
     Form {
         /// The file.
         path: PathBuf,
@@ -44,7 +44,7 @@ pub enum PriorError {
         source: toml::de::Error,
     },
     /// The object is not in the table.
-    #[error("the prior knows no object `{object}`; it knows {known}")]
+    #[error("the prior has no object `{object}`; it has {known}")]
     UnknownObject {
         /// What was asked for.
         object: String,

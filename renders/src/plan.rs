@@ -51,7 +51,7 @@ impl fmt::Display for Preset {
 
 /// A word that names no preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no preset; the presets are paper and wide")]
+#[error("there is no preset `{0}`: the presets are paper and wide")]
 pub struct UnknownPreset(pub String);
 
 impl FromStr for Preset {

@@ -82,7 +82,7 @@ fn what_cannot_be_measured_is_told() {
     write_rows(&folder.path().join("q.npy"), 5, 2);
     let too_many = scale(folder.path(), &["--sizes", "1000"]);
     assert!(
-        too_many.status == 2 && too_many.stderr.contains("holds 200 rows, 1000 are asked for"),
+        too_many.status == 2 && too_many.stderr.contains("holds 200 rows, and 1000 are wanted"),
         "{}",
         too_many.stderr
     );

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, BuildError, IndexParams, IndexWriter, Phase};
 use grasp_terminal::Progress;
-use grasp_terminal::text::percent;
+use grasp_terminal::text::{counted, percent};
 
 use super::inputs::Inputs;
 use super::{Described, Known, Report};
@@ -65,7 +65,8 @@ impl Gathered {
     ) -> anyhow::Result<Report> {
         let Self { out, mut writer, inputs, mut report } = self;
         if report.entries == 0 {
-            bail!("none of the {} pictures shows a hand: nothing to index", report.without_hand);
+            let pictures = counted(report.without_hand, ["picture", "pictures"]);
+            bail!("no hand in {pictures}: there is nothing to index");
         }
         if known.is_made_from(&inputs) {
             return Ok(report);

@@ -73,7 +73,7 @@ impl Known {
         // Where nobody listens any more, the build goes on all the same.
         let _ = writeln!(
             std::io::stderr(),
-            "grasp-builder: the existing {} is of no use and will be replaced: {why}",
+            "grasp-builder: nothing can be taken over from the existing {}, which will be replaced: {why}",
             path.display()
         );
         Self::nothing()

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_terminal::text::{counted, shown};
 
 use super::Global;
+use super::build::ENTRIES;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 
@@ -55,7 +57,7 @@ impl Export {
         let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),
-            (&self.parquet, "entries", export::index_as_parquet),
+            (&self.parquet, "everything", export::index_as_parquet),
         ];
         for (out, what, write) in outputs {
             let Some(out) = out else { continue };
@@ -63,7 +65,12 @@ impl Export {
             let written = write(&index, out, &|done| bar.set_position(done));
             drop(bar);
             written.with_context(|| format!("the {what} of {name} were not written"))?;
-            writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
+            writeln!(
+                std::io::stdout().lock(),
+                "{}: {what} of {}",
+                shown(out),
+                counted(index.len(), ENTRIES)
+            )?;
         }
         Ok(())
     }
@@ -78,7 +85,7 @@ impl Export {
             PartReader::open(&self.index).and_then(|part| export::part_as_parquet(part, out, &|_| ()));
         drop(spinner);
         let entries = written.with_context(|| format!("the entries of {name} were not written"))?;
-        writeln!(std::io::stdout().lock(), "{}: {entries} entries", out.display())?;
+        writeln!(std::io::stdout().lock(), "{}: {}", shown(out), counted(entries, ENTRIES))?;
         Ok(())
     }
 }

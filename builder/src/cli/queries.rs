@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use grasp_index::DescriptorParams;
+use grasp_terminal::text::{counted, shown};
 
 use super::Global;
 use super::plan::PlanOptions;
@@ -68,7 +69,8 @@ impl Queries {
             Ok(())
         })?;
         let moved = if self.clean { "" } else { ", each moved" };
-        writeln!(std::io::stdout().lock(), "{}: {count} descriptors{moved}; {hands}", self.out.display())?;
+        let count = counted(count, ["descriptor", "descriptors"]);
+        writeln!(std::io::stdout().lock(), "{}: {count}{moved}; {hands}", shown(&self.out))?;
         Ok(())
     }
 }

@@ -7,6 +7,8 @@ use std::time::Instant;
 use anyhow::Context as _;
 use grasp_renders::render_set::{RenderSetError, write_set};
 
+use grasp_terminal::text::{counted, shown};
+
 use super::Global;
 use super::plan::PlanOptions;
 use crate::interrupt::{self, Interrupted};
@@ -47,9 +49,9 @@ impl Render {
         };
         writeln!(
             std::io::stdout().lock(),
-            "{}: {} renders, {} made and {} kept, in {:.2} s\n  seed {}",
-            summary.manifest.display(),
-            summary.rendered + summary.kept,
+            "{}: {}, {} made and {} kept, in {:.2} s\n  seed {}",
+            shown(&summary.manifest),
+            counted(summary.rendered + summary.kept, ["render", "renders"]),
             summary.rendered,
             summary.kept,
             started.elapsed().as_secs_f64(),

@@ -60,7 +60,7 @@ impl fmt::Display for Share {
 
 /// A text that names no part.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no shard: write I/N, e.g. 3/12, with I from 1 to N and N at most {MOST}")]
+#[error("`{0}` does not name a part: write I/N, e.g. 3/12, with I from 1 to N and N at most {MOST}")]
 pub struct NotAShare(String);
 
 impl FromStr for Share {
@@ -105,7 +105,10 @@ pub fn shard(
     let path = out.join(share.file_name());
     let pieces = source.pieces();
     if pieces < share.of as usize {
-        bail!("{pieces} scenes, pictures or rows make {pieces} shards at most, not {}", share.of);
+        bail!(
+            "there are {pieces} scenes, pictures or rows, too few for {} parts: lower N in --shard I/N",
+            share.of
+        );
     }
     let range = share.of_pieces(pieces);
     let names = source.names()?;

@@ -1,6 +1,7 @@
 //! Numbers and names in sentences.
 
 use std::borrow::Cow;
+use std::path::Path;
 use std::time::Duration;
 
 use indicatif::HumanCount;
@@ -49,6 +50,11 @@ pub fn duration(span: Duration) -> String {
         _ if minutes < 48 * 60 => format!("{} h {} min", minutes / 60, minutes % 60),
         _ => format!("{} days", (minutes + 12 * 60) / (24 * 60)),
     }
+}
+
+/// The name of a file, [`printable`].
+pub fn shown(path: &Path) -> String {
+    printable(&path.display().to_string()).into_owned()
 }
 
 /// Text from input, such as the name of a file, with control characters escaped: a terminal would obey them.

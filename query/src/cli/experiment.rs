@@ -39,7 +39,7 @@ enum Name {
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
 ///
 /// X is every selected picture, X' those of the stages close and grasp, X'' those of the stage grasp. Segmented and camera
-/// pictures are told apart. With --out, DIR gets paper.csv, confusion.csv, orientation.csv, paper.json, confusion.svg
+/// pictures are reported separately. With --out, DIR gets paper.csv, confusion.csv, orientation.csv, paper.json, confusion.svg
 /// (Figure 7) and orientation.svg (Figure 8).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -98,7 +98,7 @@ struct ShapesArguments {
     recognise: RecogniseArguments,
 }
 
-/// How well known hands are told from others, by the distance of the nearest entry and by the probability.
+/// How well known hands are distinguished from others, by the distance of the nearest entry and by the probability.
 ///
 /// Known are the pictures labelled with a class of the index, others those labelled `other` and those of --others. With --out,
 /// DIR gets unknown.csv, unknown.json and unknown.svg: the share of known hands kept over that of others, at every limit.
@@ -131,7 +131,7 @@ struct UnknownArguments {
     recognise: RecogniseArguments,
 }
 
-/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, told one by one and in this order.
+/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, recognised one by one and in this order.
 ///
 /// A sequence is a view (azimuth, elevation, roll) of a grasp of which all three stages are labelled. With --out, DIR gets
 /// sequence.csv and sequence.json.
@@ -243,7 +243,7 @@ impl UnknownArguments {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let selected = self.selection.read(&classes)?;
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
-        // What is told here must not have been told before.
+        // What is measured here must not have been decided before.
         let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
         let recogniser = Recogniser::new(&index, options);
         let mut outcomes = selected.score(&recogniser, self.labelled_masks, global);

@@ -57,7 +57,7 @@ Examples:
   grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
   grasp-query serve                                      answer over HTTP, with a page at /
 
-Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
+Exit status: 0 all recognised, 1 in some picture no hand was found or the grasp is unknown, 2 an error.";
 
 /// Options that every subcommand understands.
 #[derive(Debug, clap::Args)]

@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_terminal::error::message;
+use grasp_terminal::text::printable;
 use rayon::prelude::*;
 
 use super::index_file::IndexFile;
@@ -44,7 +46,8 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; `-` reads a picture, or a stream of PNM, JPEG or PNG frames, from standard input.
+    /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads a picture, or a stream of PNM,
+    /// JPEG or PNG frames, from standard input.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -113,10 +116,11 @@ type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
+        let images = self.pictures()?;
         let to_file = self.explain.as_deref().is_some_and(is_png);
-        if self.images.len() > 1 {
+        if images.len() > 1 {
             if self.mask.is_some() || self.depth.is_some() {
-                bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
+                bail!("--mask and --depth are for a single picture, but {} are given", images.len());
             }
             if to_file {
                 bail!("--explain OUT.png is for a single picture; name a folder instead of a .png file");
@@ -127,11 +131,11 @@ impl Recognise {
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
         }
         if let Some(out) = self.explain.as_deref().filter(|_| to_file) {
-            let pictures = self.images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
+            let pictures = images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
             super::refuse_overwriting(out, pictures.chain([self.index.path().as_path()]))?;
         }
         if let Some(address) = &self.server {
-            return self.run_remote(address);
+            return self.run_remote(address, &images);
         }
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
@@ -142,7 +146,7 @@ impl Recognise {
         let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
-        for group in self.groups() {
+        for group in groups(&images) {
             if group == [Path::new(STANDARD_INPUT)] {
                 self.run_stream(&means, &mut filter, &mut output)?;
                 continue;
@@ -187,10 +191,25 @@ impl Recognise {
         }
     }
 
-    /// The pictures in their order, standard input by itself.
-    fn groups(&self) -> impl Iterator<Item = &[PathBuf]> {
-        let stdin = Path::new(STANDARD_INPUT);
-        self.images.chunk_by(move |a, b| a != stdin && b != stdin)
+    /// What is to be recognised, with the pictures of a folder in its place.
+    fn pictures(&self) -> anyhow::Result<Vec<PathBuf>> {
+        let mut pictures = Vec::with_capacity(self.images.len());
+        for path in &self.images {
+            if !path.is_dir() {
+                pictures.push(path.clone());
+                continue;
+            }
+            let found = picture::pictures_in(path)
+                .with_context(|| format!("cannot read the folder {}", path.display()))?;
+            if found.is_empty() {
+                bail!(
+                    "the folder {} holds no picture: name pictures, or a folder that holds some",
+                    path.display()
+                );
+            }
+            pictures.extend(found);
+        }
+        Ok(pictures)
     }
 
     fn status_of<W>(&self, output: &Output<W>) -> u8 {
@@ -265,11 +284,11 @@ impl Recognise {
         record
     }
 
-    /// Tells of a drawing that could not be written; the answer stands, drawn or not.
+    /// Reports a drawing that could not be written; the answer stands, drawn or not.
     fn drawn(&self, name: &str, outcome: anyhow::Result<()>) {
         if let Err(error) = outcome {
             self.undrawn.store(true, Ordering::Relaxed);
-            let _ = writeln!(io::stderr(), "{name}: {error:#}");
+            let _ = writeln!(io::stderr(), "{}: {}", printable(name), message(error.chain()));
         }
     }
 
@@ -315,6 +334,12 @@ impl Recognise {
         }
         Ok(MaskSource::Skin)
     }
+}
+
+/// The pictures in their order, standard input by itself.
+fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
+    let stdin = Path::new(STANDARD_INPUT);
+    images.chunk_by(move |a, b| a != stdin && b != stdin)
 }
 
 /// Standard input, frame by frame: each is answered before the next is awaited. `answer` is given a frame's number, where there are

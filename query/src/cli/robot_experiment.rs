@@ -26,23 +26,23 @@ Examples:
 
 Exit status: 0, or 2 where the sweep could not be run.")]
 pub(super) struct RobustnessArguments {
-    /// An object that comes along (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
-    /// that is for it; several may be named, without it all.
+    /// A built-in object (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
+    /// that is meant for it; may be repeated; without it, all.
     #[arg(long = "object", value_name = "NAME", value_parser = parse_scene)]
     objects: Vec<&'static Scene>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
     #[arg(long, value_name = "HAND", default_value = "barrett")]
     robot: String,
-    /// Positions go as far in either direction, in millimetres.
+    /// The greatest offset of the position in either direction, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=200))]
     reach: u32,
-    /// In steps of so many millimetres.
+    /// The step between positions, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100))]
     step: u32,
-    /// Yaws go as far in either direction, in degrees.
+    /// The greatest yaw in either direction, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 45, value_parser = clap::value_parser!(u32).range(0..=180))]
     yaw: u32,
-    /// In steps of so many degrees.
+    /// The step between yaws, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=90))]
     yaw_step: u32,
     /// Write table, windows and heat maps into this folder; made where there is none.

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
 use grasp_index::{AtomicFile, Neighbour, SearchOptions};
+use grasp_terminal::text::{counted, percent, printable};
 use serde::Serialize;
 
 use super::Global;
@@ -238,15 +239,16 @@ impl Search {
             let touched = if cost.exact {
                 "every entry compared".into()
             } else {
-                let share = 100.0 * cost.share_of_database;
-                format!("{:.0} candidates a query, {share:.2} % of the index", cost.candidates)
+                let share = percent(cost.share_of_database);
+                format!("{:.0} candidates a query, {share} of the index", cost.candidates)
             };
             let recall = cost.predicted_recall.map(|recall| format!(", recall@10 predicted {recall:.3}"));
             // Standard error may be closed; the answers are what counts.
             let _ = writeln!(
                 io::stderr(),
-                "{queries} queries, {k} neighbours each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in \
-                 {:.2} ms; {touched}{}",
+                "{}, {} each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in {:.2} ms; {touched}{}",
+                counted(*queries, ["query", "queries"]),
+                counted(*k, ["neighbour", "neighbours"]),
                 ns_per_query / 1e3,
                 summary.rounds.len(),
                 summary.open_ns as f64 / 1e6,
@@ -349,13 +351,14 @@ fn show<'f, 'n>(
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
             let (grasp, file) = names(neighbour.id);
-            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {name}"));
+            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {}", printable(name)));
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }
     }
     if count > SHOWN {
         let more = count - SHOWN;
-        let _ = writeln!(io::stderr(), "and {more} more: --out IDS.npy writes all, --neighbours prints all");
+        let queries = counted(more, ["more query", "more queries"]);
+        let _ = writeln!(io::stderr(), "and {queries}: --out IDS.npy writes all, --neighbours prints all");
     }
     Ok(())
 }

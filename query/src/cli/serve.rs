@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
+use grasp_terminal::text::counted;
 use tokio::net::TcpListener;
 
 use super::Global;
@@ -28,7 +29,7 @@ const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
 /// Answer over HTTP for as long as it runs: robots, scripts, and people by the page at /.
 ///
 /// The index is mapped once. Where another file is put in its place (by `grasp-builder build --out` or by renaming), that one is
-/// checked and takes over between two requests; one that cannot be used is told, and the old one goes on. SIGHUP opens it anew at
+/// checked and takes over between two requests; one that cannot be used is reported, and the old one goes on. SIGHUP opens it again at
 /// once. SIGTERM and Ctrl-C let the requests under way finish.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -54,7 +55,7 @@ pub(super) struct Serve {
     /// Ask for the token in this file; needed to listen beyond this machine.
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Requests that may wait while all threads work; more are told to try again later.
+    /// Requests that may wait while all threads work; more are rejected with status 429, to be tried again later.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(0..=4096))]
     queue: u16,
     /// The largest request, in megabytes.
@@ -63,7 +64,7 @@ pub(super) struct Serve {
     /// The largest picture, in megapixels; its header is read before it is decoded.
     #[arg(long, value_name = "MP", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=128))]
     max_pixels: u16,
-    /// Seconds that a request may take to arrive, and as many to be answered.
+    /// Seconds that a request may take to arrive, and again to be answered.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds)]
     timeout: f64,
     /// Seconds between two looks at whether another index lies at the path.
@@ -169,8 +170,12 @@ impl Serve {
         let ended = service.run(listeners, quiz, stop, tell).await.map_err(anyhow::Error::msg)?;
         Ok(match ended {
             Ended::CutShort(count) => {
-                let _ =
-                    writeln!(io::stderr(), "{count} requests were cut short after {} seconds", self.drain);
+                let _ = writeln!(
+                    io::stderr(),
+                    "{} cut short after {} s",
+                    counted(count, ["request was", "requests were"]),
+                    self.drain
+                );
                 super::ERROR
             }
             Ended::Drained if interrupted.load(Ordering::SeqCst) => INTERRUPTED,

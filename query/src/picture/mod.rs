@@ -1,9 +1,11 @@
 //! Pictures: what a camera gives, decoded to RGB.
 
 mod decode;
+mod folder;
 mod stream;
 
 pub use decode::{DecodeError, decode, decode_grey, decode_grey16, dimensions, is_jpeg, read};
+pub use folder::pictures_in;
 pub use stream::{Frames, StreamError};
 
 /// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged header does not.

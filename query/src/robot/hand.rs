@@ -183,7 +183,7 @@ impl RobotHand {
             }
             if !self.grasp.contains_key(robot) {
                 return Err(source.error(format!(
-                    "map.{human} = `{robot}`, which is none of its grasps: they are {}",
+                    "map.{human} = `{robot}`, which is not one of its grasps: they are {}",
                     self.grasp_names()
                 )));
             }

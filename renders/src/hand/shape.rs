@@ -20,7 +20,7 @@ const SAMPLE_LIMIT: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HandShapeError {
     /// No preset has this name.
-    #[error("there is no hand shape called `{name}`; known are {}, and `hand-N` for a sampled hand with seed N", .known.join(", "))]
+    #[error("there is no hand shape `{name}`: the named ones are {}, and `hand-N` is a sampled hand with seed N", .known.join(", "))]
     Unknown {
         /// The name that was asked for.
         name: String,

@@ -128,7 +128,7 @@ fn given(descriptors: &Path, queries: &Path, size: u64) -> anyhow::Result<Prepar
     }
     if size > indexed.len() {
         bail!(
-            "{} holds {} rows, {size} are asked for: lower --largest or --sizes",
+            "{} holds {} rows, and {size} are wanted: lower --largest or --sizes",
             descriptors.display(),
             indexed.len()
         );
