@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{DescriptorParams, Index, NewEntry, OpenError, Originals};
+use grasp_terminal::text::shown;
 
 use super::inputs::Inputs;
 
@@ -74,7 +75,7 @@ impl Known {
         let _ = writeln!(
             std::io::stderr(),
             "grasp-builder: nothing can be taken over from the existing {}, which will be replaced: {why}",
-            path.display()
+            shown(path)
         );
         Self::nothing()
     }

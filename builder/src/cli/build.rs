@@ -26,7 +26,8 @@ use crate::interrupt;
 Examples:
   grasp-builder build --out grasp.idx
   grasp-builder build --hands 30 --rolls 12 --step 12 --out many.idx
-  grasp-builder build renders blender-renders --out grasp.idx --descriptor paper
+  grasp-builder render --out renders
+  grasp-builder build renders --out grasp.idx --descriptor paper
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
     /// The index to write.
@@ -260,7 +261,7 @@ pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Resul
              the queries, and looks at {} of the index",
             counted(summary.measured.queries, ["query", "queries"]),
             percent(point.recall_at_10),
-            percent(EPS),
+            format_args!("{:.0} %", 100.0 * EPS),
             percent(point.success()),
             percent(point.share_of_database),
         )?;

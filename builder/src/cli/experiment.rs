@@ -43,6 +43,7 @@ enum Name {
 Examples:
   grasp-builder experiment scale --out scale
   grasp-builder experiment scale --out scale --largest 5011872           ten times as far; takes an hour
+  grasp-builder queries --out q.npy
   grasp-builder experiment scale --descriptors x.npy --queries q.npy --sizes 10000,100000")]
 struct Scale {
     /// The folder of the results; made where there is none.
@@ -149,8 +150,8 @@ impl Scale {
                 )?;
             }
         }
-        writeln!(stdout, "{}", self.out.join("scale.csv").display())?;
-        writeln!(stdout, "{}", self.out.join("scale.svg").display())?;
+        writeln!(stdout, "{}", shown(&self.out.join("scale.csv")))?;
+        writeln!(stdout, "{}", shown(&self.out.join("scale.svg")))?;
         Ok(())
     }
 }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured};
+use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured, Sampling, Tone};
 use grasp_terminal::text::{counted, percent, printable};
 use serde_json::{Value, json};
 
@@ -61,8 +61,11 @@ fn as_text(name: &str, index: &Index) -> String {
     let (name, dim) = (descriptor.name(), index.dim());
     let described = match descriptor.describes_pictures() {
         true => format!(
-            "{name}, D = {dim} (B = {}, L = {}), {:?}, {:?}",
-            descriptor.bins, descriptor.levels, descriptor.sampling, descriptor.tone
+            "{name}, D = {dim} (B = {}, L = {}), {}, {}",
+            descriptor.bins,
+            descriptor.levels,
+            sampling_text(descriptor.sampling),
+            tone_text(descriptor.tone)
         ),
         false => format!("{name}, D = {dim}: vectors from elsewhere"),
     };
@@ -119,6 +122,24 @@ fn as_text(name: &str, index: &Index) -> String {
         );
     }
     lines.join("\n") + "\n"
+}
+
+/// How a hand image becomes the picture that is described.
+fn sampling_text(sampling: Sampling) -> String {
+    match sampling {
+        Sampling::Native => "its own pixels".to_owned(),
+        Sampling::Stretch { side } => format!("stretched to {side} pixels a side"),
+        Sampling::KeepAspect { side } => format!("fitted into {side} pixels a side"),
+        Sampling::Upright { side } => format!("turned upright and fitted into {side} pixels a side"),
+        Sampling::Moments { side } => format!("scaled by its moments to {side} pixels a side"),
+    }
+}
+
+fn tone_text(tone: Tone) -> String {
+    match tone {
+        Tone::AsIs => "grey as it is".to_owned(),
+        Tone::Normalised { contrast } => format!("contrast {contrast}"),
+    }
 }
 
 fn hash_text(catalogue: &Catalogue) -> String {

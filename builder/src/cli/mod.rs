@@ -21,6 +21,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use grasp_terminal::Progress;
 use grasp_terminal::error::message;
+use grasp_terminal::text::printable_lines;
 
 use crate::interrupt::{self, Interrupted};
 
@@ -43,14 +44,17 @@ const EXAMPLES: &str = "\
 Examples:
   grasp-builder build --out grasp.idx                    render the paper's 6 x 900 views and index them
   grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
-  grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
+  grasp-builder render --out more --hand-shape slender   another, of one hand shape
+  grasp-builder build renders more --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
   grasp-builder merge parts --out grasp.idx              the index of all parts
   grasp-builder split grasp.idx --segments 4 --out-dir s the same in four files, for a machine each
-  grasp-builder add grasp.idx more-renders               more entries in the same index
+  grasp-builder add grasp.idx --hand-shape broad         more entries in the same index
+  grasp-builder add grasp.idx more --segment new.idx     the same in an index of their own, to be searched beside it
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
-  grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
+  grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
+                                                         its descriptors and labels, for other programs
   grasp-builder experiment scale --out scale             how the search grows with the index
   grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
 
@@ -101,7 +105,7 @@ pub fn main() -> ExitCode {
         Err(message) => {
             // `--help` and `--version` come this way too, with exit code 0.
             let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
-            return match message.print() {
+            return match print_usage(&message) {
                 Ok(()) => ExitCode::from(status),
                 Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
                 Err(_) => ExitCode::from(ERROR),
@@ -112,6 +116,14 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::from(SUCCESS),
         Err(error) => report(&error, &arguments.command),
     }
+}
+
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such as the odd name of a
+/// file that begins with a dash, is escaped, which costs the colours.
+fn print_usage(message: &clap::Error) -> io::Result<()> {
+    let plain = message.render().to_string();
+    let safe = printable_lines(&plain);
+    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {

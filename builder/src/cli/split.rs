@@ -17,6 +17,7 @@ use crate::split::{Segment, split};
 #[command(after_help = "\
 Examples:
   grasp-builder split grasp.idx --segments 4 --out-dir segments
+  grasp-builder queries --out q.npy
   grasp-query search q.npy $(printf -- '--index %s ' segments/*-of-4.idx) --out ids.npy")]
 pub(crate) struct Split {
     /// The index, which stays.

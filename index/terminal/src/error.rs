@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use crate::text::printable;
+use crate::text::printable_lines;
 
 /// The messages of an error and its causes, outermost first, joined by colons.
 ///
@@ -19,7 +19,7 @@ pub fn message<'e>(chain: impl IntoIterator<Item = &'e (dyn Error + 'static)>) -
             line = format!("{line}: {cause}");
         }
     }
-    line.split('\n').map(printable).collect::<Vec<_>>().join("\n")
+    printable_lines(&line)
 }
 
 #[cfg(test)]

@@ -52,6 +52,11 @@ pub fn duration(span: Duration) -> String {
     }
 }
 
+/// Several lines of text, each [`printable`].
+pub fn printable_lines(text: &str) -> String {
+    text.split('\n').map(printable).collect::<Vec<_>>().join("\n")
+}
+
 /// The name of a file, [`printable`].
 pub fn shown(path: &Path) -> String {
     printable(&path.display().to_string()).into_owned()

@@ -44,9 +44,9 @@ enum Name {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment paper labels.csv
-  grasp-query experiment paper labels.csv --hand right --out results
-  grasp-query experiment paper labels.csv --part final --where kind=segmented --json
+  grasp-query experiment paper tests/pictures/labels.csv
+  grasp-query experiment paper tests/pictures/labels.csv --hand right --out results
+  grasp-query experiment paper tests/pictures/labels.csv --part final --where kind=segmented --json
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct PaperArguments {
@@ -75,8 +75,8 @@ struct PaperArguments {
 #[command(after_help = "\
 Examples:
   grasp-builder experiment shapes --out shapes --counts 1,3,10
-  grasp-query experiment shapes labels.csv --index shapes/hands-0001.idx --index shapes/hands-0003.idx \
-    --index shapes/hands-0010.idx --hand right --out results
+  grasp-query experiment shapes tests/pictures/labels.csv \\
+    --index shapes/hands-0001.idx --index shapes/hands-0003.idx --index shapes/hands-0010.idx --hand right --out results
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct ShapesArguments {
@@ -105,8 +105,8 @@ struct ShapesArguments {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment unknown labels.csv
-  grasp-query experiment unknown labels.csv --hand right --others open-hands.csv --out results
+  grasp-query experiment unknown tests/pictures/labels.csv
+  grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv --out results
 
 LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts, and its labels do not.
 Exit status: 0, or 2 where a table or a picture of it could not be used.")]
@@ -138,8 +138,8 @@ struct UnknownArguments {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment sequence labels.csv --hand right
-  grasp-query experiment sequence labels.csv --hand right --switch 0.4 --json
+  grasp-query experiment sequence tests/pictures/labels.csv --hand right
+  grasp-query experiment sequence tests/pictures/labels.csv --hand right --switch 0.4 --json
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {

@@ -31,10 +31,11 @@ const INTERRUPTED: u8 = 130;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query quiz labels.csv                            in the browser of this machine
-  grasp-query quiz labels.csv --where kind=segmented --limit 60 --out anna.csv
-  grasp-query quiz labels.csv --listen 0.0.0.0:8080      for a phone in the same network
-  grasp-query quiz labels.csv --index grasp.idx --hand right --json > result.json
+  grasp-query quiz tests/pictures/labels.csv             in the browser of this machine
+  grasp-query quiz tests/pictures/labels.csv --where kind=segmented --limit 60 --out anna.csv
+  grasp-query quiz tests/pictures/labels.csv --listen 0.0.0.0:8080
+                                                         for a phone in the same network
+  grasp-query quiz tests/pictures/labels.csv --index grasp.idx --hand right --json > result.json
 
 Pictures in none of the six grasps are left out. Exit status: 0 when every picture was answered, 130 when Ctrl-C came before,
 2 where the table or a picture of it could not be used.")]

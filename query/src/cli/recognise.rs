@@ -29,18 +29,21 @@ use crate::sequence::Filter;
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query recognise cup.jpg
-  grasp-query recognise --json --timings *.jpg
-  grasp-query recognise --segmented hand-on-black.png --hand right
-  grasp-query recognise cup.png --depth depth.png --depth-range 400..900
-  grasp-query recognise cup.jpg --explain why.png
-  grasp-query recognise frames/*.jpg --sequence --json   each frame answered by all frames so far
-  grasp-query recognise cup.jpg --prior prior.toml --holding bottle
-  grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
-  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
-  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml --arm kuka-kr6-r700
-  grasp-query recognise cup.jpg --server http://127.0.0.1:8750
-  ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg
+  grasp-query recognise --json --timings tests/pictures/camera/*.jpg
+  grasp-query recognise --segmented tests/pictures/segmented/09-pinch.png --hand right
+  grasp-query recognise tests/pictures/segmented/09-pinch.png --mask tests/pictures/mask/09-pinch.png
+  grasp-query recognise PICTURE.png --depth DEPTH.png --depth-range 400..900
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --explain why.png
+  grasp-query recognise tests/pictures/camera/*.jpg --sequence --json
+                                                         each frame answered by all frames so far
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --prior tests/pictures/prior.toml --holding bottle
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --recall 0.99
+                                                         search harder for the true neighbours
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
+    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml --arm kuka-kr6-r700
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --server http://127.0.0.1:8750
+  ffmpeg -f v4l2 -i /dev/video0 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, PNM).
 #[derive(Debug, clap::Args)]

@@ -90,7 +90,7 @@ fn parse_scene(name: &str) -> Result<&'static Scene, String> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment imitation labels.csv --hand right --where kind=segmented --where stage=grasp
+  grasp-query experiment imitation tests/pictures/labels.csv --hand right --where kind=segmented --where stage=grasp
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 pub(super) struct ImitationArguments {

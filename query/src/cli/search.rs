@@ -22,13 +22,14 @@ use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query search queries.npy                         the neighbours of the first queries, to look at
-  grasp-query search queries.npy --out ids.npy --distances distances.npy
-  grasp-query search queries.npy --eps 0.05 --success 0.99 --out ids.npy
-  grasp-query search queries.npy --rounds 7 --threads 1 --json
-  grasp-query search queries.npy --index a.idx --index b.idx --out ids.npy
-  grasp-query search queries.npy --neighbours | jq .neighbours[0].id
-  grasp-query search queries.npy --server http://127.0.0.1:8750 --out ids.npy
+  grasp-builder queries --out q.npy                      descriptors of other hands, to search for
+  grasp-query search q.npy                               the neighbours of the first queries, to look at
+  grasp-query search q.npy --out ids.npy --distances distances.npy
+  grasp-query search q.npy --eps 0.05 --success 0.99 --out ids.npy
+  grasp-query search q.npy --rounds 7 --threads 1 --json
+  grasp-query search q.npy --index grasp.idx --index new.idx --out ids.npy
+  grasp-query search q.npy --neighbours | jq .neighbours[0].id
+  grasp-query search q.npy --server http://127.0.0.1:8750 --out ids.npy
 
 QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
 

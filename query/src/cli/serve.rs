@@ -36,9 +36,9 @@ const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
 Examples:
   grasp-query serve --index grasp.idx                    the page: http://127.0.0.1:8750/
   grasp-query serve --unix /run/grasp/grasp.sock         for programs of this machine
-  grasp-query serve --listen 0.0.0.0:8750 --token-file token.txt
-  curl --data-binary @cup.jpg http://127.0.0.1:8750/v1/recognise
-  grasp-query recognise --server http://127.0.0.1:8750 --json *.jpg
+  grasp-query serve --listen 0.0.0.0:8750 --token-file TOKEN.txt
+  curl --data-binary @tests/pictures/camera/01-large-diameter.jpg http://127.0.0.1:8750/v1/recognise
+  grasp-query recognise --server http://127.0.0.1:8750 --json tests/pictures/camera
 
 /openapi.json describes every path. Exit status: 0 after SIGTERM, 130 after Ctrl-C, 2 where something failed or requests were
 cut short.")]

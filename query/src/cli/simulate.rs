@@ -21,7 +21,7 @@ Examples:
   grasp-query simulate --grasp wrap
   grasp-query simulate --grasp pinch --pictures pinch.png          a human grasp names the robot's
   grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20 degrees and 15 mm
-  grasp-query simulate --grasp wrap --object own.toml --from side --quality --json
+  grasp-query simulate --grasp wrap --object query/data/objects/bottle.toml --from side --quality --json
 
 Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
 it does not, 2 an error.")]

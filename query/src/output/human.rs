@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use grasp_terminal::text::{counted, fixed, percent, printable};
+use grasp_terminal::text::{counted, fixed, percent, printable, printable_lines};
 
 use super::record::{Answer, Record};
 use crate::robot::Strategy;
@@ -19,7 +19,7 @@ pub fn text(record: &Record) -> String {
         }
     };
     // Names of classes and hands come from files as well, and nobody reads an index before using it.
-    text.split('\n').map(printable).collect::<Vec<_>>().join("\n")
+    printable_lines(&text)
 }
 
 fn name(file: &str, frame: Option<u64>) -> String {
