@@ -156,7 +156,7 @@ fn mistakes_in_a_manifest_are_told_with_their_line() {
     let line = |row: &str| {
         fault(&format!("file,grasp,cutkosky,stage,qx,qy,qz,qw\na.png,pinch,9,grasp,0,0,0,1\n{row}\n"))
     };
-    insta::assert_snapshot!(fault("file,grasp,qx,qy,qz\n"), @"SET/manifest.csv: line 1: column `qw` is missing; needed are file, grasp, qx, qy, qz and qw");
+    insta::assert_snapshot!(fault("file,grasp,qx,qy,qz\n"), @"SET/manifest.csv: line 1: column `qw` is missing: file, grasp, qx, qy, qz and qw are needed");
     insta::assert_snapshot!(fault("file,grasp,qx,qy,qz,qw\n"), @"SET/manifest.csv: the manifest lists no render");
     insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,zero,1"), @"SET/manifest.csv: line 3: `zero` in column `qz` is not a number in the range of that column");
     insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,,1"), @"SET/manifest.csv: line 3: `` in column `qz` is not a number in the range of that column");

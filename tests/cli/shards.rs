@@ -168,5 +168,5 @@ fn parts_that_make_no_index_are_told() {
 
     assert!(refused(folder, &["shard", "--shard", "4/3", "--out", "p"]).contains("does not name a part"));
     let said = refused(folder, &["shard", "--shard", "1/7", "--out", "p"]);
-    assert!(said.contains("6 scenes, pictures or rows make 6 shards at most"), "{said}");
+    assert!(said.contains("there are 6 scenes, pictures or rows, too few for"), "{said}");
 }

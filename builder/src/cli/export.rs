@@ -57,11 +57,11 @@ impl Export {
         let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),
-            (&self.parquet, "everything", export::index_as_parquet),
+            (&self.parquet, "descriptors and labels", export::index_as_parquet),
         ];
         for (out, what, write) in outputs {
             let Some(out) = out else { continue };
-            let bar = global.progress().bar(index.len() as u64, "writing", what);
+            let bar = global.progress().bar(index.len() as u64, "writing", "entries");
             let written = write(&index, out, &|done| bar.set_position(done));
             drop(bar);
             written.with_context(|| format!("the {what} of {name} were not written"))?;

@@ -218,7 +218,7 @@ impl RobotHand {
                 let [least, most] = self.limits.get(joint).copied().unwrap_or_default();
                 if !value.is_sound() || value.values().iter().any(|value| !(least..=most).contains(value)) {
                     return Err(source.error(format!(
-                        "grasp.{name}.{posture}.{joint}: values from {least} to {most} are needed, points with ascending widths"
+                        "grasp.{name}.{posture}.{joint}: values must lie from {least} to {most}, and the widths of points must ascend"
                     )));
                 }
             }

@@ -233,6 +233,6 @@ mod tests {
     #[test]
     fn an_unknown_name_lists_the_known_ones() {
         let error = HandShape::preset("giant").expect_err("no such hand");
-        insta::assert_snapshot!(error, @"there is no hand shape called `giant`; known are mean, broad, large, long-fingered, short-fingered, slender, small, and `hand-N` for a sampled hand with seed N");
+        insta::assert_snapshot!(error, @"there is no hand shape `giant`: the named ones are mean, broad, large, long-fingered, short-fingered, slender, small, and `hand-N` is a sampled hand with seed N");
     }
 }

@@ -109,9 +109,11 @@ pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), 
 
 fn check_thumbnail(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
     match &entry.thumbnail {
-        Some(thumbnail) if thumbnail.len() != pixels(params) => {
-            Err(format!("its thumbnail has {} pixels, the index's have {}", thumbnail.len(), pixels(params)))
-        }
+        Some(thumbnail) if thumbnail.len() != pixels(params) => Err(format!(
+            "its thumbnail is not of the size of the index's own ({} and {} pixels)",
+            thumbnail.len(),
+            pixels(params)
+        )),
         _ => Ok(()),
     }
 }
