@@ -57,8 +57,11 @@ fn a_long_build_logs_how_far_it_is_and_ctrl_c_says_what_is_kept() {
     let waited = started.elapsed();
     assert!((5..60).contains(&waited.as_secs()), "{waited:?}");
     let starts = line.starts_with("grasp-builder: describing: ");
-    assert!(starts && line.contains(" of 669,600 views (") && line.trim_end().ends_with(" left"), "{line}");
-    assert!(line.contains(" a second, ") || line.contains(" each, "), "{line}");
+    assert!(starts && line.contains(" of 669,600 views ("), "{line}");
+    // On a busy machine nothing may be done yet, and then there is no pace.
+    let has_pace =
+        (line.contains(" a second, ") || line.contains(" each, ")) && line.trim_end().ends_with(" left");
+    assert!(has_pace || line.ends_with("0 %), 10 s so far\n"), "{line}");
 
     let said = stop(logged);
     assert!(said.contains("nothing of this build is kept, and grasp.idx is not written"), "{said}");

@@ -1,6 +1,7 @@
 //! How far long work has come: a bar on a terminal, lines in a log.
 
 use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -12,6 +13,8 @@ use crate::text;
 
 /// How often a line is written where standard error is not a terminal.
 const EVERY: Duration = Duration::from_secs(10);
+/// How many lines back the pace is measured from.
+const SAMPLES: usize = 6;
 
 /// How progress is shown, if at all, by all work of a program.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +148,8 @@ impl Log {
         let (end, ended) = channel::<()>();
         let write = move || {
             let started = Instant::now();
+            // The pace of the last minute: work that begins with what is there already slows down later.
+            let mut samples = VecDeque::from([(started, 0)]);
             loop {
                 let passed = since.elapsed();
                 let lines = passed.as_secs() / EVERY.as_secs() + 1;
@@ -152,14 +157,19 @@ impl Log {
                 if ended.recv_timeout(next) != Err(RecvTimeoutError::Timeout) {
                     return;
                 }
+                let (now, done) = (Instant::now(), bar.position());
+                let (then, before) = samples.front().copied().unwrap_or((started, 0));
                 let state = State {
                     doing: bar.message(),
-                    done: bar.position(),
+                    done,
                     len: bar.length(),
-                    per_second: bar.per_sec(),
-                    left: bar.eta(),
+                    per_second: done.saturating_sub(before) as f64 / (now - then).as_secs_f64().max(1e-3),
                     elapsed: started.elapsed(),
                 };
+                samples.push_back((now, done));
+                if samples.len() > SAMPLES {
+                    samples.pop_front();
+                }
                 // Nobody may be there to read it; the work goes on.
                 let _ = writeln!(io::stderr(), "{program}: {}", state.line(unit));
             }
@@ -186,7 +196,6 @@ struct State {
     /// Unknown for work that counts nothing.
     len: Option<u64>,
     per_second: f64,
-    left: Duration,
     elapsed: Duration,
 }
 
@@ -196,14 +205,16 @@ impl State {
         let Some(len) = self.len.filter(|&len| len > 0) else {
             return format!("{doing}: {} so far", text::duration(self.elapsed));
         };
-        let share = 100 * done.min(&len) / len;
+        let share = text::percent(*done as f64 / len as f64);
         let (counted, all) = (HumanCount(*done), HumanCount(len));
-        let left = if *done == 0 || self.per_second <= 0.0 {
-            format!("{} so far", text::duration(self.elapsed))
+        let left = if self.per_second > 0.0 {
+            // More seconds than that are more than anyone waits for.
+            let seconds = (len.saturating_sub(*done) as f64 / self.per_second).min(1e9);
+            format!("{}{} left", pace(self.per_second), text::duration(Duration::from_secs_f64(seconds)))
         } else {
-            format!("{}{} left", pace(self.per_second), text::duration(self.left))
+            format!("{} so far", text::duration(self.elapsed))
         };
-        format!("{doing}: {counted} of {all} {unit} ({share} %), {left}")
+        format!("{doing}: {counted} of {all} {unit} ({share}), {left}")
     }
 }
 
@@ -222,25 +233,18 @@ mod tests {
     use super::*;
 
     fn state(done: u64, len: Option<u64>, per_second: f64) -> State {
-        State {
-            doing: "describing".to_owned(),
-            done,
-            len,
-            per_second,
-            left: Duration::from_secs(540),
-            elapsed: Duration::from_secs(20),
-        }
+        State { doing: "describing".to_owned(), done, len, per_second, elapsed: Duration::from_secs(20) }
     }
 
     #[test]
     fn a_line_says_what_how_far_how_fast_and_how_long_yet() {
         assert_eq!(
             state(12_345, Some(669_600), 1202.6).line("views"),
-            "describing: 12,345 of 669,600 views (1 %), 1,203 a second, 9 min left"
+            "describing: 12,345 of 669,600 views (1.8 %), 1,203 a second, 9 min left"
         );
         assert_eq!(
             state(1, Some(12), 0.05).line("parts"),
-            "describing: 1 of 12 parts (8 %), 20 s each, 9 min left"
+            "describing: 1 of 12 parts (8.3 %), 20 s each, 4 min left"
         );
         assert_eq!(state(0, Some(12), 0.0).line("parts"), "describing: 0 of 12 parts (0 %), 20 s so far");
         assert_eq!(state(0, None, 0.0).line(""), "describing: 20 s so far");
