@@ -95,8 +95,8 @@ fn as_text(name: &str, index: &Index) -> String {
         line(
             "effort",
             format!(
-                "{:>4} probes: recall@10 {:.4}, eps-success {:.4} at {EPS}, {} of the index",
-                point.probes,
+                "{:>11}: recall@10 {:.4}, eps-success {:.4} at {EPS}, {} of the index",
+                counted(point.probes, ["probe", "probes"]),
                 point.recall_at_10,
                 point.success(),
                 percent(point.share_of_database)

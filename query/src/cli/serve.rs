@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
-use grasp_terminal::text::counted;
+use grasp_terminal::text::{counted, printable};
 use tokio::net::TcpListener;
 
 use super::Global;
@@ -161,7 +161,7 @@ impl Serve {
                 Event::StillTheOld(problem) => format!("{problem}; the one before goes on"),
             };
             // Nobody may be there to be told; the service goes on.
-            let _ = writeln!(io::stderr(), "{line}");
+            let _ = writeln!(io::stderr(), "{}", printable(&line));
         };
         if !index.exists() {
             // With the advice on how to build one.

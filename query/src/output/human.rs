@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use grasp_terminal::text::{counted, fixed, percent, printable, printable_lines};
 
-use super::record::{Answer, Record};
+use super::record::{Answer, Failure, Record};
 use crate::robot::Strategy;
 
 /// Classes below this probability are not named as runners-up.
@@ -14,12 +14,19 @@ const WORTH_NAMING: f64 = 0.01;
 pub fn text(record: &Record) -> String {
     let text = match record {
         Record::Answer(answer) => answer_text(answer),
-        Record::Failure(failure) => {
-            format!("{}: {}\n", name(&failure.file, failure.frame), failure.error.message)
-        }
+        Record::Failure(failure) => failure_text(failure),
     };
     // Names of classes and hands come from files as well, and nobody reads an index before using it.
     printable_lines(&text)
+}
+
+fn failure_text(failure: &Failure) -> String {
+    let message = &failure.error.message;
+    // Some messages name the file themselves, as they stand alone elsewhere.
+    if message.contains(&format!(" {}: ", failure.file)) {
+        return format!("{message}\n");
+    }
+    format!("{}: {message}\n", name(&failure.file, failure.frame))
 }
 
 fn name(file: &str, frame: Option<u64>) -> String {
