@@ -94,7 +94,7 @@ fn what_cannot_be_measured_is_told() {
     fs::write(folder.path().join("results/scale.csv"), "a,b\n1,2\n").unwrap();
     let foreign = scale(folder.path(), &["--sizes", "200"]);
     assert!(
-        foreign.status == 2 && foreign.stderr.contains("no table of this experiment"),
+        foreign.status == 2 && foreign.stderr.contains("is not a table of this experiment"),
         "{}",
         foreign.stderr
     );

@@ -148,7 +148,7 @@ fn parts_that_make_no_index_are_told() {
 
     for (spoiled, says) in [
         (bytes[..bytes.len() / 2].to_vec(), "truncated"),
-        (b"P5 640 480 ".to_vec(), "no part"),
+        (b"P5 640 480 ".to_vec(), "not a part of an index"),
         ([&bytes[..], b"more"].concat(), "damaged"),
         ([&bytes[..bytes.len() - 40], &[7], &bytes[bytes.len() - 39..]].concat(), ""),
     ] {
