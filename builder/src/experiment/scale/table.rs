@@ -80,6 +80,6 @@ mod tests {
         write(&path, &rows).unwrap();
         assert_eq!(read(&path).unwrap(), rows);
         std::fs::write(&path, "file,grasp\na.png,pinch\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("no table of this experiment"));
+        assert!(read(&path).unwrap_err().to_string().contains("is not a table of this experiment"));
     }
 }
