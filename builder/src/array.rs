@@ -39,7 +39,7 @@ impl Rows {
         }
         if header.rows == 0 || header.columns == 0 {
             bail!(
-                "{} holds {} rows of {} values: there is nothing in it",
+                "{} holds {} rows of {} values: it holds no value",
                 path.display(),
                 header.rows,
                 header.columns

@@ -10,12 +10,12 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, Catalogue, HashInfo, HashParams, Index, NewEntry, Originals, RandomParams};
 use grasp_renders::RenderPlan;
+use grasp_terminal::Progress;
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::build::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::held_out::{Hands, HeldOut};
 use crate::interrupt;
-use crate::progress::Progress;
 
 /// Entries that are handed on at a time.
 const ENTRIES_AT_ONCE: u32 = 1 << 10;
@@ -49,7 +49,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
     let Some(first) = indexes.first() else { bail!("no index is named") };
     for (index, path) in indexes.iter().zip(&growth.indexes) {
         if let Some(what) = unlike(first.catalogue(), index.catalogue()) {
-            bail!("{} differs from the first index in {what}: build one of them anew", path.display());
+            bail!("{} differs from the first index in {what}: build one of them again", path.display());
         }
     }
     let kept = if growth.keep { &indexes[..] } else { &[] };
@@ -78,7 +78,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
         }
         index.check_unchanged().with_context(|| format!("cannot use {}", path.display()))?;
     }
-    bar.finish_and_clear();
+    drop(bar);
     if let Some(source) = &growth.more {
         let bar = progress.bar(source.len() as u64, "describing", "views");
         let mut take = |mut batch: Vec<Described>| -> anyhow::Result<()> {
@@ -89,7 +89,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
             gathered.take(batch)
         };
         source.describe(&names, &recipe, &Known::nothing(), 0..source.pieces(), &mut take)?;
-        bar.finish_and_clear();
+        drop(bar);
     }
     let report = gathered.finish(&Known::nothing(), || recipe.asked(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
@@ -103,7 +103,7 @@ fn open(path: &Path) -> anyhow::Result<Index> {
     }
     // What is flipped in one entry would be sealed as sound.
     if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is unsound: {problem}", path.display());
+        bail!("{} is damaged: {problem}", path.display());
     }
     Ok(index)
 }
@@ -131,7 +131,7 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     let known = || indexes.iter().flat_map(|index| &index.catalogue().hand_shapes);
     if let Some(name) = growth.without.iter().find(|name| !known().any(|hand| hand == *name)) {
         bail!(
-            "there is no hand shape {name} in the index: `grasp-builder inspect` names those that there are"
+            "there is no hand shape {name} in the index: `grasp-builder inspect` lists those that it holds"
         );
     }
     for catalogue in indexes.iter().map(Index::catalogue) {
@@ -144,7 +144,7 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     if let Some(source) = &growth.more {
         if !first.descriptor.describes_pictures() || !first.kept.labels {
             bail!(
-                "the index holds vectors without labels or of unknown making: pictures cannot be added to it"
+                "pictures cannot be added to an index of vectors without labels, or of vectors that this program did not compute"
             );
         }
         let more = source.names()?;

@@ -10,9 +10,9 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The exit status of a program that a Ctrl-C ended, as shells count it (128 + SIGINT).
 pub const EXIT_STATUS: u8 = 130;
 
-/// The work was stopped by the user; what was finished is kept and the same command goes on from there.
+/// The work was stopped by the user. What is kept of it, and how to go on, depends on the work.
 #[derive(Debug, thiserror::Error)]
-#[error("stopped; nothing half-written is left, run the same command again")]
+#[error("stopped")]
 pub struct Interrupted;
 
 /// Catches SIGINT and SIGTERM from now on. A second signal ends the program at once.

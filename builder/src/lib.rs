@@ -9,7 +9,7 @@
 //! - [`grow`] adds to an index, removes from it, and joins several;
 //! - [`experiment`] varies something and measures what the search does;
 //! - [`cli`] is the command line, one file a subcommand;
-//! - [`progress`] shows how far long work has come, and [`interrupt`] lets it be stopped.
+//! - [`interrupt`] lets long work be stopped.
 //!
 //! What a hand looks like is `grasp-renders`' business; what an index is, `grasp-index`'.
 
@@ -22,6 +22,5 @@ pub mod grow;
 pub mod held_out;
 pub mod interrupt;
 pub mod merge;
-pub mod progress;
 pub mod shard;
 pub mod split;

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
+use grasp_terminal::Progress;
 
 use crate::build::{Gathered, Known, Report};
 use crate::interrupt;
-use crate::progress::Progress;
 use crate::shard::{EXTENSION, HeldOutRows, PartReader};
 
 /// Entries that are handed on at a time.
@@ -69,7 +69,7 @@ pub fn merge(folder: &Path, out: &Path, progress: Progress) -> anyhow::Result<Re
         }
         bar.inc(1);
     }
-    bar.finish_and_clear();
+    drop(bar);
     let report = gathered.finish(&known, || Ok((held_out.descriptors, held_out.classes)), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
 }
@@ -110,5 +110,5 @@ fn parts(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 fn useless(path: &Path) -> String {
-    format!("the part {} is of no use: run `grasp-builder shard` for it again", path.display())
+    format!("the part {} cannot be used: run `grasp-builder shard` for it again", path.display())
 }

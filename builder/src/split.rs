@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, BuildError, Index};
+use grasp_terminal::Progress;
 
 use crate::interrupt::{self, Interrupted};
-use crate::progress::Progress;
 
 /// A segment that was written.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
     // What is flipped in it would be sealed as sound.
     if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is unsound: {problem}", path.display());
+        bail!("{} is damaged: {problem}", path.display());
     }
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
     clear(out);
@@ -58,7 +58,7 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     }
     // Dropped otherwise, all that were written go.
     index.check_unchanged().with_context(|| format!("cannot use the index {}", path.display()))?;
-    bar.finish_and_clear();
+    drop(bar);
     Ok(std::mem::take(&mut written.0))
 }
 

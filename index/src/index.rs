@@ -68,7 +68,7 @@ pub enum EntryError {
         entries: usize,
     },
     /// The file says something about it that makes no sense.
-    #[error("corrupt: the {what} of entry {id} makes no sense: run `grasp-builder verify` on the index")]
+    #[error("corrupt: the {what} of entry {id} is out of range: run `grasp-builder verify` on the index")]
     Corrupt {
         /// The entry.
         id: u32,
@@ -83,12 +83,12 @@ pub enum EntryError {
 pub enum CannotRecognise {
     /// Its descriptors came from elsewhere.
     #[error(
-        "the index holds raw vectors, and how to describe a picture likewise is not known: build it with --descriptor NAME if they were made by this program, or search it for vectors with `grasp-query search`"
+        "the index holds raw vectors, and how to compute such a vector from a picture is not known: build it with --descriptor NAME if this program computed them, or search it for vectors with `grasp-query search`"
     )]
     RawDescriptors,
     /// It knows no classes.
     #[error(
-        "the index holds descriptors without labels, so that neighbours cannot say what they are: build it with --labels FILE, or search it for vectors with `grasp-query search`"
+        "the index holds descriptors without labels, so that neighbours have no class to vote for: build it with --labels FILE, or search it for vectors with `grasp-query search`"
     )]
     NoLabels,
 }

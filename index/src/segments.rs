@@ -33,7 +33,7 @@ pub enum SegmentsError {
     #[error("there is no index to search")]
     None,
     /// Their distances cannot be compared.
-    #[error("index {at} (counted from 0) has other descriptors than the first: build one of them anew")]
+    #[error("index {at} (counted from 0) has other descriptors than the first: build one of them again")]
     Unlike {
         /// Which differs.
         at: usize,

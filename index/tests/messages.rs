@@ -34,7 +34,7 @@ fn of_an_index_from_a_newer_version() {
     bytes[8] = 5;
     let hash = xxh3_64(&bytes[..56]);
     bytes[56..64].copy_from_slice(&hash.to_le_bytes());
-    assert_snapshot!(opening(&bytes), @"written for readers >= 5, this is 4: use a newer grasp-query, or build the file again with this grasp-builder");
+    assert_snapshot!(opening(&bytes), @"needs a reader of version 5 or later, and this one is of version 4: use a newer grasp-query, or build the file again with this grasp-builder");
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn of_entries_that_do_not_fit() {
     assert_snapshot!(refused(NewEntry { class: 2, ..good.clone() }), @"the entry a.png cannot be added: its class is number 2, and the index has 2");
     assert_snapshot!(refused(NewEntry { descriptor: vec![0.0; 339], ..good.clone() }), @"the entry a.png cannot be added: its descriptor has 339 values, the index's have 340");
     assert_snapshot!(refused(NewEntry { descriptor: vec![f32::NAN; 340], ..good.clone() }), @"the entry a.png cannot be added: value 0 of its descriptor is not a finite number");
-    assert_snapshot!(refused(NewEntry { thumbnail: Some(vec![1]), ..good }), @"the entry a.png cannot be added: its thumbnail has 1 pixels, the index's have 0");
+    assert_snapshot!(refused(NewEntry { thumbnail: Some(vec![1]), ..good }), @"the entry a.png cannot be added: its thumbnail is not of the size of the index's own (1 and 0 pixels)");
     assert!(matches!(writer.finish_bytes(), Err(BuildError::Empty)));
     let none = IndexWriter::new(IndexParams::default()).expect_err("no classes");
     assert_snapshot!(none, @"an index needs at least one class, one hand shape and one stage");

@@ -36,7 +36,7 @@ pub enum PriorError {
         source: std::io::Error,
     },
     /// The file is no such table.
-    #[error("the prior {} is no table of [objects.NAME] with grasp = probability", path.display())]
+    #[error("the prior {} is not a table of [objects.NAME] with grasp = probability", path.display())]
     Form {
         /// The file.
         path: PathBuf,
@@ -44,7 +44,7 @@ pub enum PriorError {
         source: toml::de::Error,
     },
     /// The object is not in the table.
-    #[error("the prior knows no object `{object}`; it knows {known}")]
+    #[error("the prior has no object `{object}`; it has {known}")]
     UnknownObject {
         /// What was asked for.
         object: String,
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn tables_that_make_no_sense_are_told() {
         let told = |text: &str| priors(text).of("cup", &grasps()).unwrap_err().to_string();
-        insta::assert_snapshot!(told("[objects.bottle]"), @"the prior knows no object `cup`; it knows bottle");
+        insta::assert_snapshot!(told("[objects.bottle]"), @"the prior has no object `cup`; it has bottle");
         insta::assert_snapshot!(told("[objects.cup]\nhook = 0.5"), @"the prior's object `cup` names the grasp `hook`; the index has large-diameter, pinch, power-sphere");
         insta::assert_snapshot!(told("[objects.cup]\npinch = -0.5"), @"the prior's object `cup`: pinch is -0.5: probabilities of 0 to 1 are needed that sum to 1 at most");
         insta::assert_snapshot!(told("[objects.cup]\npinch = nan"), @"the prior's object `cup`: pinch is NaN: probabilities of 0 to 1 are needed that sum to 1 at most");

@@ -127,7 +127,7 @@ fn what_cannot_be_simulated_is_said() {
     insta::assert_snapshot!(error, @r#"parallel-gripper has no model to simulate: take barrett, or a file with `model = "barrett"`"#);
     let barrett = RobotHand::find("barrett").unwrap();
     let error = Plan::new(&barrett, "hook", &block, turned).unwrap_err();
-    insta::assert_snapshot!(error, @"barrett has no grasp called `hook`: it has precision-disc, two-finger-thumb, wrap");
+    insta::assert_snapshot!(error, @"barrett has no grasp `hook`: it has precision-disc, two-finger-thumb, wrap");
     let floating = Object { table: None, ..block };
     assert!(matches!(Plan::new(&barrett, "wrap", &floating, turned), Err(RobotError::NoTable { .. })));
 }

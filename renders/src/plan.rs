@@ -56,7 +56,7 @@ impl fmt::Display for Preset {
 
 /// A word that names no preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unknown preset `{0}`: use paper, standard or wide")]
+#[error("there is no preset `{0}`: the presets are paper, standard and wide")]
 pub struct UnknownPreset(pub String);
 
 impl FromStr for Preset {

@@ -156,18 +156,18 @@ fn mistakes_in_a_manifest_are_told_with_their_line() {
     let line = |row: &str| {
         fault(&format!("file,grasp,cutkosky,stage,qx,qy,qz,qw\na.png,pinch,9,grasp,0,0,0,1\n{row}\n"))
     };
-    insta::assert_snapshot!(fault("file,grasp,qx,qy,qz\n"), @"SET/manifest.csv: line 1: column `qw` is missing; needed are file, grasp, qx, qy, qz and qw");
+    insta::assert_snapshot!(fault("file,grasp,qx,qy,qz\n"), @"SET/manifest.csv: line 1: column `qw` is missing: file, grasp, qx, qy, qz and qw are needed");
     insta::assert_snapshot!(fault("file,grasp,qx,qy,qz,qw\n"), @"SET/manifest.csv: the manifest lists no render");
-    insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,zero,1"), @"SET/manifest.csv: line 3: `zero` in column `qz` is not a number that can stand there");
-    insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,,1"), @"SET/manifest.csv: line 3: `` in column `qz` is not a number that can stand there");
+    insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,zero,1"), @"SET/manifest.csv: line 3: `zero` in column `qz` is not a number in the range of that column");
+    insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,,1"), @"SET/manifest.csv: line 3: `` in column `qz` is not a number in the range of that column");
     insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,0,2"), @"SET/manifest.csv: line 3: qx, qy, qz, qw have length 2.0000: camera_from_hand must be a unit quaternion");
     insta::assert_snapshot!(line("a.png,pinch,9,grasp,0,0,NaN,1"), @"SET/manifest.csv: line 3: qx, qy, qz, qw have length NaN: camera_from_hand must be a unit quaternion");
     insta::assert_snapshot!(line("../a.png,pinch,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: the file `../a.png` leads out of the manifest's folder");
     insta::assert_snapshot!(line("/a.png,pinch,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: the file `/a.png` leads out of the manifest's folder");
     insta::assert_snapshot!(line("b.png,pinch,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: the file `b.png` does not exist");
-    insta::assert_snapshot!(line("a.png,pnich,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: `pnich` is no grasp; known are large-diameter, small-diameter, abducted-thumb, pinch, power-sphere, precision-disc");
+    insta::assert_snapshot!(line("a.png,pnich,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: there is no grasp `pnich`: the grasps are large-diameter, small-diameter, abducted-thumb, pinch, power-sphere, precision-disc");
     insta::assert_snapshot!(line("a.png,pinch,8,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: grasp `pinch` is number 9, not 8");
-    insta::assert_snapshot!(line("a.png,pinch,9,hold,0,0,0,1"), @"SET/manifest.csv: line 3: `hold` is no stage; the stages are reach, close and grasp");
+    insta::assert_snapshot!(line("a.png,pinch,9,hold,0,0,0,1"), @"SET/manifest.csv: line 3: there is no stage `hold`: the stages are reach, close and grasp");
     insta::assert_snapshot!(line("a.png,pinch"), @"SET/manifest.csv: line 3: not a line of this table: it has 2 fields where the header has 8");
     let missing = Manifest::read("/nowhere/manifest.csv").expect_err("missing").to_string();
     assert!(missing.starts_with("cannot read the manifest /nowhere/manifest.csv"));

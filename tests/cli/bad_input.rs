@@ -156,7 +156,7 @@ fn broken_rows_of_a_table_of_labels_are_named_and_the_others_scored() {
         report["errors"].as_array().unwrap().iter().map(|error| error["line"].as_u64().unwrap()).collect();
     lines.sort_unstable();
     assert_eq!(lines, [3, 4, 5], "{report}");
-    assert!(report["errors"].to_string().contains("`lateral` is none of the classes"), "{report}");
+    assert!(report["errors"].to_string().contains("`lateral` is not one of the classes"), "{report}");
 }
 
 #[test]

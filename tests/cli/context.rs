@@ -123,8 +123,8 @@ fn priors_that_cannot_be_used_are_told() {
         told("[objects.cup]\nhook = 0.5", "cup")
             .contains("names the grasp `hook`; the index has large-diameter")
     );
-    assert!(told("[objects.cup]", "mug").contains("the prior knows no object `mug`; it knows cup"));
-    assert!(told("cup = 3", "cup").contains("the prior p.toml is no table of [objects.NAME]"));
+    assert!(told("[objects.cup]", "mug").contains("the prior has no object `mug`; it has cup"));
+    assert!(told("cup = 3", "cup").contains("the prior p.toml is not a table of [objects.NAME]"));
     let alone = recognise(&["09-pinch.png"], &["--prior", "p.toml"]);
     assert!(alone.status == 2 && alone.stderr.contains("--holding"), "{}", alone.stderr);
 }

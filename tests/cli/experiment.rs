@@ -82,7 +82,7 @@ fn what_cannot_be_measured_is_told() {
     write_rows(&folder.path().join("q.npy"), 5, 2);
     let too_many = scale(folder.path(), &["--sizes", "1000"]);
     assert!(
-        too_many.status == 2 && too_many.stderr.contains("holds 200 rows, 1000 are asked for"),
+        too_many.status == 2 && too_many.stderr.contains("holds 200 rows, and 1000 are wanted"),
         "{}",
         too_many.stderr
     );
@@ -94,7 +94,7 @@ fn what_cannot_be_measured_is_told() {
     fs::write(folder.path().join("results/scale.csv"), "a,b\n1,2\n").unwrap();
     let foreign = scale(folder.path(), &["--sizes", "200"]);
     assert!(
-        foreign.status == 2 && foreign.stderr.contains("no table of this experiment"),
+        foreign.status == 2 && foreign.stderr.contains("is not a table of this experiment"),
         "{}",
         foreign.stderr
     );

@@ -169,7 +169,7 @@ fn indexes_that_do_not_go_together_are_told() {
     let mut spoiled = before.clone();
     spoiled[before.len() / 2] ^= 1;
     fs::write(folder.join("b.idx"), spoiled).unwrap();
-    assert!(refused(folder, &["compact", "a.idx", "b.idx"]).contains("b.idx is unsound"));
+    assert!(refused(folder, &["compact", "a.idx", "b.idx"]).contains("b.idx is damaged"));
     assert!(fs::read(folder.join("a.idx")).unwrap() == before);
 
     done(folder, &["export", "a.idx", "--descriptors", "x.npy"]);

@@ -174,10 +174,10 @@ fn what_is_no_hand_is_refused_by_name() {
     let spaces = write("my hand.glb", &bytes);
     let missing = folder.path().join("missing.glb");
     insta::assert_snapshot!(refused(&["build"], &cut), @"grasp-builder: cannot use the hand of DIR/cut.glb: it is damaged: truncated: 9016 bytes expected, 4508 found");
-    insta::assert_snapshot!(refused(&["build"], &picture), @"grasp-builder: cannot use the hand of DIR/picture.glb: it is no binary glTF file: export the hand as .glb");
-    insta::assert_snapshot!(refused(&["build"], &spaces), @"grasp-builder: cannot use the hand of DIR/my hand.glb: `my hand` is no name for a hand: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, other than a built-in hand's name");
+    insta::assert_snapshot!(refused(&["build"], &picture), @"grasp-builder: cannot use the hand of DIR/picture.glb: it is not a binary glTF file: export the hand as .glb");
+    insta::assert_snapshot!(refused(&["build"], &spaces), @"grasp-builder: cannot use the hand of DIR/my hand.glb: a hand cannot be named `my hand`: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, and not the name of a built-in hand");
     insta::assert_snapshot!(refused(&["render"], &missing), @"grasp-builder: cannot use the hand of DIR/missing.glb: it cannot be read: No such file or directory (os error 2)");
-    insta::assert_snapshot!(refused(&["build", "--hand-model", model.to_str().unwrap()], &model), @"grasp-builder: two --hand-model files are named boxes: rename one");
+    insta::assert_snapshot!(refused(&["build", "--hand-model", model.to_str().unwrap()], &model), @"grasp-builder: two files of --hand-model are named boxes: rename one");
     insta::assert_snapshot!(refused(&["queries"], &model), @"grasp-builder: queries are of hands that no index holds: leave out --hand-model");
     let none = run(program("grasp-builder").args(["build", "--hands", "0", "--out"]).arg(&out));
     assert_eq!(none.status, 2);

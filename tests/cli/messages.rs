@@ -49,10 +49,8 @@ fn inspect_says_what_is_in_an_index() {
         (r"\b[01]\.\d{3,4}\b", "[share]"),
         (r"(  vote .*\n)+", "  vote         [...]\n"),
         (r"printed: \d+\.\d", "printed: [sigma]"),
-        (r"T = \d+ tables of K = \d+ hyperplanes, H = \d+", "T = [t] tables of K = [k] hyperplanes, H = [h]"),
-        (r"\d+\.\d+ % of the database", "[share] % of the database"),
         (r"(?m)^  section .*$", "  section      [...]"),
-        (r"\d+ bytes", "[n] bytes"),
+        (r"[\d,]+ bytes", "[n] bytes"),
     ];
     insta::with_settings!({filters => filters}, {
         insta::assert_snapshot!("inspect", outcome.stdout);

@@ -293,7 +293,11 @@ fn ctrl_c_prints_the_table_so_far_and_no_index_is_needed() {
     let foreign = folder.path().join("labels.csv");
     fs::copy(pictures().join("labels.csv"), &foreign).unwrap();
     let refused = run(&mut quiz(&foreign));
-    assert!(refused.status == 2 && refused.stderr.contains("is no table of answers"), "{}", refused.stderr);
+    assert!(
+        refused.status == 2 && refused.stderr.contains("is not a table of answers"),
+        "{}",
+        refused.stderr
+    );
     let missing = run(quiz(&answers).args(["--index", "missing.idx"]));
     assert!(missing.status == 2 && missing.stderr.contains("no index at missing.idx"), "{}", missing.stderr);
     let nowhere = run(quiz(&answers).args(["--listen", "203.0.113.1:80"]));

@@ -555,7 +555,7 @@ fn requests_under_way_are_finished_before_the_end() {
     let _never_sent = half(&impatient, &picture);
     impatient.signal("TERM");
     assert_eq!(impatient.wait(), 2);
-    assert!(impatient.line().contains("1 requests were cut short"));
+    assert!(impatient.line().contains("1 request was cut short"));
 }
 
 #[test]

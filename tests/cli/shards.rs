@@ -147,14 +147,14 @@ fn parts_that_make_no_index_are_told() {
     assert!(said.contains("has 2 of 3 parts; missing: 2: run `grasp-builder shard --shard I/3`"), "{said}");
 
     for (spoiled, says) in [
-        (bytes[..bytes.len() / 2].to_vec(), "cut short"),
-        (b"P5 640 480 ".to_vec(), "no part"),
+        (bytes[..bytes.len() / 2].to_vec(), "truncated"),
+        (b"P5 640 480 ".to_vec(), "not a part of an index"),
         ([&bytes[..], b"more"].concat(), "damaged"),
         ([&bytes[..bytes.len() - 40], &[7], &bytes[bytes.len() - 39..]].concat(), ""),
     ] {
         fs::write(&second, spoiled).unwrap();
         let said = refused(folder, &["merge", "parts"]);
-        assert!(said.contains("2-of-3.shard is of no use") && said.contains(says), "{says}: {said}");
+        assert!(said.contains("2-of-3.shard cannot be used") && said.contains(says), "{says}: {said}");
     }
     // Of another index, by its parameters or by its number.
     fs::remove_file(&second).unwrap();
@@ -166,7 +166,7 @@ fn parts_that_make_no_index_are_told() {
     assert!(refused(folder, &["merge", "parts"]).contains("has 3 of 3 parts"), "twice the same part");
     assert!(!folder.join("grasp.idx").exists());
 
-    assert!(refused(folder, &["shard", "--shard", "4/3", "--out", "p"]).contains("is no shard"));
+    assert!(refused(folder, &["shard", "--shard", "4/3", "--out", "p"]).contains("does not name a part"));
     let said = refused(folder, &["shard", "--shard", "1/7", "--out", "p"]);
-    assert!(said.contains("6 scenes, pictures or rows make 6 shards at most"), "{said}");
+    assert!(said.contains("there are 6 scenes, pictures or rows, too few for"), "{said}");
 }

@@ -259,5 +259,9 @@ fn what_is_unknown_is_not_imitated_and_what_has_no_orientation_is_left_out() {
     let missing = imitation(folder.path(), &[]);
     assert_eq!(missing.status, 2);
     let shadow = imitation(folder.path(), &["--robot", "shadow"]);
-    assert!(shadow.status == 2 && shadow.stderr.contains("no robot hand is called"), "{}", shadow.stderr);
+    assert!(
+        shadow.status == 2 && shadow.stderr.contains("there is no robot hand `shadow`"),
+        "{}",
+        shadow.stderr
+    );
 }

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, BuildError, IndexParams, IndexWriter, Phase};
+use grasp_terminal::Progress;
+use grasp_terminal::text::{counted, percent};
 
 use super::inputs::Inputs;
 use super::{Described, Known, Report};
 use crate::interrupt::{self, Interrupted};
-use crate::progress::Progress;
 
 /// An index on its way: entries go in, in the order of the source, and [`Self::finish`] makes the file of them.
 pub(crate) struct Gathered {
@@ -64,7 +65,8 @@ impl Gathered {
     ) -> anyhow::Result<Report> {
         let Self { out, mut writer, inputs, mut report } = self;
         if report.entries == 0 {
-            bail!("none of the {} pictures shows a hand: nothing to index", report.without_hand);
+            let pictures = counted(report.without_hand, ["picture", "pictures"]);
+            bail!("no hand in {pictures}: there is nothing to index");
         }
         known.check()?;
         if known.is_made_from(&inputs) {
@@ -74,20 +76,24 @@ impl Gathered {
         let spinner = progress.spinner("rendering held-out hands");
         let (descriptors, classes) = asked()?;
         writer.hold_out(descriptors, classes)?;
-        spinner.finish_and_clear();
+        drop(spinner);
         let spinner = progress.spinner("hashing");
-        let summary = writer.finish(&|phase, _| {
-            spinner.set_message(match phase {
+        let summary = writer.finish(&|phase, share| {
+            let doing = match phase {
                 Phase::Sigma => "measuring sigma",
                 Phase::Tune => "choosing the hash",
                 Phase::Tables => "filling the hash tables",
                 Phase::Measure => "measuring the search",
                 Phase::Calibrate => "calibrating the vote",
                 _ => "writing",
+            };
+            spinner.set_message(match share {
+                0.0 => doing.into(),
+                share => format!("{doing} ({})", percent(share)),
             });
             if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
-        spinner.finish_and_clear();
+        drop(spinner);
         let summary = match summary {
             Err(BuildError::Stopped) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{out} was not written"))?,

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{DescriptorParams, Index, NewEntry, OpenError, Originals};
+use grasp_terminal::text::shown;
 
 use super::inputs::Inputs;
 
@@ -73,8 +74,8 @@ impl Known {
         // Where nobody listens any more, the build goes on all the same.
         let _ = writeln!(
             std::io::stderr(),
-            "grasp-builder: the existing {} is of no use and will be replaced: {why}",
-            path.display()
+            "grasp-builder: nothing can be taken over from the existing {}, which will be replaced: {why}",
+            shown(path)
         );
         Self::nothing()
     }

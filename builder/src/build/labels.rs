@@ -123,7 +123,7 @@ impl Entries<'_> {
     pub(super) fn next(&mut self) -> anyhow::Result<NewEntry> {
         let Labels { path, columns, names, .. } = self.labels;
         if !read(&mut self.reader, &mut self.record, path)? {
-            bail!("{} was cut short while it was read", path.display());
+            bail!("{} was truncated while it was read", path.display());
         }
         let entry = || -> anyhow::Result<NewEntry> {
             let line = columns.line(&self.record)?;
@@ -186,9 +186,9 @@ impl Columns {
 
     fn number<N: std::str::FromStr>(&self, record: &StringRecord, column: &str) -> anyhow::Result<N> {
         let text = self.text(record, column);
-        text.parse()
-            .ok()
-            .with_context(|| format!("`{text}` in column `{column}` is not a number that can stand there"))
+        text.parse().ok().with_context(|| {
+            format!("`{text}` in column `{column}` is not a number in the range of that column")
+        })
     }
 
     fn line<'r>(&self, record: &'r StringRecord) -> anyhow::Result<Line<'r>> {

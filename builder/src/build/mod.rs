@@ -24,10 +24,10 @@ use grasp_index::{
     HashParams, IndexParams, NewEntry, Originals, Summary,
 };
 use grasp_renders::RenderPlan;
+use grasp_terminal::Progress;
 
 use crate::held_out::HeldOut;
 use crate::interrupt;
-use crate::progress::Progress;
 
 pub(crate) use gather::Gathered;
 pub(crate) use inputs::{KEY as INPUTS, OPTIONS, tool};
@@ -113,7 +113,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
         gathered.take(batch)
     };
     source.describe(&names, recipe, &known, 0..source.pieces(), &mut take)?;
-    bar.finish_and_clear();
+    drop(bar);
     let report = gathered.finish(&known, || recipe.asked(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
 }

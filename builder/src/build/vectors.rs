@@ -30,7 +30,11 @@ impl Vectors {
     pub fn open(descriptors: &Path, labels: Option<&Path>, grasps: &GraspSet) -> anyhow::Result<Self> {
         let rows = Rows::open(descriptors)?;
         let Ok(dim) = u32::try_from(rows.columns()) else {
-            bail!("{} has rows of {} values: at most 65,536 work", descriptors.display(), rows.columns());
+            bail!(
+                "{} has rows of {} values: at most 65,536 are supported",
+                descriptors.display(),
+                rows.columns()
+            );
         };
         let labels = labels.map(|path| Labels::open(path, grasps)).transpose()?;
         if let Some(labels) = labels.as_ref().filter(|labels| labels.len() != rows.len()) {

@@ -8,6 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::builder::ArgPredicate;
 use grasp_index::{DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams};
 use grasp_renders::{Preset, RenderPlan};
+use grasp_terminal::text::{counted, percent, shown};
 
 use super::Global;
 use super::form::Form;
@@ -27,7 +28,8 @@ Examples:
   grasp-builder build --out grasp.idx                       the default: recognises hands of any shape, from any side
   grasp-builder build --preset paper --out paper.idx        the paper's 6 x 900 views of one hand
   grasp-builder build --hands 30 --rolls 12 --step 12 --out many.idx
-  grasp-builder build renders blender-renders --out grasp.idx --descriptor paper
+  grasp-builder render --out renders
+  grasp-builder build renders --out grasp.idx --descriptor paper
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx")]
 pub(crate) struct Build {
     /// The index to write.
@@ -74,7 +76,7 @@ struct VectorOptions {
 struct IndexOptions {
     /// How hand images are described: `default`; `upright`, the same of hands turned upright, for views with any roll (the
     /// default of `--preset standard` and `wide`); or `paper` for the paper's own form. With --descriptors, how the rows
-    /// were made: `raw` (somehow else), unless this is given.
+    /// were made: `raw` (in some other way), unless this is given.
     #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
     descriptor: Option<String>,
     /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones as in the paper.
@@ -216,18 +218,35 @@ impl Build {
     }
 }
 
-/// Tells a person what came of a build.
+impl Build {
+    /// What is kept when the build is stopped, and how to build so that more is.
+    pub(super) fn when_stopped(&self) -> String {
+        let out = shown(&self.out);
+        let left = if self.out.exists() { "is as it was" } else { "is not written" };
+        format!(
+            "nothing of this build is kept, and {out} {left}.\nBuilt in parts, finished parts are kept: run `grasp-builder shard \
+             --shard I/12 --out parts` with the other options\nof this build for I = 1 to 12, and after Ctrl-C again for those \
+             that are missing; then `grasp-builder merge parts --out {out}`"
+        )
+    }
+}
+
+/// What an index holds, in the singular and the plural.
+pub(super) const ENTRIES: [&str; 2] = ["entry", "entries"];
+
+/// Prints for a person what came of a build.
 pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
-    let (out, seconds) = (out.display(), report.elapsed.as_secs_f64());
+    let (out, seconds) = (shown(out), report.elapsed.as_secs_f64());
     let Some(summary) = &report.written else {
-        writeln!(stdout, "{out} is up to date: {} entries, checked in {seconds:.2} s", report.entries)?;
+        let entries = counted(report.entries, ENTRIES);
+        writeln!(stdout, "{out} is up to date: {entries}, checked in {seconds:.2} s")?;
         return Ok(());
     };
     write!(
         stdout,
-        "{out}: {} entries, {:.1} MB, in {seconds:.2} s",
-        summary.entries,
+        "{out}: {}, {:.1} MB, in {seconds:.2} s",
+        counted(summary.entries, ENTRIES),
         summary.bytes as f64 / 1e6
     )?;
     if pictures {
@@ -237,25 +256,35 @@ pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Resul
         writeln!(stdout)?;
     }
     if report.without_hand > 0 {
-        writeln!(stdout, "  {} views show no hand and were left out", report.without_hand)?;
+        let views =
+            counted(report.without_hand, ["view shows no hand and was", "views show no hand and were"]);
+        writeln!(stdout, "  {views} left out")?;
     }
     match summary.hash {
         HashInfo::Random(hash) => {
-            writeln!(stdout, "  hash: T = {} tables of K = {} random hyperplanes", hash.tables, hash.planes)?;
+            writeln!(
+                stdout,
+                "  hash: T = {} of K = {}",
+                counted(hash.tables, ["table", "tables"]),
+                counted(hash.planes, ["random hyperplane", "random hyperplanes"])
+            )?;
         }
-        HashInfo::Learned(hash) => writeln!(stdout, "  hash: K = {} learned hyperplanes", hash.planes)?,
+        HashInfo::Learned(hash) => {
+            let planes = counted(hash.planes, ["learned hyperplane", "learned hyperplanes"]);
+            writeln!(stdout, "  hash: K = {planes}")?;
+        }
         _ => {}
     }
     if let Some(point) = summary.measured.enough(Effort::Recall(0.95)) {
         writeln!(
             stdout,
-            "  on {} held-out, moved queries a search finds {:.1} % of the 10 nearest, and a neighbour within {:.0} % of the \
-                 nearest in {:.1} % of cases, and looks at {:.2} % of the entries",
-            summary.measured.queries,
-            point.recall_at_10 * 100.0,
-            EPS * 100.0,
-            point.success() * 100.0,
-            point.share_of_database * 100.0,
+            "  for {} of other hands a search finds {} of the 10 nearest entries, an entry within {} of the nearest for {} of \
+             the queries, and looks at {} of the index",
+            counted(summary.measured.queries, ["query", "queries"]),
+            percent(point.recall_at_10),
+            format_args!("{:.0} %", 100.0 * EPS),
+            percent(point.success()),
+            percent(point.share_of_database),
         )?;
     }
     Ok(())

@@ -8,8 +8,10 @@ use anyhow::Context as _;
 use clap::Subcommand;
 use grasp_index::DescriptorParams;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
+use grasp_terminal::text::{counted, percent, shown};
 
 use super::Global;
+use super::build::ENTRIES;
 use super::form::Form;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;
@@ -42,6 +44,7 @@ enum Name {
 Examples:
   grasp-builder experiment scale --out scale
   grasp-builder experiment scale --out scale --largest 5011872           ten times as far; takes an hour
+  grasp-builder queries --out q.npy
   grasp-builder experiment scale --descriptors x.npy --queries q.npy --sizes 10000,100000")]
 struct Scale {
     /// The folder of the results; made where there is none.
@@ -148,8 +151,8 @@ impl Scale {
                 )?;
             }
         }
-        writeln!(stdout, "{}", self.out.join("scale.csv").display())?;
-        writeln!(stdout, "{}", self.out.join("scale.svg").display())?;
+        writeln!(stdout, "{}", shown(&self.out.join("scale.csv")))?;
+        writeln!(stdout, "{}", shown(&self.out.join("scale.svg")))?;
         Ok(())
     }
 }
@@ -177,7 +180,8 @@ impl Shapes {
         let indexes = shapes::run(&settings, global.progress(), &mut |path, report| {
             let done = if report.written.is_some() { "built" } else { "is up to date" };
             let seconds = report.elapsed.as_secs_f64();
-            let _ = writeln!(stderr, "{} {done}: {} entries, {seconds:.1} s", path.display(), report.entries);
+            let entries = counted(report.entries, ENTRIES);
+            let _ = writeln!(stderr, "{} {done}: {entries}, {seconds:.1} s", shown(path));
         })?;
         let mut stdout = std::io::stdout().lock();
         write!(stdout, "grasp-query experiment shapes LABELS.csv --out {}", self.out.display())?;
@@ -191,18 +195,18 @@ impl Shapes {
 
 fn parse_step(text: &str) -> Result<f64, String> {
     let step = text.parse().ok().filter(|step| (0.5..=180.0).contains(step));
-    step.ok_or_else(|| "a step between 0.5 and 180 degrees is needed".into())
+    step.ok_or_else(|| "a step must lie between 0.5 and 180 degrees".into())
 }
 
 fn line(row: &Row) -> String {
     format!(
-        "{:>8}  {:>9} entries: {:>9.1} us a query, {:>9.0} candidates ({:.2} %), recall@10 {:.3}, eps-success {:.3}, \
+        "{:>8}  {:>9} entries: {:>9.1} us a query, {:>9.0} candidates ({}), recall@10 {:.3}, eps-success {:.3}, \
          {:.1} MB, built in {:.1} s",
         row.hash,
         row.entries,
         row.ns_per_query / 1e3,
         row.candidates,
-        100.0 * row.share_of_database,
+        percent(row.share_of_database),
         row.recall_at_10,
         row.eps_success,
         row.file_bytes as f64 / 1e6,

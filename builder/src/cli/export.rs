@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_terminal::text::{counted, shown};
 
 use super::Global;
+use super::build::ENTRIES;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 
@@ -55,16 +57,21 @@ impl Export {
         let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),
-            (&self.parquet, "entries", export::index_as_parquet),
+            (&self.parquet, "descriptors and labels", export::index_as_parquet),
         ];
         for (out, what, write) in outputs {
             let Some(out) = out else { continue };
-            let bar = global.progress().bar(index.len() as u64, "writing", what);
+            let bar = global.progress().bar(index.len() as u64, "writing", "entries");
             let written = write(&index, out, &|done| bar.set_position(done));
-            bar.finish_and_clear();
+            drop(bar);
             written.with_context(|| format!("the {what} of {name} were not written"))?;
             index.check_unchanged().with_context(|| format!("{} is not sound", out.display()))?;
-            writeln!(std::io::stdout().lock(), "{}: {} {what}", out.display(), index.len())?;
+            writeln!(
+                std::io::stdout().lock(),
+                "{}: {what} of {}",
+                shown(out),
+                counted(index.len(), ENTRIES)
+            )?;
         }
         Ok(())
     }
@@ -77,9 +84,9 @@ impl Export {
         let spinner = global.progress().spinner("writing entries");
         let written =
             PartReader::open(&self.index).and_then(|part| export::part_as_parquet(part, out, &|_| ()));
-        spinner.finish_and_clear();
+        drop(spinner);
         let entries = written.with_context(|| format!("the entries of {name} were not written"))?;
-        writeln!(std::io::stdout().lock(), "{}: {entries} entries", out.display())?;
+        writeln!(std::io::stdout().lock(), "{}: {}", shown(out), counted(entries, ENTRIES))?;
         Ok(())
     }
 }

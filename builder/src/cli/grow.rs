@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use grasp_index::Index;
 use grasp_renders::Preset;
+use grasp_terminal::text::shown;
 
 use super::Global;
 use super::build::tell;
@@ -23,9 +24,10 @@ use crate::interrupt;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder add grasp.idx new-renders
+  grasp-builder render --out more --hand-shape broad
+  grasp-builder add grasp.idx more
   grasp-builder add grasp.idx --hand-shape slender
-  grasp-builder add grasp.idx new-renders --segment new.idx
+  grasp-builder add grasp.idx more --segment new.idx
   grasp-builder compact grasp.idx new.idx --out grasp.idx")]
 pub(crate) struct Add {
     /// The index to add to.
@@ -165,7 +167,7 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
             stderr,
             "grasp-builder: {} does not say how its hands are seen: it is taken to be as in the paper's preset; name another with \
              --preset",
-            indexes.first().map_or_else(String::new, |path| path.display().to_string())
+            indexes.first().map_or_else(String::new, |path| shown(path))
         );
     } else if differs {
         let _ = writeln!(

@@ -4,8 +4,11 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured};
+use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured, Sampling, Tone};
+use grasp_terminal::text::{counted, percent, printable};
 use serde_json::{Value, json};
+
+use super::build::ENTRIES;
 
 /// Show what is in an index: its entries, parameters, origin, and how well its search does.
 #[derive(Debug, clap::Args)]
@@ -22,15 +25,22 @@ impl Inspect {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let name = self.index.display();
         let index = Index::open(&self.index).with_context(|| format!("cannot inspect {name}"))?;
+        // The names in it come from whoever made it.
         let text = match self.json {
             true => format!("{}\n", as_json(&name.to_string(), &index)),
-            false => as_text(&name.to_string(), &index),
+            false => as_text(&name.to_string(), &index)
+                .lines()
+                .map(|line| format!("{}\n", printable(line)))
+                .collect(),
         };
         index.check_unchanged().with_context(|| format!("cannot inspect {name}"))?;
         write!(std::io::stdout().lock(), "{text}")?;
         Ok(())
     }
 }
+
+const PLANES: [&str; 2] = ["hyperplane", "hyperplanes"];
+const QUERIES: [&str; 2] = ["query", "queries"];
 
 /// How many entries each class has.
 fn counts(index: &Index) -> Vec<usize> {
@@ -45,14 +55,18 @@ fn counts(index: &Index) -> Vec<usize> {
 
 fn as_text(name: &str, index: &Index) -> String {
     let catalogue = index.catalogue();
-    let mut lines = vec![format!("{name}: {} entries, {} bytes", index.len(), index.byte_len())];
+    let (entries, bytes) = (counted(index.len(), ENTRIES), counted(index.byte_len(), ["byte", "bytes"]));
+    let mut lines = vec![format!("{}: {entries}, {bytes}", printable(name))];
     let mut line = |label: &str, text: String| lines.push(format!("  {label:<12} {text}"));
     let descriptor = &catalogue.descriptor;
     let (name, dim) = (descriptor.name(), index.dim());
     let described = match descriptor.describes_pictures() {
         true => format!(
-            "{name}, D = {dim} (B = {}, L = {}), {:?}, {:?}",
-            descriptor.bins, descriptor.levels, descriptor.sampling, descriptor.tone
+            "{name}, D = {dim} (B = {}, L = {}), {}, {}",
+            descriptor.bins,
+            descriptor.levels,
+            sampling_text(descriptor.sampling),
+            tone_text(descriptor.tone)
         ),
         false => format!("{name}, D = {dim}: vectors from elsewhere"),
     };
@@ -60,7 +74,7 @@ fn as_text(name: &str, index: &Index) -> String {
     line("originals", catalogue.originals.name().to_owned());
     line("keeps", some_of(&catalogue.kept.names()));
     for (class, count) in catalogue.classes.iter().zip(counts(index)) {
-        line("class", format!("{:>2} {}: {count}", class.cutkosky, class.name));
+        line("class", format!("{:>2} {}: {}", class.cutkosky, class.name, counted(count, ENTRIES)));
     }
     if catalogue.kept.labels {
         line("hand shapes", list(&catalogue.hand_shapes));
@@ -82,11 +96,11 @@ fn as_text(name: &str, index: &Index) -> String {
         line(
             "effort",
             format!(
-                "{:>4} probes: recall@10 {:.4}, eps-success {:.4} at {EPS}, {:.3} % of the database",
-                point.probes,
+                "{:>11}: recall@10 {:.4}, eps-success {:.4} at {EPS}, {} of the index",
+                counted(point.probes, ["probe", "probes"]),
                 point.recall_at_10,
                 point.success(),
-                point.share_of_database * 100.0
+                percent(point.share_of_database)
             ),
         );
     }
@@ -111,15 +125,37 @@ fn as_text(name: &str, index: &Index) -> String {
     lines.join("\n") + "\n"
 }
 
+/// How a hand image becomes the picture that is described.
+fn sampling_text(sampling: Sampling) -> String {
+    match sampling {
+        Sampling::Native => "its own pixels".to_owned(),
+        Sampling::Stretch { side } => format!("stretched to {side} pixels a side"),
+        Sampling::KeepAspect { side } => format!("fitted into {side} pixels a side"),
+        Sampling::Upright { side } => format!("turned upright and fitted into {side} pixels a side"),
+        Sampling::Moments { side } => format!("scaled by its moments to {side} pixels a side"),
+    }
+}
+
+fn tone_text(tone: Tone) -> String {
+    match tone {
+        Tone::AsIs => "grey as it is".to_owned(),
+        Tone::Normalised { contrast } => format!("contrast {contrast}"),
+    }
+}
+
 fn hash_text(catalogue: &Catalogue) -> String {
     match catalogue.hash {
         HashInfo::Random(hash) => format!(
-            "random, T = {} tables of K = {} hyperplanes, H = {} buckets",
-            hash.tables, hash.planes, hash.buckets
+            "random, T = {} of K = {}, H = {}",
+            counted(hash.tables, ["table", "tables"]),
+            counted(hash.planes, PLANES),
+            counted(hash.buckets, ["bucket", "buckets"])
         ),
         HashInfo::Learned(hash) => format!(
-            "learned, K = {} hyperplanes, {} principal axes, {} groups of centres",
-            hash.planes, hash.axes, hash.groups
+            "learned, K = {}, {}, {}",
+            counted(hash.planes, PLANES),
+            counted(hash.axes, ["principal axis", "principal axes"]),
+            counted(hash.groups, ["group of centres", "groups of centres"])
         ),
         _ => "of a kind that this version does not know".to_owned(),
     }
@@ -142,8 +178,8 @@ fn vote_text(calibration: &Calibration) -> Vec<String> {
     }
     let [least, most] = measured.noise;
     lines.push(format!(
-        "{} queries of held-out hands, moved by {least} to {most} sigma: {:.1} % right, log-likelihood {:.3}, calibration error {:.3}",
-        measured.reliability.n(),
+        "{} of held-out hands, moved by {least} to {most} sigma: {:.1} % right, log-likelihood {:.3}, calibration error {:.3}",
+        counted(measured.reliability.n(), QUERIES),
         measured.reliability.accuracy().unwrap_or(0.0) * 100.0,
         measured.log_likelihood,
         measured.reliability.expected_error().unwrap_or(0.0),
@@ -175,7 +211,7 @@ fn some_of(names: &[&str]) -> String {
 fn measured_text(measured: &Measured) -> String {
     let whose = if measured.held_out { "held-out hands" } else { "entries, each held out for its own query" };
     let [least, most] = measured.noise;
-    format!("{} queries of {whose}, moved by {least} to {most} sigma", measured.queries)
+    format!("{} of {whose}, moved by {least} to {most} sigma", counted(measured.queries, QUERIES))
 }
 
 /// The first names of a list, and how many more there are.

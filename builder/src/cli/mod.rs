@@ -21,9 +21,11 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
+use grasp_terminal::Progress;
+use grasp_terminal::error::message;
+use grasp_terminal::text::printable_lines;
 
 use crate::interrupt::{self, Interrupted};
-use crate::progress::Progress;
 
 /// Everything went well.
 const SUCCESS: u8 = 0;
@@ -44,19 +46,22 @@ const EXAMPLES: &str = "\
 Examples:
   grasp-builder build --out grasp.idx                    render the paper's 6 x 900 views and index them
   grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
-  grasp-builder build renders mine --out grasp.idx       index two render sets (any program may have made them)
+  grasp-builder render --out more --hand-shape slender   another, of one hand shape
+  grasp-builder build renders more --out grasp.idx       index two render sets (any program may have made them)
   grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
   grasp-builder merge parts --out grasp.idx              the index of all parts
   grasp-builder split grasp.idx --segments 4 --out-dir s the same in four files, for a machine each
-  grasp-builder add grasp.idx more-renders               more entries in the same index
+  grasp-builder add grasp.idx --hand-shape broad         more entries in the same index
+  grasp-builder add grasp.idx more --segment new.idx     the same in an index of their own, to be searched beside it
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
-  grasp-builder export grasp.idx --descriptors x.npy     its descriptors, for other programs
+  grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
+                                                         its descriptors and labels, for other programs
   grasp-builder experiment scale --out scale             how the search grows with the index
   grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
 
-Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left; run the
-same command again).";
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left, and the
+message says what is kept).";
 
 /// Options that every subcommand understands.
 #[derive(Debug, clap::Args)]
@@ -64,14 +69,14 @@ pub(crate) struct Global {
     /// Worker threads; 0 takes one per core. The result is the same for any number.
     #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Draw no progress bar, even on a terminal.
+    /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error elsewhere.
     #[arg(long, global = true)]
     no_progress: bool,
 }
 
 impl Global {
     pub(crate) fn progress(&self) -> Progress {
-        Progress::new(!self.no_progress)
+        Progress::new("grasp-builder", !self.no_progress)
     }
 }
 
@@ -102,7 +107,7 @@ pub fn main() -> ExitCode {
         Err(message) => {
             // `--help` and `--version` come this way too, with exit code 0.
             let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
-            return match message.print() {
+            return match print_usage(&message) {
                 Ok(()) => ExitCode::from(status),
                 Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
                 Err(_) => ExitCode::from(ERROR),
@@ -111,8 +116,16 @@ pub fn main() -> ExitCode {
     };
     match run(&arguments) {
         Ok(()) => ExitCode::from(SUCCESS),
-        Err(error) => report(&error),
+        Err(error) => report(&error, &arguments.command),
     }
+}
+
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such as the odd name of a
+/// file that begins with a dash, is escaped, which costs the colours.
+fn print_usage(message: &clap::Error) -> io::Result<()> {
+    let plain = message.render().to_string();
+    let safe = printable_lines(&plain);
+    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -134,24 +147,50 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),
         Command::Export(command) => command.run(&arguments.global),
-        Command::Queries(command) => command.run(),
+        Command::Queries(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),
     }
 }
 
-/// Says on standard error what went wrong, once, and picks the exit status.
-fn report(error: &anyhow::Error) -> ExitCode {
+/// Prints on standard error what went wrong, once, and picks the exit status.
+fn report(error: &anyhow::Error, command: &Command) -> ExitCode {
     if is_closed_pipe(error) {
         return ExitCode::from(SUCCESS);
     }
-    // Standard error may be closed as well; there is nobody left to tell then.
-    let _ = writeln!(io::stderr(), "grasp-builder: {error:#}");
-    ExitCode::from(if error.chain().any(|cause| cause.is::<Interrupted>()) {
-        interrupt::EXIT_STATUS
-    } else {
-        ERROR
-    })
+    let is_interrupted = error.chain().any(|cause| cause.is::<Interrupted>());
+    let message =
+        if is_interrupted { format!("stopped: {}", command.when_stopped()) } else { message(error.chain()) };
+    // Standard error may be closed as well; nobody is left to read it then.
+    let _ = writeln!(io::stderr(), "grasp-builder: {message}");
+    ExitCode::from(if is_interrupted { interrupt::EXIT_STATUS } else { ERROR })
+}
+
+impl Command {
+    /// What is kept when the work is stopped, and how to go on with it.
+    fn when_stopped(&self) -> String {
+        match self {
+            Self::Build(command) => command.when_stopped(),
+            Self::Render(_) => {
+                "what is rendered is kept; run the same command again to go on from there".to_owned()
+            }
+            Self::Shard(_) => {
+                "nothing of this part is kept, and parts that are finished stay; run the same command again"
+                    .to_owned()
+            }
+            Self::Merge(_) => {
+                "nothing of the merge is kept, and the parts stay; run the same command again".to_owned()
+            }
+            Self::Add(_) | Self::Remove(_) | Self::Compact(_) => {
+                "nothing of the new index is kept, and the old one is as it was; run the same command again"
+                    .to_owned()
+            }
+            Self::Experiment(_) => {
+                "what is measured or built is kept; run the same command again to go on from there".to_owned()
+            }
+            _ => "nothing half-written is left; run the same command again".to_owned(),
+        }
+    }
 }
 
 /// A reader that has seen enough (`| head`) is no failure of ours.

@@ -185,7 +185,7 @@ impl PlanOptions {
             let model = hand_model(path)?;
             let name = &model.shape().name;
             if plan.hand_models.iter().any(|other| other.shape().name == *name) {
-                bail!("two --hand-model files are named {name}: rename one");
+                bail!("two files of --hand-model are named {name}: rename one");
             }
             plan.hand_models.push(Arc::new(model));
         }
@@ -231,14 +231,14 @@ impl PlanOptions {
         }
         // A grid so fine that only listing it would take minutes is a slip of the keyboard.
         if !(0.5..=180.0).contains(&grid.step_deg) {
-            bail!("--step {}: a step lies between 0.5 and 180 degrees", grid.step_deg);
+            bail!("--step {}: a step must lie between 0.5 and 180 degrees", grid.step_deg);
         }
         let [low, high] = grid.elevation_deg;
         let directions = (360.0 / grid.step_deg).ceil() * ((high - low) / grid.step_deg + 1.0);
         let views = directions * grid.rolls_deg.len() as f64;
         if views > MOST_VIEWS {
             bail!(
-                "{views:.0} views of each scene are too many: widen --step or lower --rolls ({MOST_VIEWS} at most)"
+                "{views:.0} views of each scene are too many: widen --step or lower --rolls (at most {MOST_VIEWS:.0})"
             );
         }
         Ok(Views::Grid(grid))
@@ -251,16 +251,18 @@ fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
 
 fn share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
-    share.ok_or_else(|| format!("`{text}` is no share: write a number from 0 to 1"))
+    share.ok_or_else(|| format!("`{text}` is not a number from 0 to 1"))
 }
 
 fn elevations(text: &str) -> Result<[f64; 2], String> {
-    let form = || format!("`{text}` is no range of elevations: write LOW..HIGH, e.g. -84..84");
+    let form = || format!("`{text}` is not a range of elevations: write LOW..HIGH, e.g. -84..84");
     let (low, high) = text.split_once("..").ok_or_else(form)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
     let range = [number(low)?, number(high)?];
     if range[0] < -90.0 || range[1] > 90.0 || range[0] > range[1] {
-        return Err(format!("`{text}`: elevations rise from -90 at least to 90 at most"));
+        return Err(format!(
+            "`{text}`: elevations lie between -90 and 90 degrees, and LOW is not above HIGH"
+        ));
     }
     Ok(range)
 }

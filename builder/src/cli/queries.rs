@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use grasp_index::DescriptorParams;
+use grasp_terminal::text::{counted, shown};
 
+use super::Global;
 use super::form::Form;
 use super::plan::PlanOptions;
 use crate::held_out::{self, Hands};
@@ -43,7 +45,7 @@ pub(crate) struct Queries {
 }
 
 impl Queries {
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let name = self.descriptor.as_deref().unwrap_or(Form::of(self.plan.preset()).descriptor);
         let params = DescriptorParams::by_name(name)
@@ -54,7 +56,9 @@ impl Queries {
         }
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
+        let spinner = global.progress().spinner("rendering hands that no plan renders");
         let clean = hands.describe(&params)?.descriptors;
+        drop(spinner);
         let dim = params.dim();
         let rows = if self.clean { clean } else { held_out::moved(&clean, dim, self.seed) };
         let count = rows.len() / dim;
@@ -67,7 +71,8 @@ impl Queries {
             Ok(())
         })?;
         let moved = if self.clean { "" } else { ", each moved" };
-        writeln!(std::io::stdout().lock(), "{}: {count} descriptors{moved}; {hands}", self.out.display())?;
+        let count = counted(count, ["descriptor", "descriptors"]);
+        writeln!(std::io::stdout().lock(), "{}: {count}{moved}; {hands}", shown(&self.out))?;
         Ok(())
     }
 }

@@ -8,6 +8,8 @@ use anyhow::Context as _;
 use grasp_renders::Preset;
 use grasp_renders::render_set::{RenderSetError, write_set};
 
+use grasp_terminal::text::{counted, shown};
+
 use super::Global;
 use super::plan::PlanOptions;
 use crate::interrupt::{self, Interrupted};
@@ -41,18 +43,16 @@ impl Render {
         let bar = global.progress().bar(plan.renders() as u64, "rendering", "views");
         let written =
             write_set(&self.out, &plan, &|done, _| bar.set_position(done as u64), interrupt::flag());
-        bar.finish_and_clear();
+        drop(bar);
         let summary = match written {
-            Err(RenderSetError::Cancelled { done, total }) => {
-                return Err(Interrupted).with_context(|| format!("{done} of {total} renders are made"));
-            }
+            Err(RenderSetError::Cancelled { .. }) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{} is not complete", self.out.display()))?,
         };
         writeln!(
             std::io::stdout().lock(),
-            "{}: {} renders, {} made and {} kept, in {:.2} s\n  seed {}",
-            summary.manifest.display(),
-            summary.rendered + summary.kept,
+            "{}: {}, {} made and {} kept, in {:.2} s\n  seed {}",
+            shown(&summary.manifest),
+            counted(summary.rendered + summary.kept, ["render", "renders"]),
             summary.rendered,
             summary.kept,
             started.elapsed().as_secs_f64(),

@@ -3,6 +3,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use grasp_terminal::text::shown;
+
 use super::Global;
 use crate::interrupt;
 use crate::split::{Segment, split};
@@ -15,6 +17,7 @@ use crate::split::{Segment, split};
 #[command(after_help = "\
 Examples:
   grasp-builder split grasp.idx --segments 4 --out-dir segments
+  grasp-builder queries --out q.npy
   grasp-query search q.npy $(printf -- '--index %s ' segments/*-of-4.idx) --out ids.npy")]
 pub(crate) struct Split {
     /// The index, which stays.
@@ -31,7 +34,7 @@ pub(crate) struct Split {
 /// A number of segments.
 pub(super) fn parse_count(text: &str) -> Result<u32, String> {
     let count = text.parse().ok().filter(|count| (1..=10_000).contains(count));
-    count.ok_or_else(|| "a number from 1 to 10,000 is needed".into())
+    count.ok_or_else(|| "an integer from 1 to 10,000 is needed".into())
 }
 
 impl Split {
@@ -41,11 +44,11 @@ impl Split {
     }
 }
 
-/// Tells a person what was written.
+/// Prints for a person what was written.
 pub(super) fn tell_segments(segments: &[Segment]) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     for Segment { path, entries, bytes } in segments {
-        let (path, last) = (path.display(), entries.end.saturating_sub(1));
+        let (path, last) = (shown(path), entries.end.saturating_sub(1));
         writeln!(stdout, "{path}: entries {} to {last}, {:.1} MB", entries.start, *bytes as f64 / 1e6)?;
     }
     Ok(())

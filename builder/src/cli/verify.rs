@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_terminal::text::{counted, shown};
 
 /// Read every byte of an index and check it.
 ///
@@ -20,14 +21,19 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let name = self.index.display();
-        let index = Index::open(&self.index).with_context(|| format!("{name} is unsound"))?;
+        let index = Index::open(&self.index).with_context(|| format!("{name} is damaged"))?;
         let found = index.verify();
         index.check_unchanged().with_context(|| format!("{name} was not verified"))?;
         if found.is_sound() {
-            writeln!(std::io::stdout().lock(), "{name}: sound, {} bytes checked", found.bytes)?;
+            writeln!(
+                std::io::stdout().lock(),
+                "{}: sound, {} checked",
+                shown(&self.index),
+                counted(found.bytes, ["byte", "bytes"])
+            )?;
             return Ok(());
         }
         let problems: Vec<String> = found.problems.iter().map(ToString::to_string).collect();
-        bail!("{name} is unsound:\n  {}", problems.join("\n  "))
+        bail!("{name} is damaged:\n  {}", problems.join("\n  "))
     }
 }

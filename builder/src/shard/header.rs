@@ -80,7 +80,7 @@ impl Header {
     }
 
     pub(crate) fn from_json(json: &[u8]) -> anyhow::Result<Self> {
-        let written: Written = serde_json::from_slice(json).context("its header is none")?;
+        let written: Written = serde_json::from_slice(json).context("its header cannot be read")?;
         let descriptor = match written.descriptor.as_str() {
             "raw" => Some(DescriptorParams::raw(written.dim)),
             name => DescriptorParams::by_name(name),

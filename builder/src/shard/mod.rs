@@ -14,10 +14,10 @@ use std::str::FromStr;
 
 use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
+use grasp_terminal::Progress;
 
 use crate::build::{Described, Known, Recipe, Source};
 use crate::interrupt;
-use crate::progress::Progress;
 
 pub(crate) use header::Header;
 pub(crate) use part::{HeldOutRows, PartReader, PartWriter, is_part};
@@ -60,7 +60,7 @@ impl fmt::Display for Share {
 
 /// A text that names no part.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no shard: write I/N, e.g. 3/12, with I from 1 to N and N at most {MOST}")]
+#[error("`{0}` does not name a part: write I/N, e.g. 3/12, with I from 1 to N and N at most {MOST}")]
 pub struct NotAShare(String);
 
 impl FromStr for Share {
@@ -105,7 +105,10 @@ pub fn shard(
     let path = out.join(share.file_name());
     let pieces = source.pieces();
     if pieces < share.of as usize {
-        bail!("{pieces} scenes, pictures or rows make {pieces} shards at most, not {}", share.of);
+        bail!(
+            "there are {pieces} scenes, pictures or rows, too few for {} parts: lower N in --shard I/N",
+            share.of
+        );
     }
     let range = share.of_pieces(pieces);
     let names = source.names()?;
@@ -136,7 +139,7 @@ pub fn shard(
             .try_for_each(|described| writer.push(described.map(|(entry, _)| entry)).with_context(cannot))
     };
     source.describe(&names, recipe, &Known::nothing(), range, &mut take)?;
-    bar.finish_and_clear();
+    drop(bar);
     let (entries, without_hand) = writer.finish()?;
     Ok(Report { path, entries, without_hand, was_there: false })
 }

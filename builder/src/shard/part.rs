@@ -160,7 +160,7 @@ impl PartReader {
         let mut input = BufReader::with_capacity(PIECE, File::open(path)?);
         let mut hash = Xxh3::new();
         if read(&mut input, &mut hash, 8)? != MAGIC {
-            bail!("it is no part");
+            bail!("it is not a part of an index");
         }
         let length = read_u64(&mut input, &mut hash)?;
         let header = Header::from_json(&read(&mut input, &mut hash, length)?)?;
@@ -222,7 +222,7 @@ impl PartReader {
     }
 
     fn text(&mut self, length: u64) -> anyhow::Result<String> {
-        String::from_utf8(read(&mut self.input, &mut self.hash, length)?).context("a name in it is no text")
+        String::from_utf8(read(&mut self.input, &mut self.hash, length)?).context("a name in it is not UTF-8")
     }
 
     fn end(&mut self) -> anyhow::Result<u64> {
@@ -253,13 +253,13 @@ pub(super) fn holds(path: &Path, header: &Header) -> Option<(u64, u64)> {
 
 fn read(input: &mut impl Read, hash: &mut Xxh3, length: u64) -> anyhow::Result<Vec<u8>> {
     if length > MOST_BYTES {
-        bail!("it is damaged: {length} bytes of one thing make no sense");
+        bail!("it is damaged: one value of {length} bytes is not possible");
     }
     // Grows as bytes come, so that a damaged length costs nothing.
     let mut bytes = Vec::new();
     input.by_ref().take(length).read_to_end(&mut bytes)?;
     if bytes.len() as u64 != length {
-        bail!("it is cut short");
+        bail!("it is truncated");
     }
     hash.update(&bytes);
     Ok(bytes)
@@ -267,7 +267,7 @@ fn read(input: &mut impl Read, hash: &mut Xxh3, length: u64) -> anyhow::Result<V
 
 fn read_into(input: &mut impl Read, hash: &mut Xxh3, bytes: &mut [u8]) -> anyhow::Result<()> {
     input.read_exact(bytes).map_err(|error| match error.kind() {
-        io::ErrorKind::UnexpectedEof => anyhow::anyhow!("it is cut short"),
+        io::ErrorKind::UnexpectedEof => anyhow::anyhow!("it is truncated"),
         _ => error.into(),
     })?;
     hash.update(bytes);

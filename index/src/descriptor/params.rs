@@ -86,19 +86,19 @@ pub struct DescriptorParams {
 #[non_exhaustive]
 pub enum ParamsError {
     /// Too few or too many bins.
-    #[error("{0} bins asked for: 2 to 32 work, the paper has 4")]
+    #[error("{0} bins: 2 to 32 are supported, and the paper uses 4")]
     Bins(u32),
     /// Vectors too short or too long.
-    #[error("vectors of {0} values: 1 to 65,536 work")]
+    #[error("vectors of {0} values: 1 to 65,536 are supported")]
     Dim(u32),
     /// Too few or too many levels.
-    #[error("{0} levels asked for: 1 to 6 work, the paper has 3")]
+    #[error("{0} levels: 1 to 6 are supported, and the paper uses 3")]
     Levels(u32),
     /// A picture too small or too large.
-    #[error("a descriptor picture of {0} pixels a side asked for: 8 to 1024 work")]
+    #[error("a descriptor picture of {0} pixels a side: 8 to 1024 are supported")]
     Side(u16),
     /// A contrast that is no contrast.
-    #[error("a contrast of {0} asked for: 0 to 1 work")]
+    #[error("a contrast of {0}: 0 to 1 is supported")]
     Contrast(f32),
 }
 

@@ -41,7 +41,7 @@ pub enum OpenError {
     },
     /// The file needs a newer reader.
     #[error(
-        "written for readers >= {needs}, this is {reader}: use a newer grasp-query, or build the file again with this grasp-builder"
+        "needs a reader of version {needs} or later, and this one is of version {reader}: use a newer grasp-query, or build the file again with this grasp-builder"
     )]
     TooNew {
         /// The least reader version that can read the file.

@@ -108,7 +108,7 @@ pub enum BuildError {
     #[error("the index would be empty: add at least one entry")]
     Empty,
     /// There is more than the format can number.
-    #[error("{0} are more than an index can hold: split it into several")]
+    #[error("{0} are more than one index can hold: build several indexes")]
     TooMany(&'static str),
     /// The file was not written.
     #[error(transparent)]

@@ -130,7 +130,7 @@ impl NpyHeader {
         }
         let mut text = vec![0; length as usize];
         read_header_bytes(reader, &mut text)?;
-        let text = std::str::from_utf8(&text).map_err(|_| NpyError::NotNpy("its header is no text"))?;
+        let text = std::str::from_utf8(&text).map_err(|_| NpyError::NotNpy("its header is not text"))?;
         let (rows, columns) = interpret(text, element)?;
         Ok(Self { element, rows, columns, offset: before + u64::from(length) })
     }

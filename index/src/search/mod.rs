@@ -147,7 +147,7 @@ pub enum SearchError {
         at: usize,
     },
     /// No search can reach what is wanted of it.
-    #[error("{what} of {found} cannot be: {wanted}")]
+    #[error("{what} of {found} is not possible: it must be {wanted}")]
     Effort {
         /// What is wanted: a recall, a success or an eps.
         what: &'static str,
@@ -247,14 +247,14 @@ pub(crate) fn check(queries: &[f32], options: &SearchOptions) -> Result<(), Sear
         return Err(SearchError::NoNeighbours);
     }
     let share = |what, found: f64| {
-        let wanted = "a share above 0 and at most 1 is needed";
+        let wanted = "above 0 and at most 1";
         let is_share = found > 0.0 && found <= 1.0;
         is_share.then_some(()).ok_or(SearchError::Effort { what, found, wanted })
     };
     match options.effort {
         Effort::Recall(recall) => share("a recall", recall),
         Effort::Success { eps, .. } if !(eps >= 0.0 && eps.is_finite()) => {
-            Err(SearchError::Effort { what: "an eps", found: eps, wanted: "a number of 0 or more is needed" })
+            Err(SearchError::Effort { what: "an eps", found: eps, wanted: "0 or more" })
         }
         Effort::Success { success, .. } => share("a success", success),
         Effort::Probes(_) | Effort::Exact => Ok(()),

@@ -44,7 +44,7 @@ impl EffortArguments {
 
 fn parse_share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
-    share.ok_or_else(|| "a share above 0 and at most 1 is needed, such as 0.95".into())
+    share.ok_or_else(|| "a number above 0 and at most 1 is needed, such as 0.95".into())
 }
 
 fn parse_eps(text: &str) -> Result<f64, String> {

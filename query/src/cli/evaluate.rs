@@ -17,10 +17,10 @@ use crate::recognise::{Evidence, Recogniser};
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query evaluate labels.csv
-  grasp-query evaluate labels.csv --where kind=camera --where stage=grasp --part choose
-  grasp-query evaluate labels.csv --json --predictions answers.csv
-  grasp-query evaluate labels.csv --exact                what the search costs in accuracy
+  grasp-query evaluate tests/pictures/labels.csv
+  grasp-query evaluate tests/pictures/labels.csv --where kind=camera --where stage=grasp
+  grasp-query evaluate tests/pictures/labels.csv --json --predictions answers.csv
+  grasp-query evaluate tests/pictures/labels.csv --exact  what the search costs in accuracy
 
 LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage, hand, qx, qy, qz, qw
 (camera_from_hand) and any others. Exit status: 0, or 2 where the table or a picture of it could not be used.";

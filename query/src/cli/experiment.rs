@@ -13,7 +13,7 @@ use super::Global;
 use super::index_file::{self, IndexFile};
 use super::options::{FrameArguments, RecogniseArguments, parse_share};
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
-use super::selection::{Selected, Selection, progress_bar};
+use super::selection::{Selected, Selection};
 use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
@@ -43,14 +43,14 @@ enum Name {
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
 ///
 /// X is every selected picture, X' those of the stages close and grasp, X'' those of the stage grasp. Segmented and camera
-/// pictures are told apart. With --out, DIR gets paper.csv, confusion.csv, orientation.csv, paper.json, confusion.svg
+/// pictures are reported separately. With --out, DIR gets paper.csv, confusion.csv, orientation.csv, paper.json, confusion.svg
 /// (Figure 7) and orientation.svg (Figure 8).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment paper labels.csv
-  grasp-query experiment paper labels.csv --hand right --out results
-  grasp-query experiment paper labels.csv --part final --where kind=segmented --json
+  grasp-query experiment paper tests/pictures/labels.csv
+  grasp-query experiment paper tests/pictures/labels.csv --hand right --out results
+  grasp-query experiment paper tests/pictures/labels.csv --part final --where kind=segmented --json
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct PaperArguments {
@@ -79,8 +79,8 @@ struct PaperArguments {
 #[command(after_help = "\
 Examples:
   grasp-builder experiment shapes --out shapes --counts 1,3,10
-  grasp-query experiment shapes labels.csv --index shapes/hands-0001.idx --index shapes/hands-0003.idx \
-    --index shapes/hands-0010.idx --hand right --out results
+  grasp-query experiment shapes tests/pictures/labels.csv \\
+    --index shapes/hands-0001.idx --index shapes/hands-0003.idx --index shapes/hands-0010.idx --hand right --out results
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct ShapesArguments {
@@ -102,15 +102,16 @@ struct ShapesArguments {
     recognise: RecogniseArguments,
 }
 
-/// How well known hands are told from others, by the distance of the nearest entry, by the probability and by the trust in the mask.
+/// How well known hands are distinguished from others, by the distance of the nearest entry, by the probability and by the
+/// trust in the mask.
 ///
 /// Known are the pictures labelled with a class of the index, others those labelled `other` and those of --others. With --out,
 /// DIR gets unknown.csv, unknown.json and unknown.svg: the share of known hands kept over that of others, at every limit.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment unknown labels.csv
-  grasp-query experiment unknown labels.csv --hand right --others open-hands.csv --out results
+  grasp-query experiment unknown tests/pictures/labels.csv
+  grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv --out results
 
 LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts, and its labels do not.
 Exit status: 0, or 2 where a table or a picture of it could not be used.")]
@@ -163,15 +164,15 @@ struct TrustArguments {
     json: bool,
 }
 
-/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, told one by one and in this order.
+/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, recognised one by one and in this order.
 ///
 /// A sequence is a view (azimuth, elevation, roll) of a grasp of which all three stages are labelled. With --out, DIR gets
 /// sequence.csv and sequence.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment sequence labels.csv --hand right
-  grasp-query experiment sequence labels.csv --hand right --switch 0.4 --json
+  grasp-query experiment sequence tests/pictures/labels.csv --hand right
+  grasp-query experiment sequence tests/pictures/labels.csv --hand right --switch 0.4 --json
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {
@@ -273,7 +274,7 @@ impl UnknownArguments {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let selected = self.selection.read(&classes)?;
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
-        // What is told here must not have been told before.
+        // What is measured here must not have been decided before.
         let options = RecogniseOptions { accept: Accept::Always, temper: false, ..self.recognise.options() };
         let recogniser = Recogniser::new(&index, options);
         let mut outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
@@ -307,7 +308,7 @@ impl TrustArguments {
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, super::SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
-            let bar = progress_bar(table.labels.len() as u64, !global.no_progress, "pictures");
+            let bar = global.progress().bar(table.labels.len() as u64, "recognising", "pictures");
             let found: Vec<_> = table
                 .labels
                 .par_iter()
@@ -317,7 +318,7 @@ impl TrustArguments {
                     found.map_err(|miss| format!("line {}: {}", label.line, miss.message))
                 })
                 .collect();
-            bar.finish_and_clear();
+            drop(bar);
             let broken = table.broken.iter().map(|row| Err(row.to_string()));
             for found in found.into_iter().chain(broken) {
                 match found {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::{Index, Segments};
+use grasp_terminal::error::message;
 
 /// Where an index is looked for when neither an option nor the environment names one.
 const DEFAULT: &str = "grasp.idx";
@@ -34,7 +35,7 @@ impl IndexFile {
         open_for_pictures(&self.path(), self.no_mmap)
     }
 
-    /// The same where one is named or lies at the usual place; none is no error then.
+    /// The same where one is named or lies at the default place; `None` is not an error otherwise.
     pub(super) fn open_if_there(&self) -> anyhow::Result<Option<Index>> {
         let is_named = self.index.as_ref().is_some_and(|name| !name.is_empty());
         if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
@@ -78,7 +79,7 @@ impl IndexFiles {
         if named.is_empty() { vec![DEFAULT.into()] } else { named }
     }
 
-    /// Opens them all, or those that can be; tells how many there should be.
+    /// Opens them all, or those that can be; returns how many there should be as well.
     pub(super) fn open(&self) -> anyhow::Result<(Segments, usize)> {
         let paths = self.paths();
         let mut indexes = Vec::with_capacity(paths.len());
@@ -86,7 +87,7 @@ impl IndexFiles {
             match open(path, self.no_mmap) {
                 Ok(index) => indexes.push(index),
                 Err(error) if self.allow_missing && paths.len() > 1 => {
-                    let _ = writeln!(io::stderr(), "grasp-query: left out: {error:#}");
+                    let _ = writeln!(io::stderr(), "grasp-query: left out: {}", message(error.chain()));
                 }
                 Err(error) => return Err(error),
             }

@@ -23,6 +23,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand};
+use grasp_terminal::Progress;
+use grasp_terminal::error::message;
+use grasp_terminal::text::printable_lines;
 
 /// Every input was recognised.
 const SUCCESS: u8 = 0;
@@ -41,21 +44,29 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query recognise cup.jpg                          which grasp is this?
-  grasp-query recognise --json *.jpg                     one JSON record a picture
-  grasp-query recognise cup.jpg --explain why.png        draw how the answer came about
-  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
-                                                         what a robot hand does to grasp alike
-  ffmpeg -i v.mp4 -f image2pipe -c:v ppm - | grasp-query recognise -
-                                                         every frame of a video
+  grasp-builder build --out grasp.idx                    builds the index that pictures are recognised by
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg
+                                                         which grasp is this?
+  grasp-query recognise --json tests/pictures/camera     one JSON record for each picture of a folder
+  grasp-query recognise tests/pictures/camera/09-pinch.jpg --explain why.png
+                                                         draw how the answer came about
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
+    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml
+                                                         how a robot hand grasps alike
+  cat tests/pictures/camera/*.jpg | grasp-query recognise -
+                                                         every frame of a stream
   grasp-query simulate --grasp wrap                      does a robot hand hold it? A trial in a physics engine
-  grasp-query evaluate labels.csv                        score labelled pictures
-  grasp-query experiment paper labels.csv --out results  the paper's experiments over them
-  grasp-query quiz labels.csv                            how well does a person do on them?
-  grasp-query search queries.npy --out ids.npy           the nearest entries of raw descriptors
+  grasp-query evaluate tests/pictures/labels.csv         score labelled pictures
+  grasp-query experiment paper tests/pictures/labels.csv --out results
+                                                         the paper's experiments over them
+  grasp-query quiz tests/pictures/labels.csv             how well does a person do on them?
+  grasp-builder queries --out q.npy                      raw descriptors, to search for
+  grasp-query search q.npy --out ids.npy                 the nearest entries of raw descriptors
   grasp-query serve                                      answer over HTTP, with a page at /
 
-Exit status: 0 all recognised, 1 in some picture no hand was found, 2 an error.";
+The files are those of the source code; with your own, it is the same.
+
+Exit status: 0 all recognised, 1 in some picture no hand was found or the grasp is unknown, 2 an error.";
 
 /// Options that every subcommand understands.
 #[derive(Debug, clap::Args)]
@@ -63,13 +74,21 @@ struct Global {
     /// Worker threads; 0 takes one per core. The answers are the same for any number.
     #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Draw no progress bar, even on a terminal.
+    /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error elsewhere.
     #[arg(long, global = true)]
     no_progress: bool,
 }
 
+impl Global {
+    /// How far long work has come.
+    fn progress(&self) -> Progress {
+        Progress::new("grasp-query", !self.no_progress)
+    }
+}
+
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[command(visible_alias = "recognize")]
     Recognise(Box<recognise::Recognise>),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
@@ -89,7 +108,7 @@ pub fn main() -> ExitCode {
         Err(message) => {
             // `--help` and `--version` come this way too, with exit code 0.
             let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
-            return match message.print() {
+            return match print_usage(&message) {
                 Ok(()) => ExitCode::from(status),
                 Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
                 Err(_) => ExitCode::from(ERROR),
@@ -100,11 +119,19 @@ pub fn main() -> ExitCode {
         Ok(status) => ExitCode::from(status),
         Err(error) if is_closed_pipe(&error) => ExitCode::from(SUCCESS),
         Err(error) => {
-            // Standard error may be closed as well; there is nobody left to tell then.
-            let _ = writeln!(io::stderr(), "grasp-query: {error:#}");
+            // Standard error may be closed as well; nobody is left to read it then.
+            let _ = writeln!(io::stderr(), "grasp-query: {}", message(error.chain()));
             ExitCode::from(ERROR)
         }
     }
+}
+
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such as the odd name of a
+/// file that begins with a dash, is escaped, which costs the colours.
+fn print_usage(message: &clap::Error) -> io::Result<()> {
+    let plain = message.render().to_string();
+    let safe = printable_lines(&plain);
+    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {

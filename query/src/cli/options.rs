@@ -72,7 +72,7 @@ impl RecogniseArguments {
         }
     }
 
-    /// Whether the program tells the hand itself.
+    /// Whether the program finds out the hand itself.
     pub(super) fn hand_is_free(&self) -> bool {
         self.hand == HandChoice::Auto
     }
@@ -97,7 +97,7 @@ impl FrameArguments {
 
 pub(super) fn parse_share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
-    share.ok_or_else(|| "a share from 0 to 1 is needed".into())
+    share.ok_or_else(|| "a number from 0 to 1 is needed".into())
 }
 
 fn parse_degrees(text: &str) -> Result<f64, String> {
@@ -115,7 +115,7 @@ pub(super) fn parse_k(text: &str) -> Result<usize, String> {
 
 fn parse_count(text: &str, most: usize) -> Result<usize, String> {
     let count = text.parse().ok().filter(|count| (1..=most).contains(count));
-    count.ok_or_else(|| format!("a whole number from 1 to {most} is needed"))
+    count.ok_or_else(|| format!("an integer from 1 to {most} is needed"))
 }
 
 fn parse_positive(text: &str) -> Result<f64, String> {

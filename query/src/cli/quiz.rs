@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use grasp_terminal::text::{counted, printable, shown};
 use tokio::net::TcpListener;
 
 use super::index_file::IndexFile;
@@ -24,16 +25,17 @@ const INTERRUPTED: u8 = 130;
 ///
 /// Serves a page that shows the hand images as the program sees them (the hand cut out, cropped and grey) in random order,
 /// and takes the answers by mouse, touch or the keys 1 to 6; Backspace goes back one picture. Every answer is kept at once:
-/// started again with the same --out, the quiz goes on where it stopped. The page tells nothing about the labels until
+/// started again with the same --out, the quiz goes on where it stopped. The page shows nothing of the labels until
 /// the last picture is answered; then it shows the person's confusion matrix beside the program's. Ctrl-C ends the quiz and
 /// prints the table so far.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query quiz labels.csv                            in the browser of this machine
-  grasp-query quiz labels.csv --where kind=segmented --limit 60 --out anna.csv
-  grasp-query quiz labels.csv --listen 0.0.0.0:8080      for a phone in the same network
-  grasp-query quiz labels.csv --index grasp.idx --hand right --json > result.json
+  grasp-query quiz tests/pictures/labels.csv             in the browser of this machine
+  grasp-query quiz tests/pictures/labels.csv --where kind=segmented --limit 60 --out anna.csv
+  grasp-query quiz tests/pictures/labels.csv --listen 0.0.0.0:8080
+                                                         for a phone in the same network
+  grasp-query quiz tests/pictures/labels.csv --index grasp.idx --hand right --json > result.json
 
 Pictures in none of the six grasps are left out. Exit status: 0 when every picture was answered, 130 when Ctrl-C came before,
 2 where the table or a picture of it could not be used.")]
@@ -103,12 +105,12 @@ impl Quizzing {
             let state = table.quiz().state();
             let _ = writeln!(
                 io::stderr(),
-                "{} pictures, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; \
+                "{}, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; \
                  Ctrl-C ends the quiz",
-                state.total,
+                counted(state.total, ["picture", "pictures"]),
                 state.answered,
                 state.seed,
-                self.out.display(),
+                shown(&self.out),
             );
             Ok(serve(listener, table.clone(), stop).await?)
         })
@@ -127,7 +129,7 @@ pub(super) struct Means<'a> {
     pub(super) recogniser: Option<Recogniser<'a>>,
 }
 
-/// The quiz over the selected pictures, and how many rows and pictures of them could not be used, which is told on standard error.
+/// The quiz over the selected pictures, and how many rows and pictures of them could not be used, each reported on standard error.
 pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyhow::Result<(Quiz, usize)> {
     let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
     let Selected { mut labels, broken, folder } = selection.read(&classes)?;
@@ -139,7 +141,7 @@ pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyh
     let mut stderr = io::stderr();
     // Nobody may be there to be told; the quiz goes on.
     for row in &broken {
-        let _ = writeln!(stderr, "line {}: {}", row.line, row.message);
+        let _ = writeln!(stderr, "line {}: {}", row.line, printable(&row.message));
     }
     let mut shown: Vec<Shown> = Vec::new();
     for made in pictures::make(&labels, &folder, means.labelled_masks, means.recogniser.as_ref()) {
@@ -147,7 +149,7 @@ pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyh
             Ok(picture) => shown.push(picture),
             Err((file, miss)) => {
                 errors += usize::from(!miss.is_rejection);
-                let _ = writeln!(stderr, "{file} is left out: {}", miss.message);
+                let _ = writeln!(stderr, "{} is left out: {}", printable(&file), printable(&miss.message));
             }
         }
     }

@@ -9,6 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_terminal::error::message;
+use grasp_terminal::text::printable;
 use rayon::prelude::*;
 
 use super::index_file::IndexFile;
@@ -29,25 +31,28 @@ use drawings::Drawings;
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query recognise cup.jpg
-  grasp-query recognise --json --timings *.jpg
-  grasp-query recognise --segmented hand-on-black.png --hand right
-  grasp-query recognise cup.png --depth depth.png --depth-range 400..900
-  grasp-query recognise cup.jpg --explain why.png
-  grasp-query recognise frames/*.jpg --sequence --json   each frame answered by all frames so far
-  grasp-query recognise cup.jpg --prior prior.toml --holding bottle
-  grasp-query recognise cup.jpg --recall 0.99            look harder for the true neighbours
-  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml
-  grasp-query recognise cup.jpg --robot barrett --object cup.toml --camera camera.toml --arm kuka-kr6-r700
-  grasp-query recognise cup.jpg --server http://127.0.0.1:8750
-  ffmpeg -i v.mp4 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg
+  grasp-query recognise --json --timings tests/pictures/camera/*.jpg
+  grasp-query recognise --segmented tests/pictures/segmented/09-pinch.png --hand right
+  grasp-query recognise tests/pictures/segmented/09-pinch.png --mask tests/pictures/mask/09-pinch.png
+  grasp-query recognise PICTURE.png --depth DEPTH.png --depth-range 400..900
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --explain why.png
+  grasp-query recognise tests/pictures/camera/*.jpg --sequence --json
+                                                         each frame answered by all frames so far
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --prior tests/pictures/prior.toml --holding bottle
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --recall 0.99
+                                                         search harder for the true neighbours
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
+    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml --arm kuka-kr6-r700
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --server http://127.0.0.1:8750
+  ffmpeg -f v4l2 -i /dev/video0 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; `-` reads a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG
-    /// or YUV4MPEG2.
+    /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads a picture or a stream
+    /// from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or YUV4MPEG2.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -120,12 +125,13 @@ type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        if self.images.len() > 1 && (self.mask.is_some() || self.depth.is_some()) {
-            bail!("--mask and --depth are for a single picture, {} are given", self.images.len());
+        let images = self.pictures()?;
+        if images.len() > 1 && (self.mask.is_some() || self.depth.is_some()) {
+            bail!("--mask and --depth are for a single picture, but {} are given", images.len());
         }
-        let drawings = self.drawings(&self.images)?;
+        let drawings = self.drawings(&images)?;
         if let Some(address) = &self.server {
-            return self.run_remote(address, drawings.as_ref());
+            return self.run_remote(address, &images, drawings.as_ref());
         }
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
@@ -136,7 +142,7 @@ impl Recognise {
         let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
-        for group in self.groups() {
+        for group in groups(&images) {
             if group == [Path::new(STANDARD_INPUT)] {
                 self.run_stream(&means, &mut filter, &mut output)?;
                 continue;
@@ -196,10 +202,25 @@ impl Recognise {
         }
     }
 
-    /// The pictures in their order, standard input by itself.
-    fn groups(&self) -> impl Iterator<Item = &[PathBuf]> {
-        let stdin = Path::new(STANDARD_INPUT);
-        self.images.chunk_by(move |a, b| a != stdin && b != stdin)
+    /// What is to be recognised, with the pictures of a folder in its place.
+    fn pictures(&self) -> anyhow::Result<Vec<PathBuf>> {
+        let mut pictures = Vec::with_capacity(self.images.len());
+        for path in &self.images {
+            if !path.is_dir() {
+                pictures.push(path.clone());
+                continue;
+            }
+            let found = picture::pictures_in(path)
+                .with_context(|| format!("cannot read the folder {}", path.display()))?;
+            if found.is_empty() {
+                bail!(
+                    "the folder {} holds no picture: name pictures, or a folder that holds some",
+                    path.display()
+                );
+            }
+            pictures.extend(found);
+        }
+        Ok(pictures)
     }
 
     fn status_of<W>(&self, output: &Output<W>) -> u8 {
@@ -298,7 +319,7 @@ impl Recognise {
         if let Err(error) = outcome {
             // Of a stream's many frames, the first one's failure says enough.
             if !self.undrawn.swap(true, Ordering::Relaxed) || frame.is_none() {
-                let _ = writeln!(io::stderr(), "{name}: {error:#}");
+                let _ = writeln!(io::stderr(), "{}: {}", printable(name), message(error.chain()));
             }
         }
     }
@@ -331,6 +352,12 @@ impl Recognise {
         }
         Ok(MaskSource::Skin)
     }
+}
+
+/// The pictures in their order, standard input by itself.
+fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
+    let stdin = Path::new(STANDARD_INPUT);
+    images.chunk_by(move |a, b| a != stdin && b != stdin)
 }
 
 /// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited only then. `answer` is

@@ -6,7 +6,7 @@ use super::Global;
 use super::experiment::print;
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
-use super::selection::{Selection, progress_bar};
+use super::selection::Selection;
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
 use crate::recognise::Recogniser;
@@ -26,23 +26,23 @@ Examples:
 
 Exit status: 0, or 2 where the sweep could not be run.")]
 pub(super) struct RobustnessArguments {
-    /// An object that comes along (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
-    /// that is for it; several may be named, without it all.
+    /// A built-in object (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
+    /// that is meant for it; may be repeated; without it, all.
     #[arg(long = "object", value_name = "NAME", value_parser = parse_scene)]
     objects: Vec<&'static Scene>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
     #[arg(long, value_name = "HAND", default_value = "barrett")]
     robot: String,
-    /// Positions go as far in either direction, in millimetres.
+    /// The greatest offset of the position in either direction, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=200))]
     reach: u32,
-    /// In steps of so many millimetres.
+    /// The step between positions, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100))]
     step: u32,
-    /// Yaws go as far in either direction, in degrees.
+    /// The greatest yaw in either direction, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 45, value_parser = clap::value_parser!(u32).range(0..=180))]
     yaw: u32,
-    /// In steps of so many degrees.
+    /// The step between yaws, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=90))]
     yaw_step: u32,
     /// Write table, windows and heat maps into this folder; made where there is none.
@@ -64,12 +64,12 @@ impl RobustnessArguments {
             yaw_deg: self.yaw,
             yaw_step_deg: self.yaw_step,
         };
-        let bar = progress_bar(0, !global.no_progress, "trials");
+        let bar = global.progress().bar(0, "simulating", "trials");
         let robustness = Robustness::run(&hand, &sweep, self.out.as_deref(), |progress| match progress {
             Progress::Trials(count) => bar.set_length(count as u64),
             Progress::Ended => bar.inc(1),
         })?;
-        bar.finish_and_clear();
+        drop(bar);
         if let Some(folder) = &self.out {
             robustness.write(folder)?;
         }
@@ -90,7 +90,7 @@ fn parse_scene(name: &str) -> Result<&'static Scene, String> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment imitation labels.csv --hand right --where kind=segmented --where stage=grasp
+  grasp-query experiment imitation tests/pictures/labels.csv --hand right --where kind=segmented --where stage=grasp
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 pub(super) struct ImitationArguments {
@@ -119,9 +119,9 @@ impl ImitationArguments {
         let selected = self.selection.read(&classes)?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
         let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
-        let bar = progress_bar(outcomes.len() as u64, !global.no_progress, "trials");
+        let bar = global.progress().bar(outcomes.len() as u64, "simulating", "trials");
         let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
-        bar.finish_and_clear();
+        drop(bar);
         print(self.json, &imitation, || imitation.text())?;
         let failed =
             outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));

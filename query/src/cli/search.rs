@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
 use grasp_index::{AtomicFile, Neighbour, SearchOptions};
+use grasp_terminal::text::{counted, percent, printable};
 use serde::Serialize;
 
 use super::Global;
@@ -21,13 +22,14 @@ use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query search queries.npy                         the neighbours of the first queries, to look at
-  grasp-query search queries.npy --out ids.npy --distances distances.npy
-  grasp-query search queries.npy --eps 0.05 --success 0.99 --out ids.npy
-  grasp-query search queries.npy --rounds 7 --threads 1 --json
-  grasp-query search queries.npy --index a.idx --index b.idx --out ids.npy
-  grasp-query search queries.npy --neighbours | jq .neighbours[0].id
-  grasp-query search queries.npy --server http://127.0.0.1:8750 --out ids.npy
+  grasp-builder queries --out q.npy                      descriptors of other hands, to search for
+  grasp-query search q.npy                               the neighbours of the first queries, to look at
+  grasp-query search q.npy --out ids.npy --distances distances.npy
+  grasp-query search q.npy --eps 0.05 --success 0.99 --out ids.npy
+  grasp-query search q.npy --rounds 7 --threads 1 --json
+  grasp-query search q.npy --index grasp.idx --index new.idx --out ids.npy
+  grasp-query search q.npy --neighbours | jq .neighbours[0].id
+  grasp-query search q.npy --server http://127.0.0.1:8750 --out ids.npy
 
 QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
 
@@ -241,15 +243,16 @@ impl Search {
             let touched = if cost.exact {
                 "every entry compared".into()
             } else {
-                let share = 100.0 * cost.share_of_database;
-                format!("{:.0} candidates a query, {share:.2} % of the index", cost.candidates)
+                let share = percent(cost.share_of_database);
+                format!("{:.0} candidates a query, {share} of the index", cost.candidates)
             };
             let recall = cost.predicted_recall.map(|recall| format!(", recall@10 predicted {recall:.3}"));
             // Standard error may be closed; the answers are what counts.
             let _ = writeln!(
                 io::stderr(),
-                "{queries} queries, {k} neighbours each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in \
-                 {:.2} ms; {touched}{}",
+                "{}, {} each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in {:.2} ms; {touched}{}",
+                counted(*queries, ["query", "queries"]),
+                counted(*k, ["neighbour", "neighbours"]),
                 ns_per_query / 1e3,
                 summary.rounds.len(),
                 summary.open_ns as f64 / 1e6,
@@ -356,7 +359,7 @@ fn show<'f, 'n>(
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
             let (grasp, file) = names(neighbour.id);
-            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {name}"));
+            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {}", printable(name)));
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }
     }
@@ -364,7 +367,8 @@ fn show<'f, 'n>(
     io::stdout().lock().write_all(&out)?;
     if count > SHOWN {
         let more = count - SHOWN;
-        let _ = writeln!(io::stderr(), "and {more} more: --out IDS.npy writes all, --neighbours prints all");
+        let queries = counted(more, ["more query", "more queries"]);
+        let _ = writeln!(io::stderr(), "and {queries}: --out IDS.npy writes all, --neighbours prints all");
     }
     Ok(())
 }

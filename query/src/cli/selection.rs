@@ -1,9 +1,9 @@
 //! Which labelled pictures: the options that all subcommands over a table of labels share.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
 use super::Global;
@@ -51,14 +51,16 @@ impl Selection {
     pub(super) fn read(&self, classes: &[String]) -> anyhow::Result<Selected> {
         let mut broken = Vec::new();
         let mut selected = Vec::new();
-        for row in labels::read(&self.labels)? {
+        let rows = labels::read(&self.labels)?;
+        self.check_conditions(&rows)?;
+        for row in rows {
             match row {
                 Ok(label) if !label.is_selected(self.part, &self.conditions) => {}
                 Ok(label) if label.grasp == OTHER || classes.contains(&label.grasp) => selected.push(label),
                 Ok(label) => broken.push(RowError {
                     line: label.line,
                     message: format!(
-                        "`{}` is none of the classes: they are {}, and `{OTHER}` is for none of them",
+                        "`{}` is not one of the classes {}; `{OTHER}` stands for a hand in none of them",
                         label.grasp,
                         classes.join(", ")
                     ),
@@ -70,11 +72,37 @@ impl Selection {
             let name = self.labels.display();
             match broken.first() {
                 Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.message),
-                None => bail!("no row of {name} is selected: check --where and --part"),
+                None => {
+                    bail!("no row of {name} meets all of --where and --part together: leave one of them out")
+                }
             }
         };
         let folder = folder_of(&self.labels, &first.file);
         Ok(Selected { labels: selected, broken, folder })
+    }
+
+    /// Rejects a column that the table does not have, or a value that no row has in it: a slip of the keyboard must not
+    /// pass for a table without such pictures.
+    fn check_conditions(&self, rows: &[Result<Label, RowError>]) -> anyhow::Result<()> {
+        let labels = || rows.iter().flatten();
+        // A table without a sound row is reported as such.
+        let Some(columns) = labels().next().map(|label| &label.columns) else { return Ok(()) };
+        let name = self.labels.display();
+        for (column, value) in &self.conditions {
+            if !columns.contains_key(column) {
+                let known = columns.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+                bail!("--where {column}={value}: {name} has no column `{column}`; its columns are {known}");
+            }
+            let values: BTreeSet<&str> =
+                labels().filter_map(|label| label.columns.get(column)).map(String::as_str).collect();
+            if !values.contains(value.as_str()) {
+                bail!(
+                    "--where {column}={value}: no row of {name} has this value; `{column}` is {}",
+                    listed(&values)
+                );
+            }
+        }
+        Ok(())
     }
 }
 
@@ -104,7 +132,7 @@ impl Selected {
         labelled_masks: bool,
         global: &Global,
     ) -> anyhow::Result<Vec<Outcome>> {
-        let bar = progress_bar(self.labels.len() as u64, !global.no_progress, "pictures");
+        let bar = global.progress().bar(self.labels.len() as u64, "recognising", "pictures");
         let outcomes = self
             .labels
             .par_iter()
@@ -114,23 +142,25 @@ impl Selected {
                 outcome
             })
             .collect();
-        bar.finish_and_clear();
+        drop(bar);
         recogniser.index().check_unchanged().context("cannot use the index")?;
         Ok(outcomes)
+    }
+}
+
+/// The first values of a column, and how many more there are.
+fn listed(values: &BTreeSet<&str>) -> String {
+    const SHOWN: usize = 20;
+    let shown: Vec<&str> =
+        values.iter().take(SHOWN).map(|value| if value.is_empty() { "empty" } else { value }).collect();
+    match (shown.as_slice(), values.len().saturating_sub(SHOWN)) {
+        ([only], _) => format!("{only} in all rows"),
+        ([first @ .., last], 0) => format!("{} or {last}", first.join(", ")),
+        (_, more) => format!("{} or one of {more} more values", shown.join(", ")),
     }
 }
 
 fn parse_condition(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("COLUMN=VALUE is needed, for example stage=grasp")?;
     Ok((column.to_owned(), value.to_owned()))
-}
-
-/// A bar on a terminal's standard error, and none elsewhere.
-pub(super) fn progress_bar(length: u64, wanted: bool, of: &str) -> ProgressBar {
-    let target = if wanted { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let bar = ProgressBar::with_draw_target(Some(length), target);
-    match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} left")) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

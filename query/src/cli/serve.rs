@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
+use grasp_terminal::text::{counted, printable};
 use tokio::net::TcpListener;
 
 use super::Global;
@@ -35,9 +36,9 @@ const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
 Examples:
   grasp-query serve --index grasp.idx                    the page: http://127.0.0.1:8750/
   grasp-query serve --unix /run/grasp/grasp.sock         for programs of this machine
-  grasp-query serve --listen 0.0.0.0:8750 --token-file token.txt
-  curl --data-binary @cup.jpg http://127.0.0.1:8750/v1/recognise
-  grasp-query recognise --server http://127.0.0.1:8750 --json *.jpg
+  grasp-query serve --listen 0.0.0.0:8750 --token-file TOKEN.txt
+  curl --data-binary @tests/pictures/camera/01-large-diameter.jpg http://127.0.0.1:8750/v1/recognise
+  grasp-query recognise --server http://127.0.0.1:8750 --json tests/pictures/camera
 
 /openapi.json describes every path. Exit status: 0 after SIGTERM, 130 after Ctrl-C, 2 where something failed or requests were
 cut short.")]
@@ -54,7 +55,7 @@ pub(super) struct Serve {
     /// Ask for the token in this file; needed to listen beyond this machine.
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Requests that may wait while all threads work; more are told to try again later.
+    /// Requests that may wait while all threads work; more are rejected with status 429, to be tried again later.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(0..=4096))]
     queue: u16,
     /// The largest request, in megabytes.
@@ -63,7 +64,7 @@ pub(super) struct Serve {
     /// The largest picture, in megapixels; its header is read before it is decoded.
     #[arg(long, value_name = "MP", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=128))]
     max_pixels: u16,
-    /// Seconds that a request may take to arrive, and as many to be answered.
+    /// Seconds that a request may take to arrive, and again to be answered.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds)]
     timeout: f64,
     /// Seconds between two looks at whether another index lies at the path.
@@ -169,7 +170,7 @@ impl Serve {
                 Event::StillNone(problem) => format!("{problem}; requests are turned away"),
             };
             // Nobody may be there to be told; the service goes on.
-            let _ = writeln!(io::stderr(), "{line}");
+            let _ = writeln!(io::stderr(), "{}", printable(&line));
         };
         if !index.exists() {
             // With the advice on how to build one.
@@ -178,8 +179,12 @@ impl Serve {
         let ended = service.run(listeners, quiz, stop, tell).await.map_err(anyhow::Error::msg)?;
         Ok(match ended {
             Ended::CutShort(count) => {
-                let _ =
-                    writeln!(io::stderr(), "{count} requests were cut short after {} seconds", self.drain);
+                let _ = writeln!(
+                    io::stderr(),
+                    "{} cut short after {} s",
+                    counted(count, ["request was", "requests were"]),
+                    self.drain
+                );
                 super::ERROR
             }
             Ended::Drained if interrupted.load(Ordering::SeqCst) => INTERRUPTED,

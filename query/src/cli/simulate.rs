@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use grasp_terminal::text::{fixed, printable};
 use serde::Serialize;
 
 use crate::explain;
@@ -20,30 +21,30 @@ Examples:
   grasp-query simulate --grasp wrap
   grasp-query simulate --grasp pinch --pictures pinch.png          a human grasp names the robot's
   grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20 degrees and 15 mm
-  grasp-query simulate --grasp wrap --object own.toml --from side --quality --json
+  grasp-query simulate --grasp wrap --object query/data/objects/bottle.toml --from side --quality --json
 
-Objects that come along: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
+Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
 it does not, 2 an error.")]
 pub(super) struct Simulate {
     /// The grasp: wrap, two-finger-thumb, precision-disc, or a human grasp that is mapped to one of them.
     #[arg(long, value_name = "NAME")]
     grasp: String,
-    /// The object: one that comes along, or an OBJECT.toml; without it, one that the grasp is for.
+    /// The object: a built-in one, or an OBJECT.toml; without it, one that the grasp is meant for.
     #[arg(long, value_name = "OBJECT")]
     object: Option<String>,
-    /// From where the hand comes; without it, as the object that comes along is taken, another from above.
+    /// From where the hand comes; without it, from the side that a built-in object is meant for, and from above for others.
     #[arg(long, value_enum)]
     from: Option<From>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
     #[arg(long, value_name = "HAND", default_value = "barrett")]
     robot: String,
-    /// The object lies as many millimetres beside where the hand takes it to be, along the world's x.
+    /// How far the object lies from where the hand expects it, along the world's x, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
     x: f64,
     /// The same along y.
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
     y: f64,
-    /// The hand is turned about the vertical by as many degrees.
+    /// How far the hand is turned about the vertical, in degrees.
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_degrees)]
     yaw: f64,
     /// Draw the trial as a strip of frames.
@@ -125,14 +126,14 @@ fn text(record: &Record<'_>) -> String {
         (false, false) => "not lifted",
     };
     let mut text = format!(
-        "{} of {} on {}: {verdict} · rose {:.0} mm, slipped {:.1} mm, pushed {:.1} mm while closing\n    \
+        "{} of {} on {}: {verdict} · rose {} mm, slipped {} mm, pushed {} mm while closing\n    \
          pressed with {:.0} N in all, {:.0} N by one link ({}) · {:.2} s simulated\n",
         record.grasp,
-        record.robot,
-        record.object,
-        outcome.rise_mm,
-        outcome.slip_mm,
-        outcome.pushed_mm,
+        printable(record.robot),
+        printable(record.object),
+        fixed(outcome.rise_mm, 0),
+        fixed(outcome.slip_mm, 1),
+        fixed(outcome.pushed_mm, 1),
         outcome.contact_force_n,
         outcome.greatest_force_n,
         if outcome.links.is_empty() { "nothing touches".into() } else { outcome.links.join(", ") },

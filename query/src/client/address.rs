@@ -27,7 +27,7 @@ pub enum AddressError {
     #[error("an address is http://HOST:PORT or unix:PATH")]
     Form,
     /// Encryption is for others to do.
-    #[error("https is not spoken here: name a proxy on this machine, or a tunnel, by http://")]
+    #[error("https is not supported: name a proxy on this machine, or a tunnel, by http://")]
     Https,
 }
 

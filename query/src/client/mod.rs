@@ -97,7 +97,7 @@ pub enum ClientError {
         message: String,
     },
     /// Something else answers there.
-    #[error("what answers at {address} is no `grasp-query serve` (status {status})")]
+    #[error("what answers at {address} is not a `grasp-query serve` (status {status})")]
     Foreign {
         /// Where.
         address: Address,

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use grasp_index::{Reliability, ReliabilityBin};
+use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{Guess, Outcome};
@@ -90,8 +91,8 @@ impl CalibrationReport {
         };
         writeln!(
             text,
-            "calibration error {ece:.3} over {} answers, log-likelihood {log_likelihood:.3}",
-            self.n
+            "calibration error {ece:.3} over {}, log-likelihood {log_likelihood:.3}",
+            counted(self.n, ["answer", "answers"])
         )?;
         for bin in &self.reliability {
             writeln!(

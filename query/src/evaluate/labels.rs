@@ -167,7 +167,7 @@ fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<Uni
         [x, y, z, w] if ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-2 => {
             Ok(Some(UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))))
         }
-        _ => Err(format!("qx, qy, qz, qw are `{}`: no unit quaternion", given.join(", "))),
+        _ => Err(format!("qx, qy, qz, qw are `{}`: not a unit quaternion", given.join(", "))),
     }
 }
 
@@ -232,7 +232,7 @@ mod tests {
             rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.message.clone())).collect();
         assert_eq!(wrong.len(), 3);
         assert_eq!(wrong[0], (3, "kind is `photo`, it must be segmented or camera".into()));
-        assert!(wrong[1].1.contains("no unit quaternion"));
+        assert!(wrong[1].1.contains("not a unit quaternion"));
         assert_eq!(wrong[2], (5, "3 values, the header has 11".into()));
         assert_eq!(rows.iter().filter(|row| row.is_ok()).count(), 2);
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use grasp_index::euler_deg;
+use grasp_terminal::text::{counted, printable};
 use serde::Serialize;
 
 use super::calibration::CalibrationReport;
@@ -99,6 +100,8 @@ pub struct RowReport {
     /// What is wrong.
     pub message: String,
 }
+
+const PICTURES: [&str; 2] = ["picture", "pictures"];
 
 /// More groups than this are no grouping but a list.
 const MOST_GROUPS: usize = 24;
@@ -264,9 +267,9 @@ pub fn text(report: &Report) -> String {
 fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(
         text,
-        "top-1 {:.1} % of {} pictures, {} without an answer",
+        "top-1 {:.1} % of {}, {} unknown or without a hand",
         100.0 * report.top1,
-        report.n,
+        counted(report.n, PICTURES),
         report.unknown
     )?;
     let groups = [
@@ -279,7 +282,7 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
     for (name, shares) in groups.into_iter().filter(|(_, shares)| !shares.is_empty()) {
         writeln!(text, "\nby {name}")?;
         for (key, share) in shares {
-            writeln!(text, "  {key:<16} {:5.1} %  of {}", 100.0 * share.top1(), share.n)?;
+            writeln!(text, "  {:<16} {:5.1} %  of {}", printable(key), 100.0 * share.top1(), share.n)?;
         }
     }
     writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
@@ -293,29 +296,38 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
         writeln!(text, "  by Euler angle: mean {x:.1}°, {y:.1}°, {z:.1}° about x, y, z")?;
     }
     if let Some(hand) = report.hand_right {
-        writeln!(text, "left or right hand told rightly: {:.1} %", 100.0 * hand)?;
+        writeln!(text, "left or right hand recognised correctly: {:.1} %", 100.0 * hand)?;
     }
     if let Some(found) = &report.segmentation {
         writeln!(
             text,
-            "segmentation: mean IoU {:.3} with forearm, {:.3} of the hand alone, {} masks",
-            found.mean_iou_skin, found.mean_iou_hand, found.n
+            "segmentation: mean IoU {:.3} with forearm, {:.3} of the hand alone, {}",
+            found.mean_iou_skin,
+            found.mean_iou_hand,
+            counted(found.n, ["mask", "masks"])
         )?;
     }
     if report.other.n > 0 {
         let probability = report.other.mean_probability.unwrap_or(0.0);
         writeln!(
             text,
-            "{} pictures show none of the classes: {} unknown, mean probability {probability:.2}",
-            report.other.n, report.other.unknown
+            "{} none of the classes: {} unknown, mean probability {probability:.2}",
+            counted(report.other.n, ["picture shows", "pictures show"]),
+            report.other.unknown
         )?;
     }
     writeln!(text, "{:.2} ms a picture", report.ms_per_picture)?;
-    for row in &report.errors {
-        let file = row.file.as_deref().unwrap_or("the table");
-        writeln!(text, "line {}: {file}: {}", row.line, row.message)?;
-    }
+    text.push_str(&errors_text(&report.errors));
     Ok(())
+}
+
+/// A line for each row that could not be used.
+pub fn errors_text(errors: &[RowReport]) -> String {
+    let line = |row: &RowReport| {
+        let file = printable(row.file.as_deref().unwrap_or("the table"));
+        format!("line {}: {file}: {}\n", row.line, printable(&row.message))
+    };
+    errors.iter().map(line).collect()
 }
 
 fn orientation_text(text: &mut String, name: &str, errors: &Errors) -> std::fmt::Result {

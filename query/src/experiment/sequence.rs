@@ -6,11 +6,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
+use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{KINDS, csv_of, write_file};
 use crate::evaluate::labels::{Kind, RowError};
-use crate::evaluate::report::{Report, RowReport};
+use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
 use crate::sequence::{Belief, Filter, SequenceParams};
 
@@ -72,27 +73,24 @@ impl Sequences {
     pub fn text(&self) -> String {
         let mut text = String::new();
         if self.rows.is_empty() {
-            text.push_str("no view of a grasp is there at all of reach, close and grasp\n");
+            text.push_str("no view of a grasp is labelled at all three stages reach, close and grasp\n");
         }
         for row in &self.rows {
             let degrees =
                 |error: Option<f64>| error.map_or_else(String::new, |error| format!(", {error:.1}°"));
             let _ = writeln!(
                 text,
-                "{:<9} {:<5}  {} sequences: alone {:.1} %{}; with the frames before {:.1} %{}",
+                "{:<9} {:<5}  {}: alone {:.1} %{}; with the frames before {:.1} %{}",
                 row.kind,
                 row.stage,
-                row.n,
+                counted(row.n, ["sequence", "sequences"]),
                 100.0 * row.alone_top1,
                 degrees(row.alone_median_deg),
                 100.0 * row.together_top1,
                 degrees(row.together_median_deg),
             );
         }
-        for row in &self.errors {
-            let file = row.file.as_deref().unwrap_or("the table");
-            let _ = writeln!(text, "line {}: {file}: {}", row.line, row.message);
-        }
+        text.push_str(&errors_text(&self.errors));
         text
     }
 

@@ -2,25 +2,37 @@
 
 use std::fmt::Write as _;
 
-use super::record::{Answer, Record};
+use grasp_terminal::text::{counted, fixed, percent, printable, printable_lines};
+
+use super::record::{Answer, Failure, Record};
 use crate::robot::Strategy;
 
 /// Classes below this probability are not named as runners-up.
 const WORTH_NAMING: f64 = 0.01;
 
-/// One line for the answer, and indented lines for the runners-up, the nearest entry and the timings.
+/// One line for the answer, and indented lines for the rotation, the runners-up, the nearest entry and the timings.
 pub fn text(record: &Record) -> String {
-    match record {
+    let text = match record {
         Record::Answer(answer) => answer_text(answer),
-        Record::Failure(failure) => {
-            format!("{}: {}\n", name(&failure.file, failure.frame), failure.error.message)
-        }
+        Record::Failure(failure) => failure_text(failure),
+    };
+    // Names of classes and hands come from files as well, and nobody reads an index before using it.
+    printable_lines(&text)
+}
+
+fn failure_text(failure: &Failure) -> String {
+    let message = &failure.error.message;
+    // Some messages name the file themselves, as they stand alone elsewhere.
+    if message.contains(&format!(" {}: ", failure.file)) {
+        return format!("{message}\n");
     }
+    format!("{}: {message}\n", name(&failure.file, failure.frame))
 }
 
 /// What a line of text calls an input.
 pub fn name(file: &str, frame: Option<u64>) -> String {
-    frame.map_or_else(|| file.to_owned(), |frame| format!("{file} frame {frame}"))
+    let file = printable(file);
+    frame.map_or_else(|| file.clone().into_owned(), |frame| format!("{file} frame {frame}"))
 }
 
 fn answer_text(answer: &Answer) -> String {
@@ -41,6 +53,9 @@ fn answer_text(answer: &Answer) -> String {
     if let Some(reason) = &answer.reason {
         let _ = writeln!(text, "    {reason}");
     }
+    let [x, y, z] = answer.orientation.euler.map(|degrees| fixed(degrees, 0));
+    let _ =
+        writeln!(text, "    rotation {x}°, {y}°, {z}° about the camera's fixed axes x, y, z, in this order");
     for warning in &answer.warnings {
         let _ = writeln!(text, "    warning: {}", warning.message);
     }
@@ -57,11 +72,11 @@ fn answer_text(answer: &Answer) -> String {
     if let Some(nearest) = answer.neighbours.first() {
         let _ = writeln!(
             text,
-            "    nearest {} at {:.3} · {} searches, each over {:.0} % of the index",
-            nearest.file,
+            "    nearest {} at {:.3} · {} {} of the index",
+            printable(&nearest.file),
             nearest.distance,
-            answer.search.searches,
-            100.0 * answer.search.share_of_database,
+            searches(answer.search.searches),
+            percent(answer.search.share_of_database),
         );
     }
     if let Some(strategy) = &answer.strategy {
@@ -85,11 +100,19 @@ fn answer_text(answer: &Answer) -> String {
     text
 }
 
+/// How many searches there were, before the share of the index that the best of them looked at.
+fn searches(count: usize) -> String {
+    match count {
+        1 => "1 search over".to_owned(),
+        count => format!("{count} searches, the best over"),
+    }
+}
+
 fn strategy_text(strategy: &Strategy, text: &mut String) {
-    let [x, y, z] = strategy.palm_in_world.position.map(|metres| 1e3 * metres);
+    let [x, y, z] = strategy.palm_in_world.position.map(|metres| fixed(1e3 * metres, 0));
     let _ = writeln!(
         text,
-        "    {}: {} on {} ({:.0} mm between the fingers), palm at {x:.0}, {y:.0}, {z:.0} mm in the world",
+        "    {}: {} on {} ({:.0} mm between the fingers), palm at {x}, {y}, {z} mm in the world",
         strategy.robot,
         strategy.grasp,
         strategy.object,
@@ -98,9 +121,9 @@ fn strategy_text(strategy: &Strategy, text: &mut String) {
     if let Some(arm) = strategy.arm.as_ref().filter(|arm| arm.reachable) {
         let _ = writeln!(
             text,
-            "    {} carries the hand there and back up: {} waypoints",
+            "    {} carries the hand there and back up: {}",
             arm.arm,
-            arm.waypoints.len()
+            counted(arm.waypoints.len(), ["waypoint", "waypoints"])
         );
     }
     for problem in &strategy.problems {

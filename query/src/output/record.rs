@@ -146,12 +146,34 @@ pub struct OrientationRecord {
     pub quaternion_xyzw: [f64; 4],
     /// As angles in degrees about the camera's fixed axes x, y, z, in that order.
     pub euler: [f64; 3],
+    /// The same angles by name, with their order.
+    pub euler_deg: EulerRecord,
     /// How far the neighbours disagree, in degrees.
     pub spread_deg: f64,
     /// Which side of the hand the camera sees.
     pub camera_sees: &'static str,
     /// Where the fingers point in the picture.
     pub fingers_point: &'static str,
+}
+
+/// A rotation as three angles in degrees.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+pub struct EulerRecord {
+    /// About which axes the angles turn, and which comes first: always `extrinsic xyz`, about the camera's fixed x (right), then
+    /// its y (down), then its z (forward).
+    pub order: &'static str,
+    /// About x.
+    pub x: f64,
+    /// About y.
+    pub y: f64,
+    /// About z.
+    pub z: f64,
+}
+
+impl From<[f64; 3]> for EulerRecord {
+    fn from([x, y, z]: [f64; 3]) -> Self {
+        Self { order: "extrinsic xyz", x, y, z }
+    }
 }
 
 /// An entry of the index that is near to the input.
@@ -256,6 +278,7 @@ impl Record {
             orientation: OrientationRecord {
                 quaternion_xyzw: xyzw(&orientation.rotation),
                 euler: orientation.euler_deg,
+                euler_deg: orientation.euler_deg.into(),
                 spread_deg: orientation.spread_deg,
                 camera_sees: view::side_seen(&orientation.rotation, best.side),
                 fingers_point: view::fingers_point(&orientation.rotation),

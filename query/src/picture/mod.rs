@@ -1,8 +1,10 @@
 //! Pictures: what a camera gives, decoded to RGB.
 
 mod decode;
+mod folder;
 
 pub use decode::{Decoded, decode, decode_grey, decode_grey16};
+pub use folder::pictures_in;
 pub use grasp_picture::{
     DecodeError, DecodeWarning, FORMATS, Frame, Frames, MAX_PIXELS, StreamError, dimensions, read,
 };

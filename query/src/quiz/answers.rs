@@ -36,13 +36,13 @@ pub enum AnswerError {
         path: PathBuf,
     },
     /// The file is something else.
-    #[error("{} is no table of answers: name another file with --out", path.display())]
+    #[error("{} is not a table of answers: name another file with --out", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
     },
     /// A line cannot be understood.
-    #[error("{}, line {line}: `{found}` is none of the six grasps: correct it, or delete the line", path.display())]
+    #[error("{}, line {line}: `{found}` is not one of the six grasps: correct it, or delete the line", path.display())]
     Line {
         /// The file.
         path: PathBuf,

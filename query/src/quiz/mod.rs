@@ -85,7 +85,7 @@ pub enum Refused {
     #[error("there is no picture {0}")]
     NoPicture(usize),
     /// There is no such choice.
-    #[error("{0} is no answer: it must be a number from 1 to {most}", most = CHOICES.len())]
+    #[error("{0} is not an answer: it must be a number from 1 to {most}", most = CHOICES.len())]
     NoChoice(usize),
     /// Another picture is to be answered, or the last one again.
     #[error("picture {0} is not the one to answer now")]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::CHOICES;
@@ -74,7 +75,8 @@ impl QuizResult {
     }
 
     fn write_text(&self, text: &mut String) -> std::fmt::Result {
-        writeln!(text, "{} of {} pictures answered (seed {})", self.n, self.total, self.seed)?;
+        let pictures = counted(self.total, ["picture", "pictures"]);
+        writeln!(text, "{} of {pictures} answered (seed {})", self.n, self.seed)?;
         if self.n == 0 {
             return Ok(());
         }

@@ -173,7 +173,7 @@ impl Arm {
             let most = 4.0 * PI;
             if !(low < high && low >= -most && high <= most) {
                 return Err(source.error(format!(
-                    "limits of {joint} = [{low}, {high}]: radians within two turns, the lower first, are needed"
+                    "limits of {joint} = [{low}, {high}]: each must be within two turns, in radians, and the lower one first"
                 )));
             }
         }
@@ -332,16 +332,18 @@ impl Geometry {
         ];
         for (key, length) in lengths {
             if length.is_nan() || length.abs() > LONGEST {
-                return Err(source.error(format!("{key} = {length}: metres within {LONGEST} are needed")));
+                return Err(source.error(format!("{key} = {length}: it must be within {LONGEST} m")));
             }
         }
         source.length("c2, the upper arm,", self.c2, LONGEST)?;
         source.length("c3, the lower arm,", self.c3, LONGEST)?;
         if let Some(offset) = self.offsets.iter().find(|offset| offset.is_nan() || offset.abs() > TAU) {
-            return Err(source.error(format!("offsets hold {offset}: radians within a turn are needed")));
+            return Err(
+                source.error(format!("offsets hold {offset}: each must be within a turn, in radians"))
+            );
         }
         if self.signs.iter().any(|sign| sign.abs() != 1) {
-            return Err(source.error(format!("signs = {:?}: each is 1 or -1", self.signs)));
+            return Err(source.error(format!("signs = {:?}: each must be 1 or -1", self.signs)));
         }
         Ok(())
     }

@@ -14,7 +14,7 @@ pub enum RobotError {
         cause: std::io::Error,
     },
     /// A file is no such description.
-    #[error("{name} is no description of {what}: {problem}")]
+    #[error("{name} is not a valid description of {what}: {problem}")]
     Format {
         /// The file, or the name of a description that comes with the program.
         name: String,
@@ -24,9 +24,7 @@ pub enum RobotError {
         problem: String,
     },
     /// The hand is none that comes with the program.
-    #[error(
-        "no robot hand is called `{name}`: there are {known}; or name a file that describes one, as HAND.toml"
-    )]
+    #[error("there is no robot hand `{name}`: use {known}, or name a file that describes one (HAND.toml)")]
     UnknownHand {
         /// What was asked for.
         name: String,
@@ -34,7 +32,7 @@ pub enum RobotError {
         known: String,
     },
     /// The arm is none that comes with the program.
-    #[error("no arm is called `{name}`: there are {known}; or name a file that describes one, as ARM.toml")]
+    #[error("there is no arm `{name}`: use {known}, or name a file that describes one (ARM.toml)")]
     UnknownArm {
         /// What was asked for.
         name: String,
@@ -50,13 +48,13 @@ pub enum RobotError {
         grasp: String,
     },
     /// The human grasp is none of the six.
-    #[error("nothing is known of how a hand comes to an object in a `{grasp}` grasp: it is none of the six")]
+    #[error("the human approach is known for the six grasps only, and `{grasp}` is not one of them")]
     UnknownHuman {
         /// The human grasp.
         grasp: String,
     },
     /// The hand has no such grasp.
-    #[error("{hand} has no grasp called `{grasp}`: it has {known}")]
+    #[error("{hand} has no grasp `{grasp}`: it has {known}")]
     UnknownGrasp {
         /// The robot hand.
         hand: String,
@@ -93,9 +91,7 @@ pub enum RobotError {
         object: String,
     },
     /// The orientation of the human hand is unknown.
-    #[error(
-        "the neighbours tell nothing of the hand's orientation: take an index that was built with orientations"
-    )]
+    #[error("the neighbours have no orientations: use an index that was built with them")]
     NoOrientation,
 }
 

@@ -202,7 +202,7 @@ impl RobotHand {
             }
             if !self.grasp.contains_key(robot) {
                 return Err(source.error(format!(
-                    "map.{human} = `{robot}`, which is none of its grasps: they are {}",
+                    "map.{human} = `{robot}`, which is not one of its grasps: they are {}",
                     self.grasp_names()
                 )));
             }
@@ -238,7 +238,7 @@ impl RobotHand {
                 let [least, most] = self.limits.get(joint).copied().unwrap_or_default();
                 if !value.is_sound() || value.values().iter().any(|value| !(least..=most).contains(value)) {
                     return Err(source.error(format!(
-                        "grasp.{name}.{posture}.{joint}: values from {least} to {most} are needed, points with ascending widths"
+                        "grasp.{name}.{posture}.{joint}: values must lie from {least} to {most}, and the widths of points must ascend"
                     )));
                 }
             }

@@ -144,9 +144,8 @@ impl Object {
         let source = Source { name, what: "an object" };
         let file: File = source.parse(text)?;
         let needed = |key: &str, value: Option<f64>| {
-            let value = value.ok_or_else(|| {
-                source.error(format!("a {} has no size without `{key}`, in metres", file.shape))
-            })?;
+            let value =
+                value.ok_or_else(|| source.error(format!("a {} needs `{key}`, in metres", file.shape)))?;
             source.length(key, value, LARGEST)
         };
         let shape = match file.shape.as_str() {
@@ -166,7 +165,7 @@ impl Object {
             }
             other => {
                 return Err(
-                    source.error(format!("shape = `{other}`: cylinder, disc, box or sphere is needed"))
+                    source.error(format!("shape = `{other}`: it must be cylinder, disc, box or sphere"))
                 );
             }
         };

@@ -44,7 +44,7 @@ impl Source<'_> {
 
     pub(super) fn position(self, key: &str, position: [f64; 3]) -> Result<(), RobotError> {
         if position.iter().any(|value| value.is_nan() || value.abs() > FAR) {
-            return Err(self.error(format!("{key} = {position:?}: metres within {FAR} are needed")));
+            return Err(self.error(format!("{key} = {position:?}: each must be within {FAR} m")));
         }
         Ok(())
     }
@@ -52,7 +52,7 @@ impl Source<'_> {
     /// A length in metres, above 0.
     pub(super) fn length(self, key: &str, value: f64, most: f64) -> Result<f64, RobotError> {
         if !(value > 0.0 && value <= most) {
-            return Err(self.error(format!("{key} = {value}: above 0 and at most {most} is needed")));
+            return Err(self.error(format!("{key} = {value}: it must be above 0 and at most {most}")));
         }
         Ok(value)
     }

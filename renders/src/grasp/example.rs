@@ -63,8 +63,9 @@ impl RawBody {
     fn check(&self, kind: ObjectKind) -> Result<PlacedObject, String> {
         let size = |what: &str, metres: f64| {
             let fits = (0.001..=0.5).contains(&metres);
-            fits.then_some(metres)
-                .ok_or_else(|| format!("example: the object's {what} is {metres}; 0.001 to 0.5 m work"))
+            fits.then_some(metres).ok_or_else(|| {
+                format!("example: the object's {what} is {metres}; 0.001 to 0.5 m is supported")
+            })
         };
         if !self.centre.iter().all(|x| (-0.5..=0.5).contains(x)) {
             return Err("example: the object's centre lies within half a metre of the wrist".to_owned());

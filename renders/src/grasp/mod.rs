@@ -56,7 +56,7 @@ impl fmt::Display for Stage {
 
 /// A word that names no stage.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no stage; the stages are reach, close and grasp")]
+#[error("there is no stage `{0}`: the stages are reach, close and grasp")]
 pub struct UnknownStage(pub String);
 
 impl FromStr for Stage {

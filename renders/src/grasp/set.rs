@@ -25,7 +25,7 @@ pub enum GraspSetError {
         source: io::Error,
     },
     /// Not TOML, or a key that is missing, unknown or of the wrong kind.
-    #[error("the grasps are not understood")]
+    #[error("the grasps cannot be parsed")]
     Syntax(#[from] toml::de::Error),
     /// A value that cannot be.
     #[error("grasp `{grasp}`: {what}")]

@@ -20,7 +20,7 @@ const SAMPLE_LIMIT: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HandShapeError {
     /// No preset has this name.
-    #[error("there is no hand shape called `{name}`; known are {}, and `hand-N` for a sampled hand with seed N", .known.join(", "))]
+    #[error("there is no hand shape `{name}`: the named ones are {}, and `hand-N` is a sampled hand with seed N", .known.join(", "))]
     Unknown {
         /// The name that was asked for.
         name: String,
@@ -233,6 +233,6 @@ mod tests {
     #[test]
     fn an_unknown_name_lists_the_known_ones() {
         let error = HandShape::preset("giant").expect_err("no such hand");
-        insta::assert_snapshot!(error, @"there is no hand shape called `giant`; known are mean, broad, large, long-fingered, short-fingered, slender, small, and `hand-N` for a sampled hand with seed N");
+        insta::assert_snapshot!(error, @"there is no hand shape `giant`: the named ones are mean, broad, large, long-fingered, short-fingered, slender, small, and `hand-N` is a sampled hand with seed N");
     }
 }

@@ -133,7 +133,8 @@ impl<'a> Glb<'a> {
             let body = file.get(start..start.checked_add(size)?)?;
             (found == kind).then_some(body)
         };
-        let json = chunk(12, JSON).ok_or_else(|| broken("its first part is no JSON document".to_owned()))?;
+        let json =
+            chunk(12, JSON).ok_or_else(|| broken("its first chunk is not a JSON document".to_owned()))?;
         let document: Document = serde_json::from_slice(json)?;
         // Parts start at multiples of four, the JSON document after 20 bytes.
         let numbers = chunk(20 + json.len().next_multiple_of(4), BIN).unwrap_or_default();

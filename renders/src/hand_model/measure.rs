@@ -124,7 +124,7 @@ fn is_left(rig: &Rig) -> Result<bool, HandModelError> {
     let up = (thumb + bent) / length;
     if up.is_nan() || up.abs() < SIDED {
         return Err(not(
-            "it is so flat that a right hand cannot be told from a left one: bend the rest pose's thumb and \
+            "it is so flat that a right hand cannot be distinguished from a left one: bend the rest pose's thumb and \
                         fingers a little toward the palm"
                 .to_owned(),
         ));

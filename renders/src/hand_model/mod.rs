@@ -37,14 +37,14 @@ pub enum HandModelError {
     Read(#[from] io::Error),
     /// The file's name cannot be the hand's.
     #[error(
-        "`{0}` is no name for a hand: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, other than a built-in hand's name"
+        "a hand cannot be named `{0}`: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, and not the name of a built-in hand"
     )]
     Name(String),
     /// The file is larger than any hand.
     #[error("it is larger than {} MB: reduce the mesh and leave out its textures", LONGEST >> 20)]
     TooLarge,
     /// Some other file.
-    #[error("it is no binary glTF file: export the hand as .glb")]
+    #[error("it is not a binary glTF file: export the hand as .glb")]
     NotGlb,
     /// The document inside is damaged.
     #[error("its description is damaged: {0}")]

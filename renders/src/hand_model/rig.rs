@@ -187,7 +187,7 @@ impl Nodes {
         while let Some((i, above)) = open.pop() {
             let pose = above * local(&nodes[i]);
             if !pose.iter().all(|x| x.is_finite()) {
-                return Err(broken(format!("the place, rotation or scale of node {i} cannot be")));
+                return Err(broken(format!("the place, rotation or scale of node {i} is out of range")));
             }
             poses[i] = Some(pose);
             open.extend(nodes[i].children.iter().map(|&child| (child, pose)));
@@ -305,8 +305,9 @@ fn read_primitive(
             };
             influences.extend(joints.iter().copied().zip(weights.iter().copied()));
         }
-        let corner = bind(position, &influences, moves)
-            .ok_or_else(|| broken(format!("corner {i} of a mesh has weights or joints that cannot be")))?;
+        let corner = bind(position, &influences, moves).ok_or_else(|| {
+            broken(format!("corner {i} of a mesh has weights or joints that are out of range"))
+        })?;
         // Adding 0 makes -0 the same as 0.
         let place = corner.at.map(|x| (x + 0.0).to_bits()).into();
         numbers.push(*places.entry(place).or_insert_with(|| {

@@ -77,7 +77,7 @@ pub enum ManifestError {
         source: io::Error,
     },
     /// The header lacks a column.
-    #[error("{path}: line 1: column `{column}` is missing; needed are file, grasp, qx, qy, qz and qw")]
+    #[error("{path}: line 1: column `{column}` is missing: file, grasp, qx, qy, qz and qw are needed")]
     MissingColumn {
         /// The manifest.
         path: PathBuf,
@@ -109,7 +109,7 @@ pub enum Problem {
     #[error("not a line of this table: {0}")]
     Csv(String),
     /// A field that should be a number.
-    #[error("`{value}` in column `{column}` is not a number that can stand there")]
+    #[error("`{value}` in column `{column}` is not a number in the range of that column")]
     Number {
         /// The column.
         column: &'static str,
@@ -126,7 +126,7 @@ pub enum Problem {
     #[error("the file `{0}` does not exist")]
     MissingFile(String),
     /// No grasp has this name.
-    #[error("`{name}` is no grasp; known are {known}")]
+    #[error("there is no grasp `{name}`: the grasps are {known}")]
     UnknownGrasp {
         /// What stands there.
         name: String,

@@ -20,7 +20,7 @@ pub const MANIFEST: &str = "manifest.csv";
 #[derive(Debug, thiserror::Error)]
 pub enum RenderSetError {
     /// The caller asked to stop. What was written is whole and is kept when writing is started again.
-    #[error("stopped after {done} of {total} renders; start it again to go on from there")]
+    #[error("stopped after {done} of {total} renders; run it again to go on from there")]
     Cancelled {
         /// Renders that are whole.
         done: usize,
@@ -28,7 +28,7 @@ pub enum RenderSetError {
         total: usize,
     },
     /// The plan has no scene or no view.
-    #[error("the plan makes no render: it needs a hand shape, a stage, an object size and a view")]
+    #[error("the plan renders nothing: it needs a hand shape, a stage, an object size and a view")]
     Empty,
     /// A file or folder could not be written.
     #[error("cannot write {path}")]

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use grasp_index::{BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError};
 use grasp_renders::{Preset, RenderPlan};
+use grasp_terminal::Progress;
 use rayon::prelude::*;
 
 use super::Settings;
 use crate::array::{self, Rows};
 use crate::held_out::{self, Hands};
 use crate::interrupt;
-use crate::progress::Progress;
 
 /// Views of a hand shape in the paper's plan: how many entries a hand shape makes, but for some that show no hand.
 const VIEWS: u64 = 5400;
@@ -128,7 +128,7 @@ fn given(descriptors: &Path, queries: &Path, size: u64) -> anyhow::Result<Prepar
     }
     if size > indexed.len() {
         bail!(
-            "{} holds {} rows, {size} are asked for: lower --largest or --sizes",
+            "{} holds {} rows, and {size} are wanted: lower --largest or --sizes",
             descriptors.display(),
             indexed.len()
         );
@@ -165,7 +165,7 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
         base.files.push((path, rows.len()));
         bar.inc(1);
     }
-    bar.finish_and_clear();
+    drop(bar);
     let seed = settings.seed;
     let tuned_by = Hands::beside(&plan, &[], held_out::HANDS, held_out::VIEWS, seed);
     let asked = Hands::beside(&plan, &tuned_by.names(), ASKED, QUERIES, seed);

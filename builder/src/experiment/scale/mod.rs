@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, DescriptorParams};
 use grasp_renders::RENDERER_VERSION;
+use grasp_terminal::Progress;
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::interrupt;
-use crate::progress::Progress;
 use data::Data;
 use measure::Truth;
 use table::Row;
@@ -87,7 +87,7 @@ pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) 
             let spinner = progress.spinner("measuring");
             spinner.set_message(format!("{} entries, {} hash", prepared.base.rows, hash.name()));
             let measured = measure::measure(&prepared, hash, settings.seed, &index, &mut truth);
-            spinner.finish_and_clear();
+            drop(spinner);
             // The index has served: the next one may need its room.
             let _ = fs::remove_file(&index);
             let row = Row { data: data_name.clone(), size, hash: hash.name().into(), ..measured? };

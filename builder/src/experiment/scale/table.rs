@@ -47,7 +47,7 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<Row>> {
     }
     let rows = csv::Reader::from_path(path).and_then(|mut table| table.deserialize().collect());
     rows.with_context(|| {
-        format!("{} is no table of this experiment: name another folder with --out", path.display())
+        format!("{} is not a table of this experiment: name another folder with --out", path.display())
     })
 }
 
@@ -80,6 +80,6 @@ mod tests {
         write(&path, &rows).unwrap();
         assert_eq!(read(&path).unwrap(), rows);
         std::fs::write(&path, "file,grasp\na.png,pinch\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("no table of this experiment"));
+        assert!(read(&path).unwrap_err().to_string().contains("is not a table of this experiment"));
     }
 }

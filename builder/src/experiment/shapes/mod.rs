@@ -10,10 +10,10 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use grasp_index::{DescriptorParams, HashParams, Originals};
 use grasp_renders::RenderPlan;
+use grasp_terminal::Progress;
 
 use crate::build::{Recipe, Report, Source, build};
 use crate::held_out::{Hands, HeldOut};
-use crate::progress::Progress;
 
 /// What to build.
 #[derive(Clone, Debug)]

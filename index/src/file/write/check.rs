@@ -24,7 +24,7 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
         ));
     }
     if params.thumbnail_side > 1024 {
-        return Err(BuildError::Params("thumbnails of more than 1024 pixels a side are none"));
+        return Err(BuildError::Params("a thumbnail has at most 1024 pixels a side"));
     }
     if !params.calibration.is_possible() {
         return Err(BuildError::Params(
@@ -38,7 +38,7 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     if let HashParams::Random(RandomParams::Fixed { k, t, buckets }) = params.hash
         && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))
     {
-        return Err(BuildError::Params("K is 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));
+        return Err(BuildError::Params("K must be 1 to 64, T 1 to 1024, and H 1 to 1,048,576"));
     }
     Ok(())
 }
@@ -90,7 +90,7 @@ pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), 
     }
     let is_unit = (entry.orientation.norm() - 1.0).abs() < 1e-4;
     if !is_unit {
-        return Err("its orientation is no unit quaternion".into());
+        return Err("its orientation is not a unit quaternion".into());
     }
     if !params.kept.labels {
         return check_thumbnail(params, entry);
@@ -109,9 +109,11 @@ pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), 
 
 fn check_thumbnail(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
     match &entry.thumbnail {
-        Some(thumbnail) if thumbnail.len() != pixels(params) => {
-            Err(format!("its thumbnail has {} pixels, the index's have {}", thumbnail.len(), pixels(params)))
-        }
+        Some(thumbnail) if thumbnail.len() != pixels(params) => Err(format!(
+            "its thumbnail is not of the size of the index's own ({} and {} pixels)",
+            thumbnail.len(),
+            pixels(params)
+        )),
         _ => Ok(()),
     }
 }

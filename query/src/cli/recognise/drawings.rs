@@ -56,7 +56,8 @@ impl Drawings {
     /// Where the picture is one frame of several, and there is one file for all.
     pub(super) fn of(&self, picture: &str, frame: Option<u64>) -> anyhow::Result<PathBuf> {
         match (self, frame) {
-            (Self::File(file), None) => Ok(file.clone()),
+            // A picture alone on standard input is frame 0.
+            (Self::File(file), None | Some(0)) => Ok(file.clone()),
             (Self::File(file), Some(_)) => {
                 let name = file.display();
                 bail!(
@@ -115,6 +116,8 @@ mod tests {
 
     #[test]
     fn one_file_is_not_drawn_over_by_frame_after_frame() {
-        assert!(Drawings::File("why.png".into()).of("-", Some(0)).is_err());
+        let drawings = Drawings::File("why.png".into());
+        assert!(drawings.of("-", Some(0)).is_ok(), "it may be the only one");
+        assert!(drawings.of("-", Some(1)).is_err());
     }
 }

@@ -1,7 +1,7 @@
 //! `grasp-query recognise --server`: the same output, by a service that is running.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
@@ -23,7 +23,12 @@ enum Told {
 
 impl Recognise {
     /// As a run by an own index, but for who answers.
-    pub(super) fn run_remote(&self, address: &Address, drawings: Option<&Drawings>) -> anyhow::Result<u8> {
+    pub(super) fn run_remote(
+        &self,
+        address: &Address,
+        images: &[PathBuf],
+        drawings: Option<&Drawings>,
+    ) -> anyhow::Result<u8> {
         // What is wrong with a mask or a robot is told in the same words, and before anything is sent.
         self.source()?;
         self.robot.read()?;
@@ -31,13 +36,13 @@ impl Recognise {
         let clients = Clients::new(address.clone(), token);
         let mut output = Output { form: self.form(), status: crate::cli::SUCCESS, out: io::stdout().lock() };
         let at_once = 4 * rayon::current_num_threads();
-        for group in self.groups() {
+        for group in super::groups(images) {
             if group == [Path::new(STANDARD_INPUT)] {
                 self.stream_remote(&clients, drawings, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
-                let ask = |path: &std::path::PathBuf| {
+                let ask = |path: &PathBuf| {
                     let name = path.display().to_string();
                     match picture::read(path) {
                         Ok(bytes) => self.ask(&clients, drawings, name, None, bytes),

@@ -5,6 +5,7 @@
 //! error that the recognition made: `world_from_hand * labelled^-1 * recognised`. The robot then imitates what was
 //! recognised, class and orientation, on that object. The object's position is exact, as in the paper.
 
+use grasp_terminal::text::counted;
 use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -118,7 +119,8 @@ impl Imitation {
                 percent(row.success_with_true_orientation),
             );
         }
-        text + &format!("{} pictures left out; {} by {}\n", self.left_out, self.robot, self.engine)
+        let left_out = counted(self.left_out, ["picture", "pictures"]);
+        text + &format!("{left_out} left out; {} by {}\n", self.robot, self.engine)
     }
 }
 

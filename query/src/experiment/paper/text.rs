@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{Paper, SetResult};
+use crate::evaluate::report::errors_text;
 
 pub(super) fn text(paper: &Paper) -> String {
     let mut text = String::new();
@@ -35,10 +36,7 @@ fn write_text(text: &mut String, paper: &Paper) -> std::fmt::Result {
         "error: the mean angle between labelled and answered rotation; Euler: the mean difference of each angle. The paper's are \
          of its own\n36 pictures, about axes that it does not name."
     )?;
-    for row in &paper.errors {
-        let file = row.file.as_deref().unwrap_or("the table");
-        writeln!(text, "line {}: {file}: {}", row.line, row.message)?;
-    }
+    text.push_str(&errors_text(&paper.errors));
     Ok(())
 }
 

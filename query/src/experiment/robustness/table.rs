@@ -93,6 +93,6 @@ fn read(path: &Path) -> anyhow::Result<Vec<Row>> {
     let lines = bytes.get(..whole).unwrap_or_default();
     let rows = csv::Reader::from_reader(lines).into_deserialize().collect::<Result<_, _>>();
     rows.with_context(|| {
-        format!("{} is no table of trials: name another folder, or remove it", path.display())
+        format!("{} is not a table of trials: name another folder, or remove it", path.display())
     })
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::{KINDS, csv_of, write_file};
 use crate::evaluate::Outcome;
 use crate::evaluate::labels::{Kind, OTHER, RowError};
-use crate::evaluate::report::{Report, RowReport};
+use crate::evaluate::report::{Report, RowReport, errors_text};
 
 /// From the easiest to the hardest.
 const STAGES: [&str; 3] = ["grasp", "close", "reach"];
@@ -115,10 +115,7 @@ impl Shapes {
             // Writing to a String cannot fail.
             let _ = writeln!(text, "{}", line.trim_end());
         }
-        for row in &self.errors {
-            let file = row.file.as_deref().unwrap_or("the table");
-            let _ = writeln!(text, "line {}: {file}: {}", row.line, row.message);
-        }
+        text.push_str(&errors_text(&self.errors));
         text
     }
 

@@ -7,11 +7,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
+use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{csv_of, write_file};
 use crate::evaluate::labels::{OTHER, RowError};
-use crate::evaluate::report::{Report, RowReport};
+use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
 use crate::recognise::Trust;
 
@@ -148,7 +149,9 @@ impl Unknown {
         let Self { known, right, others, no_hand, .. } = self;
         writeln!(
             text,
-            "{known} known hands ({right} classed rightly), {others} others; in {no_hand} more of the others no hand was found"
+            "{} ({right} classified correctly), {}; in {no_hand} more of the others no hand was found",
+            counted(*known, ["known hand", "known hands"]),
+            counted(*others, ["other", "others"])
         )?;
         for Curve { measure, area, .. } in &self.curves {
             let area = area.map_or_else(|| "-".to_owned(), |area| format!("{area:.3}"));
@@ -157,7 +160,7 @@ impl Unknown {
         if let Some(at) = &self.at_limits {
             writeln!(
                 text,
-                "farther than {:.3}, less probable than {:.2} or less trusted than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classed rightly",
+                "farther than {:.3}, less probable than {:.2} or less trusted than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classified correctly",
                 at.farthest,
                 at.least_probability,
                 at.least_trust,
@@ -166,10 +169,7 @@ impl Unknown {
                 100.0 * at.right_lost
             )?;
         }
-        for row in &self.errors {
-            let file = row.file.as_deref().unwrap_or("the table");
-            writeln!(text, "line {}: {file}: {}", row.line, row.message)?;
-        }
+        text.push_str(&errors_text(&self.errors));
         Ok(())
     }
 
