@@ -248,8 +248,8 @@ fn options_that_cannot_be_are_told() {
         assert!(outcome.stderr.contains(expected), "{arguments:?}: {}", outcome.stderr);
     };
     for share in ["0", "1.01", "-0.5", "NaN", "most"] {
-        told(&["--recall", share], "a share above 0 and at most 1");
-        told(&["--eps", "0.05", "--success", share], "a share above 0 and at most 1");
+        told(&["--recall", share], "a number above 0 and at most 1");
+        told(&["--eps", "0.05", "--success", share], "a number above 0 and at most 1");
     }
     told(&["--eps", "-0.1"], "a number of 0 or more");
     told(&["--success", "0.9"], "--eps");

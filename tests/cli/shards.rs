@@ -167,6 +167,6 @@ fn parts_that_make_no_index_are_told() {
     assert!(!folder.join("grasp.idx").exists());
 
     assert!(refused(folder, &["shard", "--shard", "4/3", "--out", "p"]).contains("does not name a part"));
-    let said = refused(folder, &["shard", "--shard", "1/7", "--out", "p"]);
+    let said = refused(folder, &["shard", "--shard", "1/7", "--preset", "paper", "--out", "p"]);
     assert!(said.contains("there are 6 scenes, pictures or rows, too few for"), "{said}");
 }

@@ -92,7 +92,7 @@ fn a_jpeg_without_its_end_marker_is_answered_with_a_warning() {
     let outcome = recognise(&stream);
     let alone = told(&recognise(&whole));
     assert_eq!(told(&outcome), [&alone[0], "no_hand", &alone[0]], "{}", outcome.stderr);
-    assert_eq!(outcome.stderr.matches("the JPEG has no end marker").count(), 2, "{}", outcome.stderr);
+    assert_eq!(outcome.stdout.matches("the JPEG has no end marker").count(), 2, "{}", outcome.stdout);
     // Where most is missing there is nothing to answer.
     let outcome = recognise(&whole[..whole.len() / 3]);
     assert_eq!(told(&outcome), ["truncated"], "{}", outcome.stderr);

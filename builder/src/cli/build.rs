@@ -92,7 +92,7 @@ struct IndexOptions {
     #[arg(long, value_name = "H", default_value_t = 4096, requires = "tables", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     buckets: u32,
     /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`; the
-    /// default of `--preset standard` and `wide`), or none.
+    /// default of `--preset standard` and `wide`, but for a random hash), or none.
     #[arg(long, value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
     originals: Option<String>,
     /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. By default 48 for
@@ -131,7 +131,9 @@ impl IndexOptions {
             Source::Plan(_) => Form::of(plan.preset()),
             Source::Sets(_) | Source::Vectors(_) => Form::of(Preset::Paper),
         };
-        let originals = self.originals.as_deref().unwrap_or(form.originals);
+        // A random hash knows its entries by their descriptors alone.
+        let kept = if self.hash == "random" { "f32" } else { form.originals };
+        let originals = self.originals.as_deref().unwrap_or(kept);
         let originals = Originals::by_name(originals)
             .with_context(|| format!("there is no form of descriptors named {originals}"))?;
         let named = self.descriptor()?;

@@ -143,8 +143,8 @@ struct UnknownArguments {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment trust hands/labels.csv hands2/labels.csv
-  grasp-query experiment trust hands/labels.csv --out query/data/trust.toml
+  grasp-query experiment trust tests/pictures/labels.csv
+  grasp-query experiment trust tests/pictures/labels.csv --out trust.toml
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 struct TrustArguments {
