@@ -22,6 +22,8 @@ const PLACE: f64 = 0.020;
 const TILT: f64 = 0.35;
 const SIZE: f64 = 0.25;
 const STEPS: usize = 25;
+/// A flat hand would take a ball of any size: the logarithm of the size changes by so much at most.
+const MOST_SCALED: f64 = 0.4;
 /// Residuals: end bone, middle bone and three depths a digit, the depth of the palm, the unknowns themselves.
 const ROWS: usize = 5 * 5 + 1 + UNKNOWNS;
 
@@ -103,7 +105,7 @@ fn moved(start: &PlacedObject, unknowns: &SVector<f64, UNKNOWNS>) -> PlacedObjec
         Some((axis, angle)) => UnitQuaternion::from_axis_angle(&axis, angle),
         None => UnitQuaternion::identity(),
     };
-    let ratio = unknowns[5].clamp(-1.0, 1.0).exp();
+    let ratio = unknowns[5].clamp(-MOST_SCALED, MOST_SCALED).exp();
     let object = match start.object {
         Object::Sphere { radius } => Object::Sphere { radius: radius * ratio },
         Object::Cylinder { radius, length } => Object::Cylinder { radius: radius * ratio, length },
