@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(unix)]
 use std::process::Command;
 
-use grasp_tests::{Outcome, pictures, program, programs, run, small_index, workspace};
+use grasp_tests::{Outcome, pictures, program, run, small_index, workspace};
 
 const SEGMENTED: &str = "segmented/09-pinch.png";
 
@@ -441,7 +441,7 @@ fn is_quick(line: &str, folder: &Path) -> bool {
 #[cfg(unix)]
 #[test]
 fn what_the_documents_show_runs() {
-    let path = format!("{}:{}", programs(false).display(), std::env::var("PATH").unwrap());
+    let path = format!("{}:{}", grasp_tests::programs(false).display(), std::env::var("PATH").unwrap());
     let mut ran = 0;
     for (page, text) in documents() {
         let folder = tempfile::tempdir().unwrap();
