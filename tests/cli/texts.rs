@@ -1,8 +1,10 @@
 //! What a person reads: numbers, names and errors in what both programs print, and what their examples name.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+#[cfg(unix)]
+use std::process::Command;
 
 use grasp_tests::{Outcome, pictures, program, run, small_index, workspace};
 
@@ -229,6 +231,12 @@ fn commands(lines: impl Iterator<Item = String>, comment: &str) -> Vec<Vec<Strin
         .collect()
 }
 
+/// Placeholders are written in capitals, as in the usage: `PICTURE.png`.
+fn is_placeholder(word: &str) -> bool {
+    let stem = word.rsplit_once('.').map_or(word, |(stem, _)| stem);
+    !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_uppercase())
+}
+
 /// The files that commands name, in the order in which they are shown.
 #[derive(Clone, Default)]
 struct Files {
@@ -283,9 +291,7 @@ impl Files {
             return false;
         }
         let ending = word.rsplit_once('.').map_or("", |(_, ending)| ending);
-        // Placeholders are written in capitals, as in the usage.
-        let stem = word.rsplit_once('.').map_or(word, |(stem, _)| stem);
-        if !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_uppercase()) {
+        if is_placeholder(word) {
             return false;
         }
         let is_positional = !before.starts_with('-') || Self::FLAGS.contains(&before);
@@ -339,38 +345,122 @@ fn every_file_that_an_example_names_is_there_or_made_before() {
 
 #[test]
 fn every_option_of_an_example_exists() {
-    for name in ["grasp-builder", "grasp-query"] {
-        for words in subcommands(name, &[]).iter().flat_map(|path| examples(&help(name, path))) {
-            let [program_name, rest @ ..] = words.as_slice() else { continue };
-            if !program_name.starts_with("grasp-") {
-                continue;
+    let helped = ["grasp-builder", "grasp-query"].into_iter().flat_map(|name| {
+        subcommands(name, &[]).into_iter().flat_map(move |path| examples(&help(name, &path)))
+    });
+    let documented = documents().into_iter().flat_map(|(_, text)| commands(code(&text), " # "));
+    let mut helps = BTreeMap::new();
+    for words in helped.chain(documented).filter(|words| words[0].starts_with("grasp-")) {
+        let [program_name, rest @ ..] = words.as_slice() else { continue };
+        let below = |word: &&String| word.bytes().all(|byte| byte.is_ascii_lowercase());
+        let depth = if rest.first().is_some_and(|word| word == "experiment") { 2 } else { 1 };
+        let path: Vec<String> = rest.iter().take(depth).take_while(below).cloned().collect();
+        let help =
+            helps.entry((program_name.clone(), path.clone())).or_insert_with(|| help(program_name, &path));
+        for option in rest.iter().filter(|word| word.starts_with("--") && word.len() > 2) {
+            assert!(help.contains(option.as_str()), "{option} in {words:?}");
+        }
+    }
+}
+
+/// README, and the pages of `docs`, which go on from it.
+fn documents() -> Vec<(PathBuf, String)> {
+    let pages = fs::read_dir(workspace().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages: BTreeSet<_> = pages.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    let paths = std::iter::once(workspace().join("README.md")).chain(pages);
+    paths.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The lines of a document that are code to run: those that are indented.
+fn code(text: &str) -> impl Iterator<Item = String> {
+    text.lines().filter(|line| line.starts_with("    ")).map(str::to_owned)
+}
+
+#[test]
+fn every_file_that_a_document_names_is_there_or_made_before() {
+    let mut made = Files::default();
+    for (path, text) in documents() {
+        let mut files = made.clone();
+        commands(code(&text), " # ").iter().for_each(|words| files.take(words));
+        let quoted = text.split("recognise(\"").skip(1).filter_map(|rest| rest.split('"').next());
+        files.missing.extend(quoted.filter(|path| !workspace().join(path).exists()).map(str::to_owned));
+        let linked = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        let shown = text.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        let folder = path.parent().unwrap();
+        for link in linked.chain(shown).filter(|link| !link.contains("://")) {
+            if !folder.join(link).exists() {
+                files.missing.push(link.to_owned());
             }
-            let below = |word: &&String| word.bytes().all(|byte| byte.is_ascii_lowercase());
-            let depth = if rest.first().is_some_and(|word| word == "experiment") { 2 } else { 1 };
-            let path: Vec<String> = rest.iter().take(depth).take_while(below).cloned().collect();
-            let help = help(program_name, &path);
-            for option in rest.iter().filter(|word| word.starts_with("--") && word.len() > 2) {
-                assert!(help.contains(option.as_str()), "{option} in {words:?}");
-            }
+        }
+        assert_eq!(files.missing, [""; 0], "{}", path.display());
+        if path.ends_with("README.md") {
+            made = files;
         }
     }
 }
 
 #[test]
-fn every_file_that_the_readme_names_is_there_or_made_before() {
-    let readme = fs::read_to_string(workspace().join("README.md")).unwrap();
-    let code = readme.lines().filter(|line| line.starts_with("    ")).map(str::to_owned);
-    let mut files = Files::default();
-    let commands = commands(code, " # ");
-    assert!(commands.len() > 30, "{commands:?}");
-    commands.iter().for_each(|words| files.take(words));
-    let quoted = readme.split("recognise(\"").skip(1).filter_map(|rest| rest.split('"').next());
-    let linked = readme.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
-    let shown = readme.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next());
-    for path in quoted.chain(linked).chain(shown).filter(|path| !path.is_empty() && !path.contains("://")) {
-        if !workspace().join(path).exists() {
-            files.missing.push(path.to_owned());
+fn the_readme_fits_and_its_lines_do() {
+    for (path, text) in documents() {
+        let is_text = |line: &&str| !line.starts_with(['|', '!']) && !line.starts_with("    ");
+        let long = text.lines().filter(is_text).find(|line| line.chars().count() > 100);
+        assert_eq!(long, None, "{}", path.display());
+        assert!(!path.ends_with("README.md") || text.lines().count() <= 150);
+    }
+}
+
+/// Whether a documented command can be run as it stands: it is quick, and needs neither a service, nor a camera, nor a
+/// file of the reader's own, nor an index that a longer command makes.
+#[cfg(unix)]
+fn is_quick(line: &str, folder: &Path) -> bool {
+    const QUICK: [&str; 9] = [
+        "recognise",
+        "recognize",
+        "evaluate",
+        "search",
+        "simulate",
+        "inspect",
+        "verify",
+        "export",
+        "queries",
+    ];
+    let words: Vec<&str> = line.split(" #").next().unwrap_or_default().split_whitespace().collect();
+    let subcommand =
+        words.iter().position(|word| word.starts_with("grasp-")).and_then(|at| words.get(at + 1));
+    let subcommand = subcommand.copied().unwrap_or_default();
+    let is_known = QUICK.contains(&subcommand) || (subcommand == "build" && words.contains(&"--descriptors"));
+    let mut before = "";
+    let is_ready = words.iter().all(|word| {
+        let is_there = !word.ends_with(".idx") || before == "--out" || folder.join(word).exists();
+        before = word;
+        is_there && !is_placeholder(word)
+    });
+    is_known && is_ready && !["ffmpeg", "curl", "jq", "--server"].iter().any(|needed| words.contains(needed))
+}
+
+#[cfg(unix)]
+#[test]
+fn what_the_documents_show_runs() {
+    let path = format!("{}:{}", grasp_tests::programs(false).display(), std::env::var("PATH").unwrap());
+    let mut ran = 0;
+    for (page, text) in documents() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["tests", "query"] {
+            std::os::unix::fs::symlink(workspace().join(name), folder.path().join(name)).unwrap();
+        }
+        fs::copy(small_index(), folder.path().join("grasp.idx")).unwrap();
+        let code = code(&text).map(|line| line + "\n").collect::<String>().replace("\\\n", " ");
+        for line in code.lines() {
+            if is_quick(line, folder.path()) {
+                let outcome = run(Command::new("sh")
+                    .args(["-c", line])
+                    .env("PATH", &path)
+                    .env_remove("GRASP_INDEX")
+                    .current_dir(folder.path()));
+                assert!(outcome.status < 2, "{}: {line}\n{}", page.display(), outcome.stderr);
+                ran += 1;
+            }
         }
     }
-    assert_eq!(files.missing, [""; 0]);
+    assert!(ran > 30, "{ran}");
 }
