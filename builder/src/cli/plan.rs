@@ -8,6 +8,8 @@ use anyhow::{Context as _, bail};
 use clap::Parser;
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
+use super::preset::preset;
+
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
 
@@ -17,7 +19,7 @@ pub(super) struct PlanOptions {
     /// A named plan, which the options below change. `standard`: 40 hand shapes at all stages, in varied poses, with
     /// objects of all sizes, seen from everywhere with any roll. `wide`: the same of 155 hand shapes, six times as many
     /// views. `paper`: one hand shape, 6 grasps, 900 views on a grid; implied by --step, --elevations and --rolls.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
     /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
     /// renders that hand alone.

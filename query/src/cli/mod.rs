@@ -6,6 +6,7 @@ mod evaluate;
 mod experiment;
 mod index_file;
 mod man;
+mod name_or_file;
 mod options;
 mod quiz;
 mod recognise;
