@@ -366,7 +366,7 @@ fn a_turned_box_and_the_palm_are_drawn_where_they_are() {
     let right = &strategy["layout"]["views"][1]["right"];
     let turn = number(&right[1]).atan2(number(&right[0]));
     let off = (long[1].atan2(long[0]) + turn - 30f64.to_radians()).rem_euclid(std::f64::consts::PI);
-    assert!(off < 0.01 || off > std::f64::consts::PI - 0.01, "{off} rad off in {above:?}");
+    assert!(!(0.01..=std::f64::consts::PI - 0.01).contains(&off), "{off} rad off in {above:?}");
 
     // The way ends in the palm, which is beside the box's middle as its pose in the world says.
     let way = points(&mut browser, "#strategy-picture svg:nth-of-type(2) .way");

@@ -299,7 +299,7 @@ impl Files {
         let path = Path::new(word);
         let path = if word.contains('*') { path.parent().unwrap_or(path) } else { path };
         let is_made = path.ancestors().any(|path| self.made.contains(path.to_str().unwrap_or_default()));
-        is_made || (path.as_os_str().len() > 0 && workspace().join(path).exists())
+        is_made || (!path.as_os_str().is_empty() && workspace().join(path).exists())
     }
 }
 
