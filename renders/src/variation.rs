@@ -21,7 +21,7 @@ const EXAMPLE_SIZE: f64 = 0.2;
 /// How far the way left to the object spreads at the stages before the grasp (logarithm of the ratio).
 const AWAY: f64 = 0.4;
 /// The power of an evenly drawn number that a forearm's length goes by: half of the arms are shorter than a third of the
-/// longest. Pictures show more cuffs and watches near the wrist than bare arms up to the elbow.
+/// longest. Chosen between the two development hands, one of which has shorter arms than the other.
 const SHORT_ARMS: f64 = 1.5;
 /// How far on the way from one recorded pose to another a scene's pose lies; a little before the first, too.
 const MIXED: [f64; 2] = [-0.2, 0.5];
