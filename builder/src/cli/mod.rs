@@ -44,7 +44,7 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-builder build --out grasp.idx                    render the paper's 6 x 900 views and index them
+  grasp-builder build --out grasp.idx                    render 40 hands from all sides and index them
   grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
   grasp-builder render --out more --hand-shape slender   another, of one hand shape
   grasp-builder build renders more --out grasp.idx       index two render sets (any program may have made them)
