@@ -7,8 +7,8 @@ use grasp_index::{
 };
 use grasp_query::evaluate::{self, labels, report};
 use grasp_query::output::{human, record::Record};
-use grasp_query::recognise::{HandChoice, MaskSource, RecogniseError, RecogniseOptions, Recogniser, Side};
-use grasp_query::segment::Mask;
+use grasp_recognise::segment::Mask;
+use grasp_recognise::{HandChoice, MaskSource, RecogniseError, RecogniseOptions, Recogniser, Side};
 use image::{ImageFormat, Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 

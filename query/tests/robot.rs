@@ -1,9 +1,9 @@
 //! From a recognised hand to what a robot does: geometry, warnings, the two hands, bad input.
 
-use grasp_query::recognise::Side;
 use grasp_query::robot::{
     Arm, Camera, Hindrance, Object, ProblemKind, RobotError, RobotHand, Seen, Shape, Step, Strategy, moveit,
 };
+use grasp_recognise::Side;
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 

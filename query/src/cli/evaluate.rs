@@ -12,8 +12,8 @@ use super::options::RecogniseArguments;
 use super::selection::Selection;
 use crate::evaluate::Outcome;
 use crate::evaluate::report::{self, Report};
-use crate::output::record::xyzw;
-use crate::recognise::{Evidence, Recogniser};
+use grasp_recognise::orientation::xyzw;
+use grasp_recognise::{Evidence, Recogniser};
 
 const EXAMPLES: &str = "\
 Examples:

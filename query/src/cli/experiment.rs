@@ -20,7 +20,7 @@ use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
 use crate::experiment::unknown::Unknown;
-use crate::recognise::{Accept, RecogniseOptions, Recogniser, Trust};
+use grasp_recognise::{Accept, RecogniseOptions, Recogniser, Trust};
 
 /// Repeat an experiment, over labelled pictures or in simulation, as tables and drawings.
 #[derive(Debug, clap::Args)]

@@ -3,15 +3,15 @@
 use grasp_index::VoteOptions;
 
 use super::effort::EffortArguments;
-use crate::recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
-use crate::sequence::SequenceParams;
+use grasp_recognise::sequence::SequenceParams;
+use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
 pub(super) struct RecogniseArguments {
     /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
-    #[arg(long, value_enum, default_value_t = HandChoice::Auto)]
-    hand: HandChoice,
+    #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
+    hand: HandArgument,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it
     /// is, or upright where the index's descriptors are.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
@@ -41,6 +41,27 @@ pub(super) struct RecogniseArguments {
     effort: EffortArguments,
 }
 
+/// `--hand`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum HandArgument {
+    /// Try both and take the one whose neighbours are nearer.
+    Auto,
+    /// A left hand.
+    Left,
+    /// A right hand.
+    Right,
+}
+
+impl From<HandArgument> for HandChoice {
+    fn from(argument: HandArgument) -> Self {
+        match argument {
+            HandArgument::Auto => Self::Auto,
+            HandArgument::Left => Self::Left,
+            HandArgument::Right => Self::Right,
+        }
+    }
+}
+
 /// `--accept`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum AcceptChoice {
@@ -53,7 +74,7 @@ enum AcceptChoice {
 impl RecogniseArguments {
     pub(super) fn options(&self) -> RecogniseOptions {
         RecogniseOptions {
-            hand: self.hand,
+            hand: self.hand.into(),
             rolls: self.rolls,
             k: self.k,
             effort: self.effort.effort(),
@@ -74,7 +95,7 @@ impl RecogniseArguments {
 
     /// Whether the program finds out the hand itself.
     pub(super) fn hand_is_free(&self) -> bool {
-        self.hand == HandChoice::Auto
+        self.hand == HandArgument::Auto
     }
 }
 

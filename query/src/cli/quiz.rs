@@ -16,7 +16,7 @@ use crate::quiz::answers::AnswerFile;
 use crate::quiz::pictures::{self, Shown};
 use crate::quiz::server::{Table, serve};
 use crate::quiz::{CHOICES, Quiz};
-use crate::recognise::Recogniser;
+use grasp_recognise::Recogniser;
 
 /// The exit status where Ctrl-C came before the last answer, as shells count it (128 + SIGINT).
 const INTERRUPTED: u8 = 130;

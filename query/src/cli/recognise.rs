@@ -20,14 +20,14 @@ use crate::client::Address;
 use crate::explain;
 use crate::output::human;
 use crate::output::record::{Record, SingleRecord};
-use crate::picture::{self, DecodeWarning, Frames};
-use crate::prior::Priors;
-use crate::recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use crate::robot::{Setting, moveit};
-use crate::segment::Mask;
-use crate::segment::depth::DepthRange;
-use crate::sequence::Filter;
 use drawings::Drawings;
+use grasp_recognise::picture::{self, DecodeWarning, Frames};
+use grasp_recognise::prior::Priors;
+use grasp_recognise::segment::Mask;
+use grasp_recognise::segment::depth::DepthRange;
+use grasp_recognise::sequence::Filter;
+use grasp_recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::Global;
 use crate::evaluate::labels::{self, Label, OTHER, Part, RowError};
 use crate::evaluate::{Outcome, folder_of, score};
-use crate::recognise::Recogniser;
+use grasp_recognise::Recogniser;
 
 /// A table and the rows of it that are meant.
 #[derive(Debug, clap::Args)]

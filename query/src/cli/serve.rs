@@ -16,8 +16,8 @@ use super::index_file::IndexFile;
 use super::quiz::{Means, make};
 use super::selection::Selection;
 use crate::quiz::server::Table;
-use crate::recognise::{RecogniseOptions, Recogniser};
 use crate::serve::{Ended, Event, Listener, Service, Settings};
+use grasp_recognise::{RecogniseOptions, Recogniser};
 
 /// The exit status where Ctrl-C ended the service, as shells count it (128 + SIGINT).
 const INTERRUPTED: u8 = 130;

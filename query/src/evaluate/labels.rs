@@ -7,7 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Serialize;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::recognise::Side;
+use grasp_recognise::Side;
 
 /// The class name of a hand in none of the six grasps.
 pub const OTHER: &str = "other";

@@ -12,9 +12,9 @@ use std::time::Instant;
 use grasp_index::HandImage;
 use nalgebra::UnitQuaternion;
 
-use crate::picture::{self, Picture};
-use crate::recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
-use crate::segment::{Mask, SegmentParams};
+use grasp_recognise::picture::{self, Picture};
+use grasp_recognise::segment::{Mask, SegmentParams};
+use grasp_recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
 use labels::{Kind, Label};
 
 /// What became of one labelled picture.

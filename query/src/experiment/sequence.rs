@@ -13,7 +13,7 @@ use super::{KINDS, csv_of, write_file};
 use crate::evaluate::labels::{Kind, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
-use crate::sequence::{Belief, Filter, SequenceParams};
+use grasp_recognise::sequence::{Belief, Filter, SequenceParams};
 
 /// The stages of a grasp in their order.
 const STAGES: [&str; 3] = ["reach", "close", "grasp"];

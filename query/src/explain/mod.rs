@@ -10,10 +10,10 @@ use image::{Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::output::record::Answer;
-use crate::recognise::{Recognition, Side};
 use canvas::{Canvas, Font, HEADLINE, LINE, colour};
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};
+use grasp_recognise::{Recognition, Side};
 
 const MARGIN: u32 = 24;
 /// Between two pictures that lie side by side.

@@ -3,4 +3,3 @@
 pub mod found;
 pub mod human;
 pub mod record;
-pub mod view;

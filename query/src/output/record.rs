@@ -1,14 +1,13 @@
 //! The JSON record of one input. Its keys are an interface: they may be added to, never renamed.
 
 use grasp_index::{EntryError, Index};
-use nalgebra::UnitQuaternion;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::view;
 use crate::evaluate::confusion::UNKNOWN;
-use crate::recognise::{RecogniseError, Recognition, Side, Timings, Warning};
 use crate::robot::Strategy;
+use grasp_recognise::orientation::{self, xyzw};
+use grasp_recognise::{RecogniseError, Recognition, Side, Timings, Warning};
 
 /// What is known about one input: an answer or an error.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -248,7 +247,7 @@ impl Record {
             Some(first) if found.doubt.is_none() => (first.grasp.clone(), Some(first.cutkosky)),
             _ => (UNKNOWN.to_owned(), None),
         };
-        let orientation = &best.vote.orientation;
+        let turned = &best.vote.orientation;
         let neighbours = best.neighbours.iter().map(|neighbour| {
             let entry = index.entry(neighbour.id)?;
             let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
@@ -276,12 +275,12 @@ impl Record {
             hand: best.side,
             roll_deg: best.roll_deg,
             orientation: OrientationRecord {
-                quaternion_xyzw: xyzw(&orientation.rotation),
-                euler: orientation.euler_deg,
-                euler_deg: orientation.euler_deg.into(),
-                spread_deg: orientation.spread_deg,
-                camera_sees: view::side_seen(&orientation.rotation, best.side),
-                fingers_point: view::fingers_point(&orientation.rotation),
+                quaternion_xyzw: xyzw(&turned.rotation),
+                euler: turned.euler_deg,
+                euler_deg: turned.euler_deg.into(),
+                spread_deg: turned.spread_deg,
+                camera_sees: orientation::side_seen(&turned.rotation, best.side),
+                fingers_point: orientation::fingers_point(&turned.rotation),
             },
             neighbours: neighbours.collect::<Result<_, EntryError>>()?,
             search: SearchRecord {
@@ -331,11 +330,4 @@ impl Record {
             Self::Failure(_) => 2,
         }
     }
-}
-
-/// A rotation as x, y, z, w, with w >= 0: q and -q are the same rotation, and only one of them is written.
-pub(crate) fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
-    let q = rotation.quaternion();
-    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
-    [q.i * sign, q.j * sign, q.k * sign, q.w * sign]
 }

@@ -11,7 +11,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use crate::evaluate::labels::Label;
 use crate::evaluate::{Miss, hand_image, score};
-use crate::recognise::Recogniser;
+use grasp_recognise::Recogniser;
 
 /// A picture of the quiz.
 #[derive(Clone, Debug)]

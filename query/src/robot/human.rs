@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use crate::recognise::Side;
+use grasp_recognise::Side;
 
 /// A human grasp, in the frame of a right hand.
 #[derive(Clone, Debug, Deserialize)]

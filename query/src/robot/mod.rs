@@ -50,7 +50,7 @@ pub use window::Window;
 /// [`RobotError::UnknownHuman`]: the grasp is none of the six.
 pub fn hand_from_palm(
     grasp: &str,
-    side: crate::recognise::Side,
+    side: grasp_recognise::Side,
 ) -> Result<nalgebra::UnitQuaternion<f64>, RobotError> {
     let human = human::HumanGrasp::named(grasp);
     human

@@ -2,7 +2,7 @@
 
 use super::{Arm, Camera, Object, RobotError, RobotHand, Seen, Strategy};
 use crate::output::record::{Answer, ErrorRecord};
-use crate::recognise::Recognition;
+use grasp_recognise::Recognition;
 
 /// A robot hand, what it is to grasp, and from where that was seen.
 #[derive(Debug)]

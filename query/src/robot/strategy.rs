@@ -15,8 +15,8 @@ use super::human::HumanGrasp;
 use super::layout::Layout;
 use super::window::{Window, confidence, doubts, tolerated};
 use super::{Arm, ArmMotion, Camera, Object, RobotError};
-use crate::output::record::xyzw;
-use crate::recognise::Side;
+use grasp_recognise::Side;
+use grasp_recognise::orientation::xyzw;
 
 /// A spread of this many degrees means that the orientation is unknown (the neighbours had none).
 const UNKNOWN_SPREAD_DEG: f64 = 180.0;

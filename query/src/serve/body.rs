@@ -6,11 +6,11 @@ use axum::http::{HeaderValue, StatusCode};
 use super::form::{Form, FormError, Part};
 use super::problem::Problem;
 use super::query::shown;
-use crate::picture;
-use crate::recognise::MaskSource;
 use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
-use crate::segment::Mask;
-use crate::segment::depth::DepthRange;
+use grasp_recognise::MaskSource;
+use grasp_recognise::picture;
+use grasp_recognise::segment::Mask;
+use grasp_recognise::segment::depth::DepthRange;
 
 /// The parts of a request, still encoded.
 #[derive(Clone, Debug, Default)]

@@ -10,7 +10,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::explain::edge_deg;
-use crate::recognise::Recognition;
+use grasp_recognise::Recognition;
 
 /// Transparent where the hand is, red where a forearm was cut off, dark elsewhere: to be laid over the picture.
 const HAND: [u8; 4] = [0, 0, 0, 0];

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use crate::recognise::Timings;
+use grasp_recognise::Timings;
 
 /// Upper bounds in seconds: from a search over descriptors to a picture that waited.
 const SECONDS: [f64; 14] =

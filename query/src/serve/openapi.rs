@@ -42,7 +42,7 @@ pub(super) const OPERATION: &str = "Operation";
     ),
     components(schemas(
         super::recognise::ExplainedRecord,
-        crate::recognise::HandChoice,
+        grasp_recognise::HandChoice,
         super::parameters::AcceptChoice
     )),
     modifiers(&Token)

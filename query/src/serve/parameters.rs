@@ -4,8 +4,8 @@ use grasp_index::{Effort, SearchOptions, VoteOptions};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::recognise::{Accept, HandChoice, RecogniseOptions};
-use crate::segment::depth::DepthRange;
+use grasp_recognise::segment::depth::DepthRange;
+use grasp_recognise::{Accept, HandChoice, RecogniseOptions};
 
 /// The most turns that one request may ask for.
 const MOST_ROLLS: usize = 36;

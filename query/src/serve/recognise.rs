@@ -15,8 +15,8 @@ use super::problem::Problem;
 use crate::explain;
 use crate::output::human;
 use crate::output::record::Record;
-use crate::recognise::{RecogniseError, Recogniser};
 use crate::robot::moveit;
+use grasp_recognise::{RecogniseError, Recogniser};
 
 /// The exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
 pub(super) const STATUS: HeaderName = HeaderName::from_static("grasp-status");

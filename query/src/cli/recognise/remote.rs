@@ -10,9 +10,9 @@ use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
 use crate::explain;
 use crate::output::human;
 use crate::output::record::Record;
-use crate::picture;
 use crate::serve::DESCRIBED;
 use crate::serve::parameters::PictureParameters;
+use grasp_recognise::picture;
 
 /// A picture's answer, or the record of why the service was not asked or did not want it.
 enum Told {

@@ -159,7 +159,7 @@ pub(super) mod tests {
     use super::*;
     use crate::evaluate::labels::Label;
     use crate::evaluate::{Guess, Miss};
-    use crate::recognise::{Evidence, Side};
+    use grasp_recognise::{Evidence, Side};
     use nalgebra::{UnitQuaternion, Vector3};
 
     fn outcome(kind: Kind, stage: &str, grasp: &str, answer: Option<(&str, f64)>) -> Outcome {

@@ -4,8 +4,8 @@ use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, Rgb, Rgb32FImage, Rgba, RgbaImage};
 
 use super::draws::Draws;
-use crate::picture::Picture;
-use crate::segment::Mask;
+use grasp_recognise::picture::Picture;
+use grasp_recognise::segment::Mask;
 
 /// Sizes of pictures: width and height.
 const SIZES: [[u32; 2]; 3] = [[128, 128], [256, 192], [320, 240]];

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::recognise::{Evidence, Logistic, Term, logistic};
+use grasp_recognise::{Evidence, Logistic, Term, logistic};
 
 /// Rounds of expectation and maximisation: the likelihood no longer changes in its fifth digit.
 const ROUNDS: usize = 300;
@@ -78,7 +78,7 @@ fn rounded(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::segment::Quality;
+    use grasp_recognise::segment::Quality;
 
     #[test]
     fn what_foretells_right_answers_is_found() {

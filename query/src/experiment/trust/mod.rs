@@ -1,4 +1,4 @@
-//! How far answers are to be trusted whose mask was found by colour: the model of [`crate::recognise::Trust`], fitted to labelled
+//! How far answers are to be trusted whose mask was found by colour: the model of [`grasp_recognise::Trust`], fitted to labelled
 //! camera pictures, to segmented ones put before backgrounds that are hard to tell from skin, and to such backgrounds alone.
 
 mod compose;
@@ -14,14 +14,14 @@ use serde::Serialize;
 use super::write_file;
 use crate::evaluate::labels::{Kind, Label, OTHER, Part};
 use crate::evaluate::{Miss, labelled_hand};
-use crate::picture;
-use crate::recognise::{
+use draws::Draws;
+use fit::{Example, fit};
+use grasp_recognise::picture;
+use grasp_recognise::segment::SegmentParams;
+use grasp_recognise::{
     Accept, Evidence, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recogniser,
     Recognition, Side, Timings, Trust, temper,
 };
-use crate::segment::SegmentParams;
-use draws::Draws;
-use fit::{Example, fit};
 
 /// Backgrounds that each segmented picture is put before.
 const BACKGROUNDS: usize = 3;
@@ -269,7 +269,7 @@ impl Fitted {
     pub fn write(&self, path: &Path, command: &str, index: &Index) -> anyhow::Result<()> {
         let (entries, hands) = (index.len(), index.catalogue().hand_shapes.len());
         let head = format!(
-            "# How far an answer is trusted whose mask was found by colour: see query/src/recognise/trust.rs.\n\
+            "# How far an answer is trusted whose mask was found by colour: see query/recognise/src/recognise/trust.rs.\n\
              # Made by: {command}\n\
              # with an index of {entries} entries, {hands} hand shapes.\n\n"
         );

@@ -14,7 +14,7 @@ use super::{csv_of, write_file};
 use crate::evaluate::labels::{OTHER, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
-use crate::recognise::Trust;
+use grasp_recognise::Trust;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use grasp_query::picture::{self, DecodeError, DecodeWarning, Picture, decode_grey, decode_grey16};
+use grasp_recognise::picture::{self, DecodeError, DecodeWarning, Picture, decode_grey, decode_grey16};
 use image::{DynamicImage, ImageFormat, Luma, Rgb, RgbImage};
 use proptest::prelude::*;
 

@@ -73,7 +73,11 @@ impl Prepared {
         Ok(HandImage::from_mask(width, height, &self.picture.grey(), self.mask.pixels())?)
     }
 
-    pub(crate) fn new(
+    /// Finds the hand in a picture. `is_jpeg`: its flat surfaces may ring.
+    ///
+    /// # Errors
+    /// [`RecogniseError`]: where the picture shows no hand, or mask and picture do not fit.
+    pub fn new(
         picture: Picture,
         is_jpeg: bool,
         source: &MaskSource,

@@ -1,8 +1,15 @@
-//! An orientation in words.
+//! The rotation `camera_from_hand` as four numbers and in words.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::recognise::Side;
+use crate::Side;
+
+/// A rotation as x, y, z, w, with w >= 0: q and -q are the same rotation, and only one of them is written.
+pub fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    let q = rotation.quaternion();
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    [q.i * sign, q.j * sign, q.k * sign, q.w * sign]
+}
 
 /// Which side of the hand the camera sees, such as `the thumb side`.
 ///

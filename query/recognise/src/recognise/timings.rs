@@ -5,7 +5,8 @@ use std::time::Instant;
 use serde::Serialize;
 
 /// Milliseconds of each step, summed over all hands and rolls that were tried.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, utoipa::ToSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Timings {
     /// Bytes to pixels.
     pub decode_ms: f64,
