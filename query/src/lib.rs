@@ -2,7 +2,7 @@
 //!
 //! [`output`] writes the answer as text or JSON Lines, [`explain`] draws how it came about, and [`evaluate`]
 //! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII, and
-//! [`quiz`] asks a person the same. [`robot`] makes a strategy for a robot hand of the answer (Section VI). [`search`] takes raw
+//! [`quiz`] asks a person the same. [`grasp_robot`] makes a strategy for a robot hand of the answer (Section VI). [`search`] takes raw
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
@@ -13,6 +13,5 @@ pub mod explain;
 mod lettering;
 pub mod output;
 pub mod quiz;
-pub mod robot;
 pub mod search;
 pub mod serve;

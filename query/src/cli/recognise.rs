@@ -18,9 +18,8 @@ use super::options::{FrameArguments, RecogniseArguments};
 use super::robot::RobotArguments;
 use crate::client::Address;
 use crate::explain;
-use crate::output::human;
 use crate::output::record::{Record, SingleRecord};
-use crate::robot::{Setting, moveit};
+use crate::output::{human, moveit};
 use drawings::Drawings;
 use grasp_recognise::picture::{self, DecodeWarning, Frames};
 use grasp_recognise::prior::Priors;
@@ -28,6 +27,7 @@ use grasp_recognise::segment::Mask;
 use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
+use grasp_robot::Setting;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -290,7 +290,7 @@ impl Recognise {
         if let Record::Answer(answer) = &mut record {
             answer.single = single;
             if let Some(setting) = &means.robot {
-                setting.complete(answer, &found);
+                answer.imitate(&found, setting);
             }
         }
         if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
@@ -420,7 +420,7 @@ impl<W: Write> Output<W> {
                 self.out.write_all(b"\n")?;
             }
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
-                match moveit::of_answer(answer) {
+                match moveit::message(answer) {
                     Some(yaml) => self.write_message(&human::name(&answer.file, answer.frame), &yaml)?,
                     None => warn(&moveit::refusal(answer).unwrap_or_default()),
                 }
@@ -435,7 +435,7 @@ impl<W: Write> Output<W> {
 
     /// Writes a message for MoveIt, and what it warns of for the person who does not read its comments.
     fn write_message(&mut self, name: &str, yaml: &str) -> io::Result<()> {
-        for warning in moveit::warnings(yaml) {
+        for warning in grasp_robot::moveit::warnings(yaml) {
             warn(&format!("{name}: warning: {warning}\n"));
         }
         self.out.write_all(yaml.as_bytes())

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting, described};
+use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting, described};
 
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]

@@ -9,9 +9,9 @@ use super::options::RecogniseArguments;
 use super::selection::Selection;
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
-use crate::robot::RobotHand;
-use crate::robot::simulation::{SCENES, Scene};
 use grasp_recognise::Recogniser;
+use grasp_robot::RobotHand;
+use grasp_robot::simulation::{SCENES, Scene};
 
 /// How far a robot's grasp may be off: trials on a grid of positions and over a range of yaws.
 ///

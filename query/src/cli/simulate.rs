@@ -1,5 +1,7 @@
 //! `grasp-query simulate`.
 
+mod strip;
+
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -8,8 +10,9 @@ use grasp_terminal::text::{fixed, printable};
 use serde::Serialize;
 
 use crate::explain;
-use crate::robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
-use crate::robot::{From, Object, RobotHand};
+use grasp_robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
+use grasp_robot::{From, Object, RobotHand};
+use strip::strip;
 
 /// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
 ///
@@ -34,7 +37,7 @@ pub(super) struct Simulate {
     object: Option<String>,
     /// From where the hand comes; without it, from the side that a built-in object is meant for, and from above for others.
     #[arg(long, value_enum)]
-    from: Option<From>,
+    from: Option<FromArgument>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
     #[arg(long, value_name = "HAND", default_value = "barrett")]
     robot: String,
@@ -58,6 +61,24 @@ pub(super) struct Simulate {
     json: bool,
 }
 
+/// `--from`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum FromArgument {
+    /// From above; the palm's x is the world's, the fingers close along y.
+    Top,
+    /// Along the world's x; the fingers close along y.
+    Side,
+}
+
+impl FromArgument {
+    fn approach(self) -> From {
+        match self {
+            Self::Top => From::Top,
+            Self::Side => From::Side,
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct Record<'a> {
     robot: &'a str,
@@ -76,13 +97,14 @@ impl Simulate {
         let grasp = hand.for_human(&self.grasp).map_or(self.grasp.as_str(), |(name, _)| name);
         hand.grasp_named(grasp)?;
         let (object, from) = self.setting(grasp)?;
-        let plan = Plan::new(&hand, grasp, &object, self.from.unwrap_or(from).turned())?;
+        let plan = Plan::new(&hand, grasp, &object, self.from.map_or(from, FromArgument::approach).turned())?;
         let error = Error { x: 1e-3 * self.x, y: 1e-3 * self.y, yaw: self.yaw.to_radians() };
         let outcome = match &self.pictures {
             None => plan.run(error),
             Some(path) => {
-                let (outcome, strip) = plan.film(error);
-                explain::save(&strip, path).with_context(|| format!("cannot write {}", path.display()))?;
+                let (outcome, film) = plan.film(error);
+                explain::save(&strip(&film), path)
+                    .with_context(|| format!("cannot write {}", path.display()))?;
                 outcome
             }
         };

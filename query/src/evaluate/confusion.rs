@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// What the program said where it gave no class.
-pub const UNKNOWN: &str = "unknown";
+use crate::output::record::UNKNOWN;
 
 /// A confusion matrix: counts of each labelled class (rows) by each answered class (columns).
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -12,6 +12,7 @@ use std::time::Instant;
 use grasp_index::HandImage;
 use nalgebra::UnitQuaternion;
 
+use crate::output::record::UNKNOWN;
 use grasp_recognise::picture::{self, Picture};
 use grasp_recognise::segment::{Mask, SegmentParams};
 use grasp_recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
@@ -174,7 +175,7 @@ fn guess(recogniser: &Recogniser<'_>, found: &Recognition) -> Guess {
     Guess {
         grasp: match first.and_then(|class| name(class.class)) {
             Some(class) if found.doubt.is_none() => class.name.clone(),
-            _ => confusion::UNKNOWN.to_owned(),
+            _ => UNKNOWN.to_owned(),
         },
         probability: first.map_or(0.0, |class| class.probability),
         classes: best.vote.classes.iter().map(|class| (class.name.clone(), class.probability)).collect(),

@@ -8,10 +8,11 @@ use grasp_terminal::text::{counted, printable};
 use serde::Serialize;
 
 use super::calibration::CalibrationReport;
-use super::confusion::{Confusion, Share, UNKNOWN};
+use super::confusion::{Confusion, Share};
 use super::labels::{Kind, OTHER, RowError};
 use super::spread::SpreadReport;
 use super::{Guess, Outcome};
+use crate::output::record::UNKNOWN;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use grasp_terminal::text::{counted, fixed, percent, printable, printable_lines};
 
 use super::record::{Answer, Failure, Record};
-use crate::robot::Strategy;
+use grasp_robot::Strategy;
 
 /// Classes below this probability are not named as runners-up.
 const WORTH_NAMING: f64 = 0.01;

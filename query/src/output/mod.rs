@@ -2,4 +2,5 @@
 
 pub mod found;
 pub mod human;
+pub mod moveit;
 pub mod record;

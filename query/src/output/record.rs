@@ -4,10 +4,12 @@ use grasp_index::{EntryError, Index};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::evaluate::confusion::UNKNOWN;
-use crate::robot::Strategy;
 use grasp_recognise::orientation::{self, xyzw};
 use grasp_recognise::{RecogniseError, Recognition, Side, Timings, Warning};
+use grasp_robot::{Seen, Setting, Strategy};
+
+/// What the program says where it gives no class.
+pub const UNKNOWN: &str = "unknown";
 
 /// What is known about one input: an answer or an error.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -59,6 +61,28 @@ pub struct Answer {
     /// Milliseconds of each step, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timings: Option<Timings>,
+}
+
+impl Answer {
+    /// Puts the robot's strategy into the answer, or why there is none. What is unknown is not imitated.
+    pub fn imitate(&mut self, found: &Recognition, setting: &Setting) {
+        if self.reason.is_some() {
+            return;
+        }
+        let seen = Seen {
+            grasp: self.grasp.clone(),
+            side: found.best.side,
+            camera_from_hand: found.best.vote.orientation.rotation,
+            spread_deg: found.best.vote.orientation.spread_deg,
+        };
+        match setting.strategy(&seen) {
+            Ok(strategy) => self.strategy = Some(strategy),
+            Err(error) => {
+                let message = error.to_string();
+                self.error = Some(ErrorRecord { kind: error.kind(), message, is_rejection: false });
+            }
+        }
+    }
 }
 
 /// What one frame of a sequence says by itself.

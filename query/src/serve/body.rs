@@ -6,11 +6,11 @@ use axum::http::{HeaderValue, StatusCode};
 use super::form::{Form, FormError, Part};
 use super::problem::Problem;
 use super::query::shown;
-use crate::robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 use grasp_recognise::MaskSource;
 use grasp_recognise::picture;
 use grasp_recognise::segment::Mask;
 use grasp_recognise::segment::depth::DepthRange;
+use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 
 /// The parts of a request, still encoded.
 #[derive(Clone, Debug, Default)]

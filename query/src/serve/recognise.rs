@@ -13,9 +13,8 @@ use super::metrics::Metrics;
 use super::parameters::PictureParameters;
 use super::problem::Problem;
 use crate::explain;
-use crate::output::human;
 use crate::output::record::Record;
-use crate::robot::moveit;
+use crate::output::{human, moveit};
 use grasp_recognise::{RecogniseError, Recogniser};
 
 /// The exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
@@ -91,10 +90,10 @@ pub(super) fn answer(
         }
     };
     if let (Record::Answer(answer), Some(setting)) = (&mut record, &setting) {
-        setting.complete(answer, &found);
+        answer.imitate(&found, setting);
     }
     if let (Form::Moveit, Record::Answer(answer)) = (form, &record) {
-        return match moveit::of_answer(answer) {
+        return match moveit::message(answer) {
             Some(yaml) => {
                 Ok(send(&record, StatusCode::OK, served.generation, "application/yaml", yaml.into()))
             }

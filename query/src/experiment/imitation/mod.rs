@@ -12,9 +12,9 @@ use serde::Serialize;
 
 use crate::evaluate::Outcome;
 use crate::evaluate::confusion::Share;
-use crate::robot::simulation::{Error, Plan, Scene};
-use crate::robot::{RobotError, RobotHand, hand_from_palm};
 use grasp_recognise::Side;
+use grasp_robot::simulation::{Error, Plan, Scene};
+use grasp_robot::{RobotError, RobotHand, hand_from_palm};
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]

@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::super::{csv_of, write_file};
 use super::{KindResult, Paper, SetResult, plot};
-use crate::evaluate::confusion::UNKNOWN;
 use crate::evaluate::labels::Kind;
+use crate::output::record::UNKNOWN;
 
 /// A line of `paper.csv`. Columns are an interface: they may be added to, never renamed.
 #[derive(Serialize)]

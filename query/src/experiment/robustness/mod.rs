@@ -8,8 +8,8 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::robot::RobotHand;
-use crate::robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
+use grasp_robot::RobotHand;
+use grasp_robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
 use table::Table;
 
 /// What simulates, as windows name it.

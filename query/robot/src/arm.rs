@@ -4,16 +4,15 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rs_opw_kinematics::glam::{DQuat, DVec3};
-use rs_opw_kinematics::kinematic_traits::{Joints, Kinematics as _, Pose};
+use rs_opw_kinematics::kinematic_traits::{Joints, Kinematics as _, Pose as FlangePose};
 use rs_opw_kinematics::kinematics_impl::OPWKinematics;
 use rs_opw_kinematics::parameters::opw_kinematics::Parameters;
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 use super::RobotError;
-use super::moveit::rounded;
+use super::pose::{Pose, rounded};
 use super::read::{Source, built_in, described, text};
-use super::strategy::{Step, Strategy};
+use super::step::Step;
 
 /// The arms that come with the program.
 const BUILT_IN: [(&str, &str); 1] = [("kuka-kr6-r700", include_str!("../../data/arms/kuka-kr6-r700.toml"))];
@@ -73,7 +72,8 @@ struct Mount {
 }
 
 /// What the arm does while the hand approaches and retreats. JSON keys are an interface: they may be added to, never renamed.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ArmMotion {
     /// The arm.
     pub arm: String,
@@ -88,7 +88,8 @@ pub struct ArmMotion {
 }
 
 /// A point of the way.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Waypoint {
     /// `approach` or `retreat`.
     pub step: &'static str,
@@ -99,7 +100,8 @@ pub struct Waypoint {
 }
 
 /// Where an arm cannot go on, and why.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Unreachable {
     /// `approach` or `retreat`.
     pub step: &'static str,
@@ -110,7 +112,8 @@ pub struct Unreachable {
 }
 
 /// What keeps an arm from a pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Hindrance {
     /// The pose is too far away, or too near.
@@ -135,7 +138,7 @@ impl std::fmt::Display for Hindrance {
 struct Station {
     step: &'static str,
     distance: f64,
-    flange: Pose,
+    flange: FlangePose,
 }
 
 impl Arm {
@@ -188,10 +191,10 @@ impl Arm {
         })
     }
 
-    /// The joint angles along the approach and the retreat of a strategy: of the ways that keep every joint within its limits and turn none
+    /// The joint angles along the approach and the retreat of `steps`, whose grasp has the wrist at `wrist` in the world: of the ways that keep every joint within its limits and turn none
     /// of them over, the one on which the joints turn least.
-    pub fn carry(&self, strategy: &Strategy) -> ArmMotion {
-        let stations = self.stations(strategy);
+    pub fn carry(&self, wrist: &Pose, steps: &[Step]) -> ArmMotion {
+        let stations = self.stations(wrist, steps);
         let solver = OPWKinematics::new(self.geometry.parameters());
         let mut best: Option<(f64, Vec<Joints>)> = None;
         let mut farthest = (0, Hindrance::OutOfReach);
@@ -240,8 +243,8 @@ impl Arm {
     }
 
     /// Where the flange has to be: along the approach, then along the retreat.
-    fn stations(&self, strategy: &Strategy) -> Vec<Station> {
-        let grasp = strategy.wrist_in_world.isometry();
+    fn stations(&self, wrist: &Pose, steps: &[Step]) -> Vec<Station> {
+        let grasp = wrist.isometry();
         let forward = grasp.rotation * Vector3::z();
         let mut stations = Vec::new();
         let mut straight = |step, length: f64, from: Isometry3<f64>, direction: Vector3<f64>| {
@@ -254,7 +257,7 @@ impl Arm {
                 stations.extend(flange.map(|flange| Station { step, distance, flange }));
             }
         };
-        for step in &strategy.steps {
+        for step in steps {
             match step {
                 Step::Approach { distance, .. } => {
                     let start = Translation3::from(-forward * *distance) * grasp;
@@ -355,9 +358,9 @@ impl Geometry {
 }
 
 /// The same in the solver's types; `None` where a number is not finite.
-fn pose(isometry: &Isometry3<f64>) -> Option<Pose> {
+fn pose(isometry: &Isometry3<f64>) -> Option<FlangePose> {
     let rotation: &UnitQuaternion<f64> = &isometry.rotation;
     let at = isometry.translation.vector;
     let rotation = DQuat::from_xyzw(rotation.i, rotation.j, rotation.k, rotation.w);
-    Pose::try_from_parts(DVec3::new(at.x, at.y, at.z), rotation).ok()
+    FlangePose::try_from_parts(DVec3::new(at.x, at.y, at.z), rotation).ok()
 }

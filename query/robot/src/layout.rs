@@ -3,11 +3,11 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use serde::Serialize;
-use utoipa::ToSchema;
 
-use super::moveit::rounded;
 use super::outline::outline;
-use super::strategy::{Placed, Pose};
+use super::placed::{Placed, posture};
+use super::pose::Pose;
+use super::pose::rounded;
 use super::{Object, RobotGrasp, RobotHand, Shape};
 
 /// An approach whose horizontal part is shorter than this comes from above or below.
@@ -16,7 +16,8 @@ const VERTICAL: f64 = 0.35;
 const THINNEST_PALM: f64 = 0.01;
 
 /// Where everything is when the fingers begin to close. Metres, in the world.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Layout {
     /// The object.
     pub object: LaidObject,
@@ -35,7 +36,8 @@ pub struct Layout {
 }
 
 /// The object's shape and where it is.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LaidObject {
     /// `box`, `cylinder` (about the z of its pose) or `sphere`.
     pub shape: &'static str,
@@ -46,7 +48,8 @@ pub struct LaidObject {
 }
 
 /// What is seen along one direction. Coordinates are metres along `right` and `up`, from the world's origin.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct View {
     /// `from the side` or `from above`.
     pub name: &'static str,
@@ -95,7 +98,7 @@ impl Layout {
             radius: hand.palm_radius,
             height: hand.wrist_from_palm[2].max(THINNEST_PALM),
         };
-        let open = super::strategy::posture(&grasp.open, placed.width);
+        let open = posture(&grasp.open, placed.width);
         let fingers: Vec<Vec<Point3<f64>>> = hand
             .finger
             .iter()

@@ -8,6 +8,7 @@ mod scenes;
 mod trial;
 mod world;
 
+pub use film::Film;
 pub use quality::Quality;
 pub use scenes::{SCENES, Scene};
 pub use trial::{Error, Outcome, Plan};

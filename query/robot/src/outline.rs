@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Shape;
-use super::moveit::rounded;
+use super::pose::rounded;
 
 /// Corners that stand for a circle.
 const SIDES: u32 = 32;

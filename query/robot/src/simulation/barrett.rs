@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_description_draws_the_fingers_that_are_simulated() {
-        let hand = crate::robot::RobotHand::find("barrett").unwrap();
+        let hand = crate::RobotHand::find("barrett").unwrap();
         for (spread, inner, distal) in [(0.0, 0.75, 0.25), (PI / 3.0, 0.7, 0.233), (0.4, 2.0, 0.8)] {
             let mut posture = std::collections::BTreeMap::new();
             for finger in [1, 2, 3] {

@@ -4,6 +4,9 @@
 //! [`Object`] and [`Camera`] say what lies and stands where. [`Strategy`] puts them together with a recognised hand
 //! into approach, grasp and retreat, which [`moveit`] writes for ROS. An [`Arm`] says by which joint angles it carries the hand there.
 //!
+//! The feature `simulate` tries grasps in a physics engine; `schema` describes the types that stand
+//! in records for OpenAPI. Both are off by default.
+//!
 //! # Frames
 //!
 //! Metres and radians; quaternions x, y, z, w. `world`: z up. `camera`: z forward, x right, y down. `hand`: the human
@@ -23,10 +26,15 @@ mod layout;
 pub mod moveit;
 mod object;
 mod outline;
+mod placed;
+mod pose;
 mod read;
 mod setting;
+#[cfg(feature = "simulate")]
 pub mod simulation;
+mod step;
 mod strategy;
+mod tolerance;
 mod window;
 
 pub use arm::{Arm, ArmMotion, Hindrance, Unreachable, Waypoint};
@@ -38,9 +46,12 @@ pub use from::From;
 pub use hand::{RobotGrasp, RobotHand, Value, Way};
 pub use layout::{LaidObject, Layout, View};
 pub use object::{Frame, Object, Shape};
-pub(crate) use read::described;
+pub use pose::{Direction, Pose};
+pub use read::described;
 pub use setting::Setting;
-pub use strategy::{Direction, Estimate, Pose, Seen, Step, Strategy};
+pub use step::Step;
+pub use strategy::{Seen, Strategy};
+pub use tolerance::Estimate;
 pub use window::Window;
 
 /// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the hand's approach, its y points to

@@ -1,15 +1,15 @@
 //! From a recognised hand to what a robot does: geometry, warnings, the two hands, bad input.
 
-use grasp_query::robot::{
+use grasp_recognise::Side;
+use grasp_robot::{
     Arm, Camera, Hindrance, Object, ProblemKind, RobotError, RobotHand, Seen, Shape, Step, Strategy, moveit,
 };
-use grasp_recognise::Side;
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-const BOTTLE: &str = include_str!("../data/objects/bottle.toml");
-const ARM: &str = include_str!("../data/arms/kuka-kr6-r700.toml");
-const CAMERA: &str = include_str!("../data/objects/camera.toml");
+const BOTTLE: &str = include_str!("../../data/objects/bottle.toml");
+const ARM: &str = include_str!("../../data/arms/kuka-kr6-r700.toml");
+const CAMERA: &str = include_str!("../../data/objects/camera.toml");
 
 fn hand(name: &str) -> RobotHand {
     RobotHand::find(name).unwrap()
@@ -35,7 +35,7 @@ fn seen(grasp: &str, world_from_hand: UnitQuaternion<f64>, camera: &Camera) -> S
     Seen { grasp: grasp.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 }
 }
 
-fn isometry(pose: &grasp_query::robot::Pose) -> Isometry3<f64> {
+fn isometry(pose: &grasp_robot::Pose) -> Isometry3<f64> {
     let [x, y, z, w] = pose.quaternion_xyzw;
     let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
     Isometry3::from_parts(pose.position.into(), rotation)
@@ -86,7 +86,7 @@ fn a_hand_from_above_stays_clear_of_the_table() {
 #[test]
 fn a_tilted_palm_stays_higher_for_the_tips_on_its_low_side() {
     let camera = camera();
-    let disc = Object::parse("disc.toml", include_str!("../data/objects/disc.toml")).unwrap();
+    let disc = Object::parse("disc.toml", include_str!("../../data/objects/disc.toml")).unwrap();
     for degrees in [0.0_f64, 10.0, 30.0] {
         let tilt = degrees.to_radians();
         let seen = seen("precision-disc", UnitQuaternion::new(Vector3::y() * tilt), &camera);
@@ -139,7 +139,7 @@ fn every_human_grasp_has_a_counterpart_as_in_the_paper() {
 
 #[test]
 fn what_is_less_sure_than_the_grasp_tolerates_is_said() {
-    let text = include_str!("../data/robots/parallel-gripper.toml").to_owned()
+    let text = include_str!("../../data/robots/parallel-gripper.toml").to_owned()
         + "[[grasp.parallel.window]]\nposition_m = 0.005\nyaw_rad = 0.1\nobject = \"bottle\"\nwidth_m = 0.07\nfrom = \"side\"\nengine = \"none\"\n";
     let hand = RobotHand::parse("own.toml", &text).unwrap();
     let camera = camera();
@@ -174,7 +174,7 @@ fn a_thin_thing_is_tolerated_less_than_a_thick_one() {
     assert_eq!(window, None);
     insta::assert_snapshot!(warning, @"what error the grasp tolerates is not known: simulated from the side were handle (28 mm), stick (34 mm), cylinder-upright (70 mm), and this is 101 mm wide");
 
-    let disc = Object::parse("disc.toml", include_str!("../data/objects/disc.toml")).unwrap();
+    let disc = Object::parse("disc.toml", include_str!("../../data/objects/disc.toml")).unwrap();
     let flat = seen("precision-disc", UnitQuaternion::identity(), &camera);
     let strategy = Strategy::new(&hand("barrett"), &flat, &disc, &camera).unwrap();
     assert_eq!(strategy.tolerated.unwrap().tilt_rad, Some(0.122));
@@ -220,7 +220,7 @@ fn what_cannot_be_right_is_a_problem() {
     let said = [&below, &sideways, &astray].map(|strategy| strategy.warnings.join("\n"));
     insta::assert_snapshot!(said.join("\n\n"));
     // A hand of one's own without a description of its fingers.
-    let text = include_str!("../data/robots/parallel-gripper.toml");
+    let text = include_str!("../../data/robots/parallel-gripper.toml");
     let bare: Vec<&str> = text.split("[[finger]]").collect();
     let bare = format!("{}[map]{}", bare[0], bare[2].split("[map]").nth(1).unwrap());
     let bare = RobotHand::parse("own.toml", &bare).unwrap();
@@ -270,7 +270,7 @@ fn bad_descriptions_say_what_is_needed() {
     ];
     let sunk = Object::parse("own.toml", &BOTTLE.replace("0.08]", "0.03]")).unwrap();
     said.push(sunk.in_world(&camera()).unwrap_err().to_string());
-    let barrett = include_str!("../data/robots/barrett.toml");
+    let barrett = include_str!("../../data/robots/barrett.toml");
     let hand = |text: &str| RobotHand::parse("own.toml", text).unwrap_err().to_string();
     said.push(hand(&barrett.replace("pinch = \"two-finger-thumb\"", "pinch = \"poke\"")));
     said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "bh_j32_joint = 3.0\n")));

@@ -1,7 +1,7 @@
 //! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
 
-use grasp_query::robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
-use grasp_query::robot::{From, Object, RobotError, RobotHand};
+use grasp_robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
+use grasp_robot::{From, Object, RobotError, RobotHand};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn plan(scene: &str) -> Plan {

@@ -5,31 +5,12 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use super::strategy::{Direction, Pose, Step, Strategy};
-use crate::output::human;
-use crate::output::record::Answer;
+use super::pose::{Direction, Pose, rounded};
+use super::step::Step;
+use super::strategy::Strategy;
 
 /// What begins a comment that warns.
 const WARNING: &str = "# warning: ";
-
-/// The YAML document of an answer, where it has a strategy that can be carried out: a message is for machines, which would try any.
-pub fn of_answer(answer: &Answer) -> Option<String> {
-    let id = answer.frame.map_or_else(|| answer.file.clone(), |frame| format!("{} {frame}", answer.file));
-    let feasible = answer.strategy.as_ref().filter(|strategy| strategy.feasible);
-    feasible.map(|strategy| yaml(strategy, &id))
-}
-
-/// Why an answer's strategy is no message, where it cannot be carried out: a line for each problem.
-pub fn refusal(answer: &Answer) -> Option<String> {
-    let infeasible = answer.strategy.as_ref().filter(|strategy| !strategy.feasible)?;
-    let name = human::name(&answer.file, answer.frame);
-    let lines = infeasible.problems.iter();
-    Some(
-        lines
-            .map(|problem| format!("{name}: no message, as it is not feasible: {}\n", problem.message))
-            .collect(),
-    )
-}
 
 /// The warnings of a document: they are for a person, who may not read its comments.
 pub fn warnings(yaml: &str) -> impl Iterator<Item = &str> {
@@ -133,11 +114,6 @@ fn message(strategy: &Strategy, id: &str) -> Value {
 
 fn header(frame: &str) -> Value {
     json!({ "frame_id": frame })
-}
-
-/// To a micrometre or microradian: what lies beyond is noise that would differ between machines. Never -0.
-pub(super) fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6 + 0.0
 }
 
 fn xyz(vector: [f64; 3]) -> Value {

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::barrett::FINGERS;
 use super::world::{Begin, DT, World};
-use crate::robot::strategy::Placed;
-use crate::robot::{Frame, From, Object, RobotError, RobotHand};
+use crate::placed::Placed;
+use crate::{Frame, From, Object, RobotError, RobotHand};
 
 /// The phases' lengths in seconds.
 const SETTLE: f32 = 0.15;
@@ -99,7 +99,7 @@ impl Plan {
         let world_from_object = object.checked(object.pose)?;
         let middle = world_from_object.translation.vector.into();
         let placed = Placed::new(hand, grasp, object, &world_from_object, turned, middle)?;
-        let joint = |posture: &std::collections::BTreeMap<String, crate::robot::Value>, name: String| {
+        let joint = |posture: &std::collections::BTreeMap<String, crate::Value>, name: String| {
             posture.get(&name).map_or(0.0, |value| value.at(placed.width)) as f32
         };
         let open = [1, 2, 3].map(|finger| {

@@ -1,6 +1,6 @@
 //! Objects on a table that come with the program, each with the grasp and the approach that fit it.
 
-use crate::robot::{From, Object, RobotError};
+use crate::{From, Object, RobotError};
 
 /// An object and how it is taken.
 #[derive(Clone, Copy, Debug)]

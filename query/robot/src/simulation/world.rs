@@ -5,7 +5,7 @@ use rapier3d::prelude::*;
 
 use super::barrett::{self, DISTAL, FINGERS, INNER, KNUCKLE, LIMITS, PALM, Part, Solid};
 use super::drive::Drive;
-use crate::robot::{Object, Shape};
+use crate::{Object, Shape};
 
 /// The time step, in seconds.
 pub(super) const DT: f32 = 0.002;

@@ -59,7 +59,7 @@ impl Source<'_> {
 }
 
 /// The file that a name is, where it is one.
-pub(crate) fn described(name: &str) -> Option<&Path> {
+pub fn described(name: &str) -> Option<&Path> {
     Some(Path::new(name)).filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
 }
 

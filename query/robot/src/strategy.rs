@@ -5,18 +5,20 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use serde::Serialize;
-use utoipa::ToSchema;
 
 use super::feasible::{Findings, Problem, ProblemKind};
 use super::hand::{RobotGrasp, RobotHand};
 use super::human::HumanGrasp;
 use super::layout::Layout;
-use super::window::{Window, confidence, doubts, tolerated};
+use super::placed::{Placed, posture};
+use super::pose::{Direction, Pose};
+use super::step::Step;
+use super::tolerance::{Estimate, confidence, doubts, tolerated};
+use super::window::Window;
 use super::{Arm, ArmMotion, Camera, Object, RobotError};
 use grasp_recognise::Side;
-use grasp_recognise::orientation::xyzw;
 
 /// A spread of this many degrees means that the orientation is unknown (the neighbours had none).
 const UNKNOWN_SPREAD_DEG: f64 = 180.0;
@@ -35,7 +37,8 @@ pub struct Seen {
 }
 
 /// What the robot does. JSON keys are an interface: they may be added to, never renamed. Metres, radians, newtons; quaternions x, y, z, w.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Strategy {
     /// The robot hand.
     pub robot: String,
@@ -91,79 +94,6 @@ pub struct Strategy {
     pub warnings: Vec<String>,
 }
 
-/// A position and a rotation in a frame.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct Pose {
-    /// `object` (about its middle) or `world`.
-    pub frame: &'static str,
-    /// Metres.
-    pub position: [f64; 3],
-    /// A unit quaternion, x, y, z, w.
-    pub quaternion_xyzw: [f64; 4],
-}
-
-/// A unit vector in a frame.
-#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct Direction {
-    /// `object`, `world`, or a link of the robot.
-    pub frame: String,
-    /// Of length 1.
-    pub vector: [f64; 3],
-}
-
-/// A part of the sequence.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-#[serde(tag = "step", rename_all = "lowercase")]
-pub enum Step {
-    /// The fingers are brought into the open posture, away from the object.
-    Preshape {
-        /// Every joint's value.
-        joints: BTreeMap<String, f64>,
-    },
-    /// The hand moves straight to the object.
-    Approach {
-        /// Where the wrist starts.
-        from: Pose,
-        /// Where it ends.
-        to: Pose,
-        /// The way's direction.
-        direction: Direction,
-        /// The way's length.
-        distance: f64,
-        /// The least length that will do.
-        min_distance: f64,
-    },
-    /// The fingers close until they meet the object.
-    Grasp {
-        /// What they aim at.
-        joints: BTreeMap<String, f64>,
-        /// What they may press with, by the hand's description.
-        max_contact_force: f64,
-        /// What one link pressed with in the simulation of such an object, at most; null where that is unknown.
-        simulated_force: Option<f64>,
-    },
-    /// The hand lifts the object.
-    Retreat {
-        /// The way's direction.
-        direction: Direction,
-        /// The way's length.
-        distance: f64,
-        /// The least length that will do.
-        min_distance: f64,
-    },
-}
-
-/// How uncertain the estimate is, as standard deviations.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct Estimate {
-    /// Of the hand's position in each direction; null where it is unknown.
-    pub position_m: Option<f64>,
-    /// Of its orientation, the whole angle: of the yaw at most as much.
-    pub orientation_rad: f64,
-    /// `given`, or `assumed`: that the hand holds the object as people do.
-    pub hand_position: &'static str,
-}
-
 impl Strategy {
     /// The strategy of `hand` that imitates `seen` on `object`.
     ///
@@ -203,7 +133,7 @@ impl Strategy {
 
     /// Says how `arm` carries the hand there; where it cannot, the strategy is not feasible.
     pub fn carried_by(mut self, arm: &Arm) -> Self {
-        let motion = arm.carry(&self);
+        let motion = arm.carry(&self.wrist_in_world, &self.steps);
         if let Some(end) = &motion.unreachable {
             let message = format!(
                 "unreachable: {} cannot carry the hand beyond {:.0} mm of the {}: {}",
@@ -297,71 +227,4 @@ impl Strategy {
             problems,
         }
     }
-}
-
-impl Pose {
-    pub(super) fn new(frame: &'static str, pose: &Isometry3<f64>) -> Self {
-        Self { frame, position: pose.translation.vector.into(), quaternion_xyzw: xyzw(&pose.rotation) }
-    }
-
-    /// The same as a rigid motion.
-    pub(super) fn isometry(&self) -> Isometry3<f64> {
-        let [x, y, z, w] = self.quaternion_xyzw;
-        let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-        Isometry3::from_parts(Translation3::from(self.position), rotation)
-    }
-}
-
-/// A palm that is where it closes.
-#[derive(Clone, Debug)]
-pub(super) struct Placed {
-    pub(super) world_from_palm: Isometry3<f64>,
-    /// The palm's z in the world.
-    pub(super) approach: Vector3<f64>,
-    /// The object's extent across the fingers, in metres.
-    pub(super) width: f64,
-}
-
-impl Placed {
-    /// Puts a palm that is turned so before the object, aimed at `grip`, as near as the grasp wants and the table allows.
-    pub(super) fn new(
-        hand: &RobotHand,
-        grasp: &RobotGrasp,
-        object: &Object,
-        world_from_object: &Isometry3<f64>,
-        turned: UnitQuaternion<f64>,
-        grip: Point3<f64>,
-    ) -> Result<Self, RobotError> {
-        // Through the middle, where the fingers close: the extent of the whole would be that of its far, tilted ends.
-        let half = |direction: Vector3<f64>| {
-            object.shape.half_chord(&world_from_object.inverse_transform_vector(&direction))
-        };
-        let approach = turned * Vector3::z();
-        let width = 2.0 * half(turned * Vector3::y());
-        if let Some(widest) = grasp.widest.filter(|widest| width > *widest) {
-            return Err(RobotError::TooWide {
-                object: object.name.clone(),
-                hand: hand.name.clone(),
-                width,
-                widest,
-            });
-        }
-        let middle = world_from_object.translation.vector;
-        let along = (middle - grip.coords).dot(&approach) - half(approach) - grasp.standoff.at(width);
-        let mut palm = grip + approach * along - turned * Vector3::y() * grasp.middle.at(width);
-        let down = -approach.z;
-        if let Some(table) = object.table.filter(|_| down > 0.0) {
-            let tilt = approach.xy().norm();
-            let missing = table + grasp.table_clearance * down + grasp.table_reach * tilt - palm.z;
-            if missing > 0.0 {
-                palm -= approach * (missing / down);
-            }
-        }
-        Ok(Self { world_from_palm: Isometry3::from_parts(palm.coords.into(), turned), approach, width })
-    }
-}
-
-/// The joints' values for an object of this width, in metres.
-pub(super) fn posture(joints: &BTreeMap<String, super::hand::Value>, width: f64) -> BTreeMap<String, f64> {
-    joints.iter().map(|(name, value)| (name.clone(), value.at(width))).collect()
 }

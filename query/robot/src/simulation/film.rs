@@ -1,22 +1,19 @@
-//! Pictures of a trial: a strip of frames with captions, drawn with a depth buffer and the shadow on the table.
+//! Pictures of a trial, drawn with a depth buffer and the shadow on the table.
 
 use image::{Rgb, RgbImage};
 use rapier3d::math::{Pose, Vector};
 
 use super::trial::{Error, Outcome, Plan};
 use super::world::World;
-use crate::lettering::{self, Font};
-use crate::robot::{From, Object, Shape};
+use crate::{From, Object, Shape};
 
-/// A frame's side in pixels, and how many times finer it is drawn.
-const SIDE: u32 = 300;
+/// How many times finer a frame is drawn.
 const FINER: u32 = 2;
 /// What a frame shows, in metres, and where its middle is over the table.
 const VIEW: f32 = 0.46;
 const MIDDLE: f32 = 0.15;
-/// Frames of a strip, and the pixels below each for its caption.
-const FRAMES: u32 = 5;
-const CAPTION: u32 = 26;
+/// Frames of a film.
+const FRAMES: usize = 5;
 /// From where it is seen, and from where the light comes.
 const EYE: Vector = Vector::new(-0.62, -0.66, 0.42);
 const LIGHT: Vector = Vector::new(-0.60, -0.25, 0.76);
@@ -24,16 +21,30 @@ const LIGHT: Vector = Vector::new(-0.60, -0.25, 0.76);
 const AMBIENT: f32 = 0.45;
 const SHADE: f32 = 0.70;
 
-const BACKGROUND: [u8; 3] = [244, 245, 247];
 const TABLE: [f32; 3] = [214.0, 205.0, 190.0];
 const HAND: [f32; 3] = [120.0, 130.0, 145.0];
 const LINK: [f32; 3] = [165.0, 174.0, 186.0];
 const THING: [f32; 3] = [230.0, 120.0, 50.0];
-const INK: [u8; 3] = [40, 44, 52];
+
+/// Five moments of a trial: settled, about to close, closed, half way up, held.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// What was seen, each [`Self::SIDE`] wide and high; fewer than captions where the trial ended before.
+    pub frames: Vec<RgbImage>,
+    /// What each frame shows, and what became of it.
+    pub captions: [String; FRAMES],
+}
+
+impl Film {
+    /// A frame's side in pixels.
+    pub const SIDE: u32 = 300;
+    /// The colour behind everything.
+    pub const BACKGROUND: [u8; 3] = [244, 245, 247];
+}
 
 impl Plan {
-    /// [`Self::run`], and a strip of five frames, each with a caption: settled, about to close, closed, half way up, held.
-    pub fn film(&self, error: Error) -> (Outcome, RgbImage) {
+    /// [`Self::run`], and what was seen of it.
+    pub fn film(&self, error: Error) -> (Outcome, Film) {
         let mut frames = Vec::new();
         let moments = self.moments();
         let (outcome, _) = self.run_watched(error, |world, now| {
@@ -41,18 +52,13 @@ impl Plan {
                 frames.push(frame(world, self.object()));
             }
         });
-        let mut strip = RgbImage::from_pixel(SIDE * FRAMES, SIDE + CAPTION, Rgb(BACKGROUND));
-        for ((at, frame), caption) in (0u32..).zip(&frames).zip(captions(self, &outcome)) {
-            image::imageops::replace(&mut strip, frame, i64::from(at * SIDE), 0);
-            let left = at * SIDE + SIDE.saturating_sub(Font::BODY.width_of(&caption)) / 2;
-            lettering::write(&mut strip, (left, SIDE + 4), Font::BODY, &caption, INK);
-        }
-        (outcome, strip)
+        let captions = captions(self, &outcome);
+        (outcome, Film { frames, captions })
     }
 }
 
 /// What each frame shows, and what became of it.
-fn captions(plan: &Plan, outcome: &Outcome) -> [String; FRAMES as usize] {
+fn captions(plan: &Plan, outcome: &Outcome) -> [String; FRAMES] {
     let (from, distance) = plan.way();
     let side = match from {
         Some(From::Top) => "above",
@@ -76,7 +82,7 @@ fn captions(plan: &Plan, outcome: &Outcome) -> [String; FRAMES as usize] {
 }
 
 fn frame(world: &World, object: &Object) -> RgbImage {
-    let mut canvas = Canvas::new(SIDE * FINER);
+    let mut canvas = Canvas::new(Film::SIDE * FINER);
     let mut solids = vec![(faces(object), world.object(), THING)];
     for (at, (solid, pose)) in world.hand_solids().into_iter().enumerate() {
         let pose = pose * Pose::from_translation(solid.middle);
@@ -93,7 +99,7 @@ fn frame(world: &World, object: &Object) -> RgbImage {
     for (faces, at, colour) in &solids {
         canvas.draw(faces, at, *colour);
     }
-    image::imageops::thumbnail(&canvas.picture, SIDE, SIDE)
+    image::imageops::thumbnail(&canvas.picture, Film::SIDE, Film::SIDE)
 }
 
 /// Convex faces, each a list of corners.
@@ -167,7 +173,7 @@ struct Canvas {
 impl Canvas {
     fn new(side: u32) -> Self {
         let depth = vec![f32::NEG_INFINITY; (side * side) as usize];
-        Self { picture: RgbImage::from_pixel(side, side, Rgb(BACKGROUND)), depth, side }
+        Self { picture: RgbImage::from_pixel(side, side, Rgb(Film::BACKGROUND)), depth, side }
     }
 
     fn draw(&mut self, faces: &Faces, at: &Pose, colour: [f32; 3]) {

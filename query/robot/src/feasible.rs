@@ -2,7 +2,6 @@
 
 use nalgebra::Point3;
 use serde::Serialize;
-use utoipa::ToSchema;
 
 use super::layout::Layout;
 use super::{Object, RobotHand};
@@ -18,7 +17,8 @@ const PALM_IN_TABLE: f64 = 0.01;
 const FINGER_IN_TABLE: f64 = 0.03;
 
 /// Why a strategy cannot be carried out.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Problem {
     /// A short, stable name.
     pub kind: ProblemKind,
@@ -27,7 +27,8 @@ pub struct Problem {
 }
 
 /// What cannot be right.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ProblemKind {
     /// The palm or the fingers would be in the table or under it.

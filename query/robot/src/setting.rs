@@ -1,0 +1,40 @@
+//! The robot and all that is given to it, read once for many pictures.
+
+use super::{Arm, Camera, Object, RobotError, RobotHand, Seen, Strategy};
+
+/// A robot hand, what it is to grasp, and from where that was seen.
+#[derive(Debug)]
+pub struct Setting {
+    hand: RobotHand,
+    object: Object,
+    camera: Camera,
+    arm: Option<Arm>,
+}
+
+impl Setting {
+    /// A setting.
+    ///
+    /// # Errors
+    /// Where the object lies in its table, which nothing that a picture shows could mend.
+    pub fn new(hand: RobotHand, object: Object, camera: Camera) -> Result<Self, RobotError> {
+        object.in_world(&camera)?;
+        Ok(Self { hand, object, camera, arm: None })
+    }
+
+    /// With an arm that carries the hand.
+    pub fn with_arm(self, arm: Option<Arm>) -> Self {
+        Self { arm, ..self }
+    }
+
+    /// The strategy that imitates `seen`.
+    ///
+    /// # Errors
+    /// As [`Strategy::new`].
+    pub fn strategy(&self, seen: &Seen) -> Result<Strategy, RobotError> {
+        let strategy = Strategy::new(&self.hand, seen, &self.object, &self.camera)?;
+        Ok(match &self.arm {
+            Some(arm) => strategy.carried_by(arm),
+            None => strategy,
+        })
+    }
+}
