@@ -2,11 +2,11 @@
 
 use std::io::Cursor;
 
+use grasp_answer::{human, record::Record};
 use grasp_index::{
     ClassInfo, DescriptorParams, HandImage, Index, IndexParams, IndexWriter, NewEntry, mirror_orientation,
 };
 use grasp_query::evaluate::{self, labels, report};
-use grasp_query::output::{human, record::Record};
 use grasp_recognise::segment::Mask;
 use grasp_recognise::{HandChoice, MaskSource, RecogniseError, RecogniseOptions, Recogniser, Side};
 use image::{ImageFormat, Rgb, RgbImage};
@@ -279,7 +279,7 @@ fn an_explanation_is_drawn_for_every_answer() {
     else {
         panic!("an answer is no failure")
     };
-    let drawing = grasp_query::explain::draw(&found, &answer, &index);
+    let drawing = grasp_answer::explain::draw(&found, &answer, &index);
     let colours: std::collections::HashSet<[u8; 3]> = drawing.pixels().map(|pixel| pixel.0).collect();
     assert!(colours.len() > 100, "only {} colours", colours.len());
 }

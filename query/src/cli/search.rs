@@ -17,8 +17,8 @@ use super::Global;
 use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
 use crate::client::Address;
-use crate::output::found::{QueryRecord, names_in, present};
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
+use grasp_answer::found::{QueryRecord, names_in, present};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -1,5 +1,6 @@
 //! `grasp-query simulate`.
 
+mod lettering;
 mod strip;
 
 use std::io::{self, Write as _};
@@ -9,7 +10,7 @@ use anyhow::{Context as _, bail};
 use grasp_terminal::text::{fixed, printable};
 use serde::Serialize;
 
-use crate::explain;
+use grasp_answer::explain;
 use grasp_robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
 use grasp_robot::{From, Object, RobotHand};
 use strip::strip;

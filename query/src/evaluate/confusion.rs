@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::output::record::UNKNOWN;
+use grasp_answer::record::UNKNOWN;
 
 /// A confusion matrix: counts of each labelled class (rows) by each answered class (columns).
 #[derive(Clone, Debug, PartialEq, Serialize)]

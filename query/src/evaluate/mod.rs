@@ -12,7 +12,7 @@ use std::time::Instant;
 use grasp_index::HandImage;
 use nalgebra::UnitQuaternion;
 
-use crate::output::record::UNKNOWN;
+use grasp_answer::record::UNKNOWN;
 use grasp_recognise::picture::{self, Picture};
 use grasp_recognise::segment::{Mask, SegmentParams};
 use grasp_recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};

@@ -12,7 +12,7 @@ use super::confusion::{Confusion, Share};
 use super::labels::{Kind, OTHER, RowError};
 use super::spread::SpreadReport;
 use super::{Guess, Outcome};
-use crate::output::record::UNKNOWN;
+use grasp_answer::record::UNKNOWN;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]

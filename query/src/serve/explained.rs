@@ -9,7 +9,7 @@ use image::{ExtendedColorType, ImageEncoder as _, ImageError, codecs::png::PngEn
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::explain::edge_deg;
+use grasp_answer::explain::edge_deg;
 use grasp_recognise::Recognition;
 
 /// Transparent where the hand is, red where a forearm was cut off, dark elsewhere: to be laid over the picture.

@@ -361,13 +361,13 @@ fn router(service: Shared, quiz: Option<quiz::server::Table>) -> Router {
         content(("application/octet-stream"), ("multipart/form-data"))),
     responses(
         (status = 200, description = "The record that `grasp-query recognise --json` prints; with `explained=true` an `ExplainedRecord`",
-            body = crate::output::record::Record),
+            body = grasp_answer::record::Record),
         (status = 400, description = "The picture or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 401, description = "A token is needed", body = problem::ProblemRecord),
         (status = 403, description = "A page of another origin asks", body = problem::ProblemRecord),
         (status = 408, description = "The body came too slowly", body = problem::ProblemRecord),
         (status = 413, description = "Too many bytes or pixels", body = problem::ProblemRecord),
-        (status = 422, description = "The picture shows no hand", body = crate::output::record::Record),
+        (status = 422, description = "The picture shows no hand", body = grasp_answer::record::Record),
         (status = 429, description = "Too many requests wait, or too many bytes; `Retry-After` says when to try again", body = problem::ProblemRecord),
         (status = 503, description = "Not ready, or too slow", body = problem::ProblemRecord)))]
 async fn recognise_picture(
@@ -405,10 +405,10 @@ async fn recognise_picture(
         (status = 200, description = "The record of `/v1/recognise`, whose `strategy` says what the robot does, or whose `error` says why \
             it can do nothing. Where `strategy.feasible` is false, `strategy.problems` says what cannot be right, and the header \
             `grasp-status` is 1: nobody should try it.",
-            body = crate::output::record::Record),
+            body = grasp_answer::record::Record),
         (status = 400, description = "The picture, a description or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 422, description = "The picture shows no hand; or, for `Accept: application/yaml`, there is no strategy or it is not \
-            feasible: the text says why, and no message is sent", body = crate::output::record::Record)))]
+            feasible: the text says why, and no message is sent", body = grasp_answer::record::Record)))]
 async fn robot_strategy(
     service: State<Shared>,
     parameters: Options<PictureParameters>,
@@ -434,7 +434,7 @@ async fn robot_strategy(
         content((descriptors::Described = "application/json"), ("application/octet-stream"))),
     responses(
         (status = 200, description = "A line of JSON for each descriptor", content_type = "application/x-ndjson",
-            body = crate::output::found::QueryRecord),
+            body = grasp_answer::found::QueryRecord),
         (status = 400, description = "A descriptor or a parameter cannot be used", body = problem::ProblemRecord),
         (status = 413, description = "Too much at once", body = problem::ProblemRecord),
         (status = 429, description = "Too many requests wait", body = problem::ProblemRecord)))]

@@ -7,7 +7,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::query::shown;
-use crate::output::record::ErrorRecord;
+use grasp_answer::record::ErrorRecord;
 
 /// Seconds after which one who was turned away may come back.
 const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");

@@ -12,9 +12,9 @@ use super::explained::Explained;
 use super::metrics::Metrics;
 use super::parameters::PictureParameters;
 use super::problem::Problem;
-use crate::explain;
-use crate::output::record::Record;
-use crate::output::{human, moveit};
+use grasp_answer::explain;
+use grasp_answer::record::Record;
+use grasp_answer::{human, moveit};
 use grasp_recognise::{RecogniseError, Recogniser};
 
 /// The exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.

@@ -12,7 +12,7 @@ use super::descriptors;
 use super::parameters::SearchParameters;
 use super::problem::Problem;
 use super::recognise::GENERATION;
-use crate::output::found::{QueryRecord, ShortlistRecord};
+use grasp_answer::found::{QueryRecord, ShortlistRecord};
 
 /// The most neighbours that one request may be answered with: some 10 MB of JSON.
 const MOST_NEIGHBOURS: usize = 100_000;

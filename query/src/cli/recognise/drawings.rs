@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf, is_separator};
 
 use anyhow::{Context as _, bail};
 
-use crate::explain::Format;
+use grasp_answer::explain::Format;
 
 /// Where drawings go.
 #[derive(Debug, PartialEq, Eq)]

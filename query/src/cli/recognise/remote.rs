@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::{Drawings, Form, Output, Recognise, STANDARD_INPUT, each_frame};
 use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
-use crate::explain;
-use crate::output::human;
-use crate::output::record::Record;
 use crate::serve::DESCRIBED;
 use crate::serve::parameters::PictureParameters;
+use grasp_answer::explain;
+use grasp_answer::human;
+use grasp_answer::record::Record;
 use grasp_recognise::picture;
 
 /// A picture's answer, or the record of why the service was not asked or did not want it.

@@ -3,7 +3,7 @@
 use grasp_robot::simulation::Film;
 use image::{Rgb, RgbImage};
 
-use crate::lettering::{self, Font};
+use super::lettering::{self, Font};
 
 /// The pixels below each frame for its caption.
 const CAPTION: u32 = 26;

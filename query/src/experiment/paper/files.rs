@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::super::{csv_of, write_file};
 use super::{KindResult, Paper, SetResult, plot};
 use crate::evaluate::labels::Kind;
-use crate::output::record::UNKNOWN;
+use grasp_answer::record::UNKNOWN;
 
 /// A line of `paper.csv`. Columns are an interface: they may be added to, never renamed.
 #[derive(Serialize)]

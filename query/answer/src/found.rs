@@ -2,10 +2,10 @@
 
 use grasp_index::{Index, Neighbour, Segments, Shortlist};
 use serde::Serialize;
-use utoipa::ToSchema;
 
 /// A query and its neighbours, nearest first.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct QueryRecord<'a> {
     /// The query's place, from 0.
     pub query: usize,
@@ -14,7 +14,8 @@ pub struct QueryRecord<'a> {
 }
 
 /// A query and the candidates of its search of one segment of an index, nearest first.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ShortlistRecord<'a> {
     /// The query's place, from 0.
     pub query: usize,
@@ -32,7 +33,8 @@ pub struct ShortlistRecord<'a> {
 }
 
 /// A candidate of a search.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Candidate<'a> {
     /// What it was kept by, the least first.
     pub key: u32,
@@ -71,7 +73,8 @@ impl<'a> FoundRecord<'a> {
 }
 
 /// An entry that was found.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct FoundRecord<'a> {
     /// The entry's number in the index.
     pub id: u32,

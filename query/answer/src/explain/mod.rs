@@ -9,7 +9,7 @@ use grasp_index::Index;
 use image::{Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::output::record::Answer;
+use crate::record::Answer;
 use canvas::{Canvas, Font, HEADLINE, LINE, colour};
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};

@@ -2,7 +2,6 @@
 
 use grasp_index::{EntryError, Index};
 use serde::Serialize;
-use utoipa::ToSchema;
 
 use grasp_recognise::orientation::{self, xyzw};
 use grasp_recognise::{RecogniseError, Recognition, Side, Timings, Warning};
@@ -12,7 +11,8 @@ use grasp_robot::{Seen, Setting, Strategy};
 pub const UNKNOWN: &str = "unknown";
 
 /// What is known about one input: an answer or an error.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(untagged)]
 pub enum Record {
     /// The input was recognised.
@@ -22,7 +22,8 @@ pub enum Record {
 }
 
 /// An input that was recognised.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Answer {
     /// The input as it was named; `-` for standard input.
     pub file: String,
@@ -86,7 +87,8 @@ impl Answer {
 }
 
 /// What one frame of a sequence says by itself.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SingleRecord {
     /// The most probable class, or `unknown`.
     pub grasp: String,
@@ -113,7 +115,8 @@ impl SingleRecord {
 }
 
 /// An input that has no answer.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Failure {
     /// The input as it was named.
     pub file: String,
@@ -125,7 +128,8 @@ pub struct Failure {
 }
 
 /// Why an input has no answer.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ErrorRecord {
     /// A short, stable name.
     pub kind: &'static str,
@@ -137,7 +141,8 @@ pub struct ErrorRecord {
 }
 
 /// A reason to doubt an answer.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct WarningRecord {
     /// A short, stable name, such as `segmentation_doubtful`.
     pub kind: &'static str,
@@ -152,7 +157,8 @@ impl WarningRecord {
 }
 
 /// A class and its probability.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ClassRecord {
     /// The class's name.
     pub grasp: String,
@@ -163,7 +169,8 @@ pub struct ClassRecord {
 }
 
 /// The rotation `camera_from_hand`.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct OrientationRecord {
     /// As a unit quaternion x, y, z, w.
     pub quaternion_xyzw: [f64; 4],
@@ -180,7 +187,8 @@ pub struct OrientationRecord {
 }
 
 /// A rotation as three angles in degrees.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct EulerRecord {
     /// About which axes the angles turn, and which comes first: always `extrinsic xyz`, about the camera's fixed x (right), then
     /// its y (down), then its z (forward).
@@ -200,7 +208,8 @@ impl From<[f64; 3]> for EulerRecord {
 }
 
 /// An entry of the index that is near to the input.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct NeighbourRecord {
     /// The entry's number in the index.
     pub id: u32,
@@ -223,7 +232,8 @@ pub struct NeighbourRecord {
 }
 
 /// What a search cost.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SearchRecord {
     /// Tables that were looked into.
     pub tables: u32,

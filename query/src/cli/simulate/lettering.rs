@@ -5,17 +5,17 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 
 /// How text is set; every character is as wide as any other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Font {
-    pub(crate) weight: FontWeight,
-    pub(crate) height: RasterHeight,
+pub(super) struct Font {
+    pub(super) weight: FontWeight,
+    pub(super) height: RasterHeight,
 }
 
 impl Font {
     /// For captions.
-    pub(crate) const BODY: Self = Self { weight: FontWeight::Regular, height: RasterHeight::Size16 };
+    pub(super) const BODY: Self = Self { weight: FontWeight::Regular, height: RasterHeight::Size16 };
 
     /// How wide a line is, in pixels.
-    pub(crate) fn width_of(self, line: &str) -> u32 {
+    pub(super) fn width_of(self, line: &str) -> u32 {
         line.chars().count() as u32 * self.advance()
     }
 
@@ -25,7 +25,7 @@ impl Font {
 }
 
 /// Writes a line with its top left corner at `(x, y)`; what falls outside the picture is left out.
-pub(crate) fn write(image: &mut RgbImage, (x, y): (u32, u32), font: Font, line: &str, colour: [u8; 3]) {
+pub(super) fn write(image: &mut RgbImage, (x, y): (u32, u32), font: Font, line: &str, colour: [u8; 3]) {
     let raster = |character| get_raster(character, font.weight, font.height);
     for (column, character) in (0u32..).zip(line.chars()) {
         let Some(glyph) = raster(character).or_else(|| raster('?')) else { continue };
