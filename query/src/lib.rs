@@ -6,9 +6,7 @@
 //! descriptors instead of pictures. [`cli`] puts them behind the program `grasp-query`.
 
 pub mod cli;
-pub mod client;
 pub mod evaluate;
 pub mod experiment;
 pub mod quiz;
 pub mod search;
-pub mod serve;

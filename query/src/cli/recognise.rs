@@ -16,7 +16,6 @@ use rayon::prelude::*;
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::robot::RobotArguments;
-use crate::client::Address;
 use drawings::Drawings;
 use grasp_answer::explain;
 use grasp_answer::record::{Record, SingleRecord};
@@ -28,6 +27,7 @@ use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use grasp_robot::Setting;
+use grasp_serve::client::Address;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -16,9 +16,9 @@ use serde::Serialize;
 use super::Global;
 use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
-use crate::client::Address;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
+use grasp_serve::client::Address;
 
 const EXAMPLES: &str = "\
 Examples:

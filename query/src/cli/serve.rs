@@ -15,9 +15,9 @@ use super::Global;
 use super::index_file::IndexFile;
 use super::quiz::{Means, make};
 use super::selection::Selection;
-use crate::quiz::server::Table;
-use crate::serve::{Ended, Event, Listener, Service, Settings};
+use crate::quiz::server::{Table, router};
 use grasp_recognise::{RecogniseOptions, Recogniser};
+use grasp_serve::{Ended, Event, Listener, Service, Settings};
 
 /// The exit status where Ctrl-C ended the service, as shells count it (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
@@ -176,7 +176,7 @@ impl Serve {
             // With the advice on how to build one.
             self.index.open()?;
         }
-        let ended = service.run(listeners, quiz, stop, tell).await.map_err(anyhow::Error::msg)?;
+        let ended = service.run(listeners, quiz.map(router), stop, tell).await.map_err(anyhow::Error::msg)?;
         Ok(match ended {
             Ended::CutShort(count) => {
                 let _ = writeln!(

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 
-use crate::serve::Token;
+use grasp_serve::wire::Token;
 
 /// A token: one line of visible characters, that it may stand in a header.
 pub(super) fn read(path: &Path) -> anyhow::Result<Token> {

@@ -18,10 +18,10 @@ use tokio::net::TcpListener;
 
 use super::result::QuizResult;
 use super::{CHOICES, Quiz, Refused, State};
-use crate::serve::LOOK;
-use crate::serve::origin::{Names, check_host, check_origin};
-use crate::serve::problem::Problem;
-use crate::serve::small;
+use grasp_serve::LOOK;
+use grasp_serve::Problem;
+use grasp_serve::origin::{Names, check_host, check_origin};
+use grasp_serve::small;
 
 /// What the page is made of: anybody may link to it, and it tells nothing. All else answers to the
 /// page alone.

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::{Drawings, Form, Output, Recognise, STANDARD_INPUT, each_frame};
-use crate::client::{Address, Answer, ClientError, Clients, Parts, Wanted};
-use crate::serve::DESCRIBED;
-use crate::serve::parameters::PictureParameters;
 use grasp_answer::explain;
 use grasp_answer::human;
 use grasp_answer::record::Record;
 use grasp_recognise::picture;
+use grasp_serve::client::{Address, Answer, ClientError, Clients, Parts};
+use grasp_serve::wire::parameters::PictureParameters;
+use grasp_serve::wire::{DESCRIBED, Format};
 
 /// A picture's answer, or the record of why the service was not asked or did not want it.
 enum Told {
@@ -108,9 +108,9 @@ impl Recognise {
             ..PictureParameters::of(&self.recognise.options())
         };
         let wanted = match self.form() {
-            Form::Json => Wanted::Json,
-            Form::Text => Wanted::Text,
-            Form::Moveit => Wanted::Moveit,
+            Form::Json => Format::Json,
+            Form::Text => Format::Text,
+            Form::Moveit => Format::Moveit,
         };
         let answer = match clients.recognise(&parameters, &parts, wanted) {
             Ok(answer) => answer,
@@ -120,7 +120,7 @@ impl Recognise {
             Err(error) => return Err(error.into()),
         };
         if let (Some(drawings), true) = (drawings, answer.is_answer) {
-            let drawing = clients.recognise(&parameters, &parts, Wanted::Drawing)?;
+            let drawing = clients.recognise(&parameters, &parts, Format::Drawing)?;
             self.drawn(&name, frame, drawings.of(&name, frame), |path| {
                 Ok(explain::save(&decoded(&drawing.body)?, path)?)
             });

@@ -7,8 +7,8 @@ use grasp_index::npy::{NpyHeader, NpyType};
 use serde::Deserialize;
 
 use super::Search;
-use crate::client::{Address, Client};
-use crate::serve::parameters::SearchParameters;
+use grasp_serve::client::{Address, Client};
+use grasp_serve::wire::parameters::SearchParameters;
 
 /// The most neighbours that a service tells at a time.
 const MOST_NEIGHBOURS: usize = 100_000;

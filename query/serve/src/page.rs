@@ -8,7 +8,7 @@ use axum::routing::get;
 use super::Shared;
 
 /// What all pages look alike in.
-pub(crate) const LOOK: &[u8] = include_bytes!("page/look.css");
+pub const LOOK: &[u8] = include_bytes!("page/look.css");
 
 /// Path, content type and bytes of each file of the page.
 const FILES: &[(&str, &str, &[u8])] = &[

@@ -43,7 +43,7 @@ pub(super) const OPERATION: &str = "Operation";
     components(schemas(
         super::recognise::ExplainedRecord,
         grasp_recognise::HandChoice,
-        super::parameters::AcceptChoice
+        crate::wire::parameters::AcceptChoice
     )),
     modifiers(&Token)
 )]

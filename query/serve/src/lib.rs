@@ -1,16 +1,17 @@
 //! The service: one mapped index, many askers, over HTTP.
 //!
-//! `guard` lets requests in (by `origin` and [`Token`]) and checks their [`parameters`] (`query`);
+//! `guard` lets requests in (by [`origin`] and [`Token`]) and checks their parameters (`query`);
 //! bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes the `gate`,
 //! which bounds the work. It is done on a thread that may block (`recognise`, `search`), and
 //! `metrics` count it. `current` holds the index and replaces it when another file lies at its
 //! path; `listen` holds the connections, `page` is what a browser is given. [`Service::run`] puts
-//! them together.
+//! them together. [`client`] is the other end, and [`wire`] what crosses the line between both.
 
 mod about;
 mod arrival;
 mod body;
 mod budget;
+pub mod client;
 mod current;
 mod descriptors;
 mod docs;
@@ -24,15 +25,14 @@ mod linger;
 mod listen;
 mod metrics;
 mod openapi;
-pub(crate) mod origin;
+pub mod origin;
 mod page;
-pub mod parameters;
-pub(crate) mod problem;
+mod problem;
 mod query;
 mod recognise;
 mod search;
-pub(crate) mod small;
-mod token;
+pub mod small;
+pub mod wire;
 
 use std::future::Future;
 use std::path::PathBuf;
@@ -49,20 +49,17 @@ use axum::response::{Redirect, Response};
 use axum::routing::{get, post};
 use tokio::sync::Notify;
 
-use crate::quiz;
-pub(crate) use body::DESCRIBED;
 use budget::Budget;
 use current::{Current, LOST, Looked, Served};
 use gate::{Gate, Place};
 use listen::Connections;
 pub use listen::Listener;
 use metrics::Metrics;
-pub(crate) use page::LOOK;
-use parameters::{PictureParameters, SearchParameters};
-use problem::Problem;
+pub use page::LOOK;
+pub use problem::Problem;
 use query::Options;
-use recognise::Form;
-pub use token::Token;
+use wire::parameters::{PictureParameters, SearchParameters};
+use wire::{Format, Token};
 
 /// What the service allows.
 #[derive(Clone, Debug)]
@@ -158,14 +155,15 @@ impl Service {
         self.reload.notify_one();
     }
 
-    /// Opens the index, and answers until `stop`; then finishes what was begun.
+    /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of `quiz`, where there is one, lie
+    /// below `/quiz/`.
     ///
     /// # Errors
     /// Where the first index cannot be opened: what is wrong with it.
     pub async fn run(
         self: Arc<Self>,
         listeners: Vec<Listener>,
-        quiz: Option<quiz::server::Table>,
+        quiz: Option<Router>,
         stop: impl Future<Output = ()>,
         tell: impl Fn(Event) + Send + 'static,
     ) -> Result<Ended, String> {
@@ -319,7 +317,7 @@ impl Drop for Arriving<'_> {
     }
 }
 
-fn router(service: Shared, quiz: Option<quiz::server::Table>) -> Router {
+fn router(service: Shared, quiz: Option<Router>) -> Router {
     let mut router = Router::new()
         .route("/v1/recognise", post(recognise_picture))
         .route("/v1/strategy", post(robot_strategy))
@@ -334,10 +332,9 @@ fn router(service: Shared, quiz: Option<quiz::server::Table>) -> Router {
         .merge(docs::routes())
         .merge(page::routes())
         .with_state(Arc::clone(&service));
-    if let Some(table) = quiz {
-        router = router
-            .route("/quiz", get(async || Redirect::permanent("/quiz/")))
-            .nest_service("/quiz/", quiz::server::router(table));
+    if let Some(quiz) = quiz {
+        router =
+            router.route("/quiz", get(async || Redirect::permanent("/quiz/"))).nest_service("/quiz/", quiz);
     }
     let missing = async || Problem::missing("there is nothing here: /docs says what is");
     router
@@ -376,7 +373,8 @@ async fn recognise_picture(
     request: Request,
 ) -> Result<Response, Problem> {
     service.served()?;
-    let form = Form::of(request.headers());
+    let accept = request.headers().get(header::ACCEPT).and_then(|accept| accept.to_str().ok());
+    let format = Format::of_accept(accept.unwrap_or_default());
     let content_type = request.headers().get(header::CONTENT_TYPE).cloned();
     let (body, place) = service.receive(request).await?;
     let input = body::input(content_type.as_ref(), body)?;
@@ -384,7 +382,7 @@ async fn recognise_picture(
     let worker = Arc::clone(&service);
     let most_pixels = service.settings.most_pixels;
     let work = move || {
-        let answer = recognise::answer(&served, &worker.metrics, &input, &parameters, form, most_pixels);
+        let answer = recognise::answer(&served, &worker.metrics, &input, &parameters, format, most_pixels);
         worker.check(&served)?;
         answer
     };

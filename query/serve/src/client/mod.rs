@@ -1,4 +1,4 @@
-//! The other end of [`crate::serve`]: pictures or descriptors are sent to a running service, which answers in the words of this program.
+//! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service, which answers in the words of this program.
 //!
 //! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them to threads.
 
@@ -20,8 +20,8 @@ use hyper_util::rt::TokioIo;
 use tokio::net::TcpStream;
 use tokio::runtime::Runtime;
 
-use crate::serve::Token;
-use crate::serve::parameters::{PictureParameters, SearchParameters};
+use crate::wire::parameters::{PictureParameters, SearchParameters};
+use crate::wire::{Format, STATUS, Token};
 
 /// How long a service may take for one answer.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -32,30 +32,6 @@ const LONGEST_WAIT: u64 = 30;
 /// The longest answer that is read.
 const MOST_BYTES: usize = 1 << 28;
 
-/// In which form an answer is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
-    /// The record of `--json`.
-    Json,
-    /// Text for a person.
-    Text,
-    /// The drawing of `--explain`.
-    Drawing,
-    /// The YAML of `--format moveit`.
-    Moveit,
-}
-
-impl Wanted {
-    fn accept(self) -> &'static str {
-        match self {
-            Self::Json => "application/json",
-            Self::Text => "text/plain",
-            Self::Drawing => "image/png",
-            Self::Moveit => "application/yaml",
-        }
-    }
-}
-
 /// What a service says to a picture.
 #[derive(Clone, Debug)]
 pub struct Answer {
@@ -63,7 +39,7 @@ pub struct Answer {
     pub exit: u8,
     /// Whether it is an answer, and not the reason why there is none.
     pub is_answer: bool,
-    /// In the form that was wanted.
+    /// In the format that was wanted.
     pub body: Bytes,
 }
 
@@ -142,14 +118,19 @@ impl Client {
         &mut self,
         parameters: &PictureParameters,
         parts: &Parts,
-        wanted: Wanted,
+        format: Format,
     ) -> Result<Answer, ClientError> {
         let (kind, body) = parts.encode();
         let query = serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error))?;
-        let question =
-            Question { path: "recognise", query: &query, kind: &kind, body: &body, accept: wanted.accept() };
+        let question = Question {
+            path: "recognise",
+            query: &query,
+            kind: &kind,
+            body: &body,
+            accept: format.media_type(),
+        };
         let (head, body) = self.send(&question)?;
-        let exit = head.headers.get("grasp-status").and_then(|exit| exit.to_str().ok()?.parse().ok());
+        let exit = head.headers.get(STATUS).and_then(|exit| exit.to_str().ok()?.parse().ok());
         match exit {
             Some(exit) => Ok(Answer { exit, is_answer: head.status == StatusCode::OK, body }),
             None => Err(self.refused(head.status, &body)),
@@ -315,7 +296,7 @@ impl Clients {
         &self,
         parameters: &PictureParameters,
         parts: &Parts,
-        wanted: Wanted,
+        format: Format,
     ) -> Result<Answer, ClientError> {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let unreachable = |source| ClientError::Unreachable { address: self.address.clone(), source };
@@ -323,7 +304,7 @@ impl Clients {
             Some(client) => client,
             None => Client::new(self.address.clone(), self.token.clone()).map_err(unreachable)?,
         };
-        let answer = client.recognise(parameters, parts, wanted);
+        let answer = client.recognise(parameters, parts, format);
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(client);
         answer
     }

@@ -6,6 +6,7 @@ use axum::http::{HeaderValue, StatusCode};
 use super::form::{Form, FormError, Part};
 use super::problem::Problem;
 use super::query::shown;
+use crate::wire::DESCRIBED;
 use grasp_recognise::MaskSource;
 use grasp_recognise::picture;
 use grasp_recognise::segment::Mask;
@@ -23,9 +24,6 @@ pub(super) struct Input {
     camera: Option<Bytes>,
     arm: Option<Bytes>,
 }
-
-/// The name of a robot hand or an arm that the request itself describes.
-pub(crate) const DESCRIBED: &str = "described";
 
 /// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera`, `robot` and `arm`.
 pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<Input, Problem> {

@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::current::Served;
 use super::descriptors;
-use super::parameters::SearchParameters;
 use super::problem::Problem;
-use super::recognise::GENERATION;
+use crate::wire::GENERATION;
+use crate::wire::parameters::SearchParameters;
 use grasp_answer::found::{QueryRecord, ShortlistRecord};
 
 /// The most neighbours that one request may be answered with: some 10 MB of JSON.

@@ -14,7 +14,7 @@ const RETRY_AFTER: HeaderValue = HeaderValue::from_static("1");
 
 /// Why a request has no answer.
 #[derive(Debug)]
-pub(crate) struct Problem {
+pub struct Problem {
     pub(super) status: StatusCode,
     kind: &'static str,
     message: String,
@@ -27,20 +27,23 @@ pub(super) struct ProblemRecord {
 }
 
 impl Problem {
-    pub(crate) fn new(status: StatusCode, kind: &'static str, message: impl Into<String>) -> Self {
+    /// A problem with a status; `kind` is a short, stable name.
+    pub fn new(status: StatusCode, kind: &'static str, message: impl Into<String>) -> Self {
         Self { status, kind, message: message.into() }
     }
 
-    pub(crate) fn bad_request(message: impl Into<String>) -> Self {
+    /// The request is malformed.
+    pub fn bad_request(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, "request", message)
     }
 
-    pub(crate) fn missing(message: impl Into<String>) -> Self {
+    /// Nothing lies at the path.
+    pub fn missing(message: impl Into<String>) -> Self {
         Self::new(StatusCode::NOT_FOUND, "not_found", message)
     }
 
     /// The router adds the header `Allow`, which names the methods that are taken.
-    pub(crate) async fn method_not_allowed(method: Method) -> Self {
+    pub async fn method_not_allowed(method: Method) -> Self {
         let message =
             format!("{} is not what this path takes: the header Allow says what is", shown(method.as_str()));
         Self::new(StatusCode::METHOD_NOT_ALLOWED, "method", message)
@@ -58,7 +61,8 @@ impl Problem {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "not_ready", format!("the service {why}: try again later"))
     }
 
-    pub(crate) fn late() -> Self {
+    /// The request came too slowly.
+    pub fn late() -> Self {
         Self::new(
             StatusCode::REQUEST_TIMEOUT,
             "timeout",

@@ -217,7 +217,7 @@ impl PictureParameters {
     }
 
     /// The depths that are hand, where any are named.
-    pub(super) fn depth_range(&self) -> Result<Option<DepthRange>, String> {
+    pub(crate) fn depth_range(&self) -> Result<Option<DepthRange>, String> {
         let parse = |text: &String| text.parse().map_err(|error| format!("depth_range: {error}"));
         self.depth_range.as_ref().map(parse).transpose()
     }
@@ -236,7 +236,7 @@ impl SearchParameters {
     }
 
     /// The options that these parameters mean, or what is wrong with them.
-    pub(super) fn options(&self) -> Result<SearchOptions, String> {
+    pub(crate) fn options(&self) -> Result<SearchOptions, String> {
         Ok(SearchOptions {
             k: count("k", self.k, MOST_K)?.unwrap_or(SearchOptions::default().k),
             effort: self.efforts().effort()?,

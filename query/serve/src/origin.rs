@@ -17,7 +17,7 @@ const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 /// The names under which a service answers. A foreign page can give its own name any address (DNS
 /// rebinding), and is then of the same origin as the service: the name alone shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Names {
+pub enum Names {
     /// `localhost` and loopback addresses.
     Loopback,
     /// Besides, names that no foreign page can have: addresses, names without a dot, and names
@@ -29,7 +29,7 @@ pub(crate) enum Names {
 
 impl Names {
     /// The names of a service without a token that listens at `address`.
-    pub(crate) fn of(address: SocketAddr) -> Self {
+    pub fn of(address: SocketAddr) -> Self {
         if address.ip().is_loopback() { Self::Loopback } else { Self::Network }
     }
 
@@ -55,7 +55,7 @@ fn is_under_local(name: &str) -> bool {
 }
 
 /// Refuses a request under a name that is none of `names`.
-pub(crate) fn check_host(request: &Request, names: Names) -> Result<(), Problem> {
+pub fn check_host(request: &Request, names: Names) -> Result<(), Problem> {
     if names == Names::Any || host(request).is_some_and(|host| names.include(without_port(host))) {
         return Ok(());
     }
@@ -70,7 +70,7 @@ pub(crate) fn check_host(request: &Request, names: Names) -> Result<(), Problem>
 
 /// Refuses a request that a page of another origin makes a browser send. Programs that are no
 /// browsers send neither header, and no page can make them do anything.
-pub(crate) fn check_origin(request: &Request) -> Result<(), Problem> {
+pub fn check_origin(request: &Request) -> Result<(), Problem> {
     let text = |name| request.headers().get(name).map(|value| value.to_str().unwrap_or_default());
     let is_own = match (text(SEC_FETCH_SITE), text(header::ORIGIN)) {
         // `none` is the person at the browser. `same-site` is another port of this machine, say:

@@ -14,7 +14,7 @@ use super::openapi;
 use super::origin::{Names, check_host, check_origin};
 use super::page;
 use super::problem::Problem;
-use super::token::Token;
+use crate::wire::Token;
 
 /// The cookie by which the page shows the token.
 const COOKIE: &str = "grasp_token";

@@ -1,7 +1,7 @@
 //! `POST /v1/recognise`: the work, between a body that was read and an answer that is sent.
 
 use axum::body::Bytes;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -10,42 +10,13 @@ use super::body::Input;
 use super::current::Served;
 use super::explained::Explained;
 use super::metrics::Metrics;
-use super::parameters::PictureParameters;
 use super::problem::Problem;
+use crate::wire::parameters::PictureParameters;
+use crate::wire::{Format, GENERATION, STATUS};
 use grasp_answer::explain;
 use grasp_answer::record::Record;
 use grasp_answer::{human, moveit};
 use grasp_recognise::{RecogniseError, Recogniser};
-
-/// The exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
-pub(super) const STATUS: HeaderName = HeaderName::from_static("grasp-status");
-/// Which index answered, counted from 1.
-pub(super) const GENERATION: HeaderName = HeaderName::from_static("grasp-index-generation");
-
-/// In which form an answer is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
-    /// The record that `--json` prints.
-    Json,
-    /// The text that a person reads.
-    Text,
-    /// The drawing that `--explain` makes.
-    Drawing,
-    /// The robot's strategy as the YAML that `--format moveit` prints.
-    Moveit,
-}
-
-impl Form {
-    pub(super) fn of(headers: &HeaderMap) -> Self {
-        let accept = headers.get(header::ACCEPT).and_then(|accept| accept.to_str().ok()).unwrap_or_default();
-        match accept.split([',', ';']).next().unwrap_or_default().trim() {
-            "text/plain" => Self::Text,
-            "image/png" => Self::Drawing,
-            "application/yaml" => Self::Moveit,
-            _ => Self::Json,
-        }
-    }
-}
 
 /// A record and, where that was asked for, what a drawing of it needs.
 #[derive(Debug, Serialize, ToSchema)]
@@ -61,7 +32,7 @@ pub(super) fn answer(
     metrics: &Metrics,
     input: &Input,
     parameters: &PictureParameters,
-    form: Form,
+    format: Format,
     most_pixels: u64,
 ) -> Result<Response, Problem> {
     let index = &served.index;
@@ -78,7 +49,7 @@ pub(super) fn answer(
         Ok(found) => found,
         Err(error) => {
             let record = Record::not_recognised(name, parameters.frame, &error);
-            return render(&record, form, status_of(&error), served.generation);
+            return render(&record, format, status_of(&error), served.generation);
         }
     };
     metrics.recognised(&found.timings, found.best.cost.candidates);
@@ -86,13 +57,13 @@ pub(super) fn answer(
         Ok(record) => record,
         Err(error) => {
             let record = Record::failed(name, parameters.frame, "index", error.to_string());
-            return render(&record, form, StatusCode::INTERNAL_SERVER_ERROR, served.generation);
+            return render(&record, format, StatusCode::INTERNAL_SERVER_ERROR, served.generation);
         }
     };
     if let (Record::Answer(answer), Some(setting)) = (&mut record, &setting) {
         answer.imitate(&found, setting);
     }
-    if let (Form::Moveit, Record::Answer(answer)) = (form, &record) {
+    if let (Format::Moveit, Record::Answer(answer)) = (format, &record) {
         return match moveit::message(answer) {
             Some(yaml) => {
                 Ok(send(&record, StatusCode::OK, served.generation, "application/yaml", yaml.into()))
@@ -104,18 +75,18 @@ pub(super) fn answer(
             }
         };
     }
-    if let (Form::Drawing, Record::Answer(answer)) = (form, &record) {
+    if let (Format::Drawing, Record::Answer(answer)) = (format, &record) {
         let sheet = explain::draw(&found, answer, index);
         let drawing = explain::Format::Png.encode(&sheet).map_err(|_| Problem::lost())?;
         return Ok(send(&record, StatusCode::OK, served.generation, "image/png", drawing.into()));
     }
-    if parameters.explained && form == Form::Json {
+    if parameters.explained && format == Format::Json {
         let explained = Explained::new(&found, index, served.generation).map_err(|_| Problem::lost())?;
         let status = record.status();
         let body = json_line(&ExplainedRecord { record, explained })?;
         return Ok(send_with(status, StatusCode::OK, served.generation, "application/json", body));
     }
-    render(&record, form, StatusCode::OK, served.generation)
+    render(&record, format, StatusCode::OK, served.generation)
 }
 
 /// The status of a picture that has no answer.
@@ -128,12 +99,12 @@ fn status_of(error: &RecogniseError) -> StatusCode {
 }
 
 /// A record as a line of JSON or as text; in place of a drawing that cannot be made, as JSON.
-fn render(record: &Record, form: Form, status: StatusCode, generation: u64) -> Result<Response, Problem> {
-    Ok(match form {
-        Form::Text | Form::Moveit => {
+fn render(record: &Record, format: Format, status: StatusCode, generation: u64) -> Result<Response, Problem> {
+    Ok(match format {
+        Format::Text | Format::Moveit => {
             send(record, status, generation, "text/plain; charset=utf-8", human::text(record).into())
         }
-        Form::Json | Form::Drawing => {
+        Format::Json | Format::Drawing => {
             send(record, status, generation, "application/json", json_line(record)?)
         }
     })

@@ -15,7 +15,7 @@ const MOST: usize = 1024;
 const TIME: Duration = Duration::from_secs(5);
 
 /// Reads a body of JSON; `form` shows what it looks like.
-pub(crate) async fn json<T: DeserializeOwned>(request: Request, form: &str) -> Result<T, Problem> {
+pub async fn json<T: DeserializeOwned>(request: Request, form: &str) -> Result<T, Problem> {
     let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
     let kind = kind.and_then(|kind| kind.split(';').next()).unwrap_or_default().trim();
     if !kind.eq_ignore_ascii_case("application/json") {

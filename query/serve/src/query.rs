@@ -100,8 +100,8 @@ fn enumerated(schema: &Value) -> Option<&Vec<Value>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parameters::{PictureParameters, SearchParameters};
     use super::*;
+    use crate::wire::parameters::{PictureParameters, SearchParameters};
 
     #[test]
     fn what_is_wrong_is_said_by_name_and_with_what_would_be_right() {

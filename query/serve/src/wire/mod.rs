@@ -1,0 +1,18 @@
+//! What crosses the line between the service and its clients: the options of a request, the formats
+//! of an answer, the token, and the names of headers and of parts.
+
+mod format;
+pub mod parameters;
+mod token;
+
+use axum::http::HeaderName;
+
+pub use format::Format;
+pub use token::Token;
+
+/// The header of the exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
+pub(crate) const STATUS: HeaderName = HeaderName::from_static("grasp-status");
+/// The header that says which index answered, counted from 1.
+pub(crate) const GENERATION: HeaderName = HeaderName::from_static("grasp-index-generation");
+/// What `robot` and `arm` say where a part of the form describes them.
+pub const DESCRIBED: &str = "described";
