@@ -8,5 +8,6 @@
 pub mod cli;
 pub mod evaluate;
 pub mod experiment;
+#[cfg(feature = "serve")]
 pub mod quiz;
 pub mod search;

@@ -7,11 +7,12 @@ use anyhow::bail;
 use clap::Subcommand;
 use grasp_index::Index;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::Global;
+use super::figures::print;
 use super::index_file::{self, IndexFile};
 use super::options::{FrameArguments, RecogniseArguments, parse_share};
+#[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
 use crate::evaluate::labels::Kind;
@@ -35,7 +36,9 @@ enum Name {
     Shapes(ShapesArguments),
     Unknown(UnknownArguments),
     Trust(TrustArguments),
+    #[cfg(feature = "simulate")]
     Robustness(RobustnessArguments),
+    #[cfg(feature = "simulate")]
     Imitation(ImitationArguments),
     Sequence(SequenceArguments),
 }
@@ -136,7 +139,7 @@ struct UnknownArguments {
     recognise: RecogniseArguments,
 }
 
-/// How far to trust an answer whose mask was found by colour: fits the model that the program holds as query/data/trust.toml.
+/// How far to trust an answer whose mask was found by colour: fits the model that the program holds as query/recognise/data/trust.toml.
 ///
 /// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are hard to tell from skin, and such
 /// backgrounds are tried alone. The model is fitted to seven tenths of them all and measured on the rest.
@@ -202,7 +205,9 @@ impl Experiment {
             Name::Shapes(shapes) => shapes.run(global),
             Name::Unknown(unknown) => unknown.run(global),
             Name::Trust(trust) => trust.run(global),
+            #[cfg(feature = "simulate")]
             Name::Robustness(robustness) => robustness.run(global),
+            #[cfg(feature = "simulate")]
             Name::Imitation(imitation) => imitation.run(global),
             Name::Sequence(sequence) => sequence.run(global),
         }
@@ -369,20 +374,4 @@ impl SequenceArguments {
         print(self.json, &sequences, || sequences.text())?;
         Ok(if sequences.errors.is_empty() { super::SUCCESS } else { super::ERROR })
     }
-}
-
-/// The figures on standard output, as a JSON record or as text.
-pub(super) fn print(
-    json: bool,
-    figures: &impl Serialize,
-    text: impl FnOnce() -> String,
-) -> anyhow::Result<()> {
-    let mut out = io::stdout().lock();
-    if json {
-        serde_json::to_writer(&mut out, figures).map_err(io::Error::from)?;
-        writeln!(out)?;
-    } else {
-        write!(out, "{}", text())?;
-    }
-    Ok(())
 }

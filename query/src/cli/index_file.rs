@@ -35,15 +35,20 @@ impl IndexFile {
         open_for_pictures(&self.path(), self.no_mmap)
     }
 
-    /// The same where one is named or lies at the default place; `None` is not an error otherwise.
-    pub(super) fn open_if_there(&self) -> anyhow::Result<Option<Index>> {
-        let is_named = self.index.as_ref().is_some_and(|name| !name.is_empty());
-        if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
-    }
-
     /// Whether what the index has said may be believed. To be asked after the work, and before anything of it is written.
     pub(super) fn check(&self, index: &Index) -> anyhow::Result<()> {
         check(&self.path(), index)
+    }
+}
+
+/// What the service and the quiz ask.
+#[cfg(feature = "serve")]
+impl IndexFile {
+    /// An index that can tell what a picture shows, where one is named or lies at the default place;
+    /// `None` is not an error otherwise.
+    pub(super) fn open_if_there(&self) -> anyhow::Result<Option<Index>> {
+        let is_named = self.index.as_ref().is_some_and(|name| !name.is_empty());
+        if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }
     }
 
     /// Whether the index is read into memory instead of being mapped.
@@ -51,6 +56,7 @@ impl IndexFile {
         self.no_mmap
     }
 
+    /// Opens the index.
     pub(super) fn open(&self) -> anyhow::Result<Index> {
         open(&self.path(), self.no_mmap)
     }

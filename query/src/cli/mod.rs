@@ -4,17 +4,23 @@ mod completions;
 mod effort;
 mod evaluate;
 mod experiment;
+mod figures;
 mod index_file;
 mod man;
 mod options;
+#[cfg(feature = "serve")]
 mod quiz;
 mod recognise;
 mod robot;
+#[cfg(feature = "simulate")]
 mod robot_experiment;
 mod search;
 mod selection;
+#[cfg(feature = "serve")]
 mod serve;
+#[cfg(feature = "simulate")]
 mod simulate;
+#[cfg(feature = "serve")]
 mod token;
 
 use std::io::{self, Write as _};
@@ -92,9 +98,12 @@ enum Command {
     Recognise(Box<recognise::Recognise>),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
+    #[cfg(feature = "serve")]
     Quiz(quiz::Quizzing),
     Search(search::Search),
+    #[cfg(feature = "simulate")]
     Simulate(simulate::Simulate),
+    #[cfg(feature = "serve")]
     Serve(serve::Serve),
     Completions(completions::Completions),
     Man(man::Man),
@@ -144,9 +153,12 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Recognise(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
+        #[cfg(feature = "serve")]
         Command::Quiz(command) => command.run(),
         Command::Search(command) => command.run(&arguments.global),
+        #[cfg(feature = "simulate")]
         Command::Simulate(command) => command.run(),
+        #[cfg(feature = "serve")]
         Command::Serve(command) => command.run(&arguments.global),
         Command::Completions(command) => command.run(),
         Command::Man(command) => command.run(),

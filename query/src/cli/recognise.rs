@@ -1,6 +1,7 @@
 //! `grasp-query recognise`.
 
 mod drawings;
+#[cfg(feature = "serve")]
 mod remote;
 
 use std::io::{self, Write};
@@ -27,6 +28,7 @@ use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
 use grasp_robot::Setting;
+#[cfg(feature = "serve")]
 use grasp_serve::client::Address;
 
 const EXAMPLES: &str = "\
@@ -92,9 +94,11 @@ pub(super) struct Recognise {
     /// Say how long each step took.
     #[arg(long)]
     timings: bool,
+    #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
     server: Option<Address>,
+    #[cfg(feature = "serve")]
     /// Show the service the token in this file.
     #[arg(long, value_name = "FILE", requires = "server")]
     token_file: Option<PathBuf>,
@@ -130,6 +134,7 @@ impl Recognise {
             bail!("--mask and --depth are for a single picture, but {} are given", images.len());
         }
         let drawings = self.drawings(&images)?;
+        #[cfg(feature = "serve")]
         if let Some(address) = &self.server {
             return self.run_remote(address, &images, drawings.as_ref());
         }

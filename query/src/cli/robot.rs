@@ -1,8 +1,10 @@
 //! Options that ask for a robot's strategy.
 
-use std::path::{Path, PathBuf};
+#[cfg(feature = "serve")]
+use std::path::Path;
+use std::path::PathBuf;
 
-use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting, described};
+use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
@@ -41,19 +43,23 @@ impl RobotArguments {
         Ok(Some(Setting::new(hand, object, camera)?.with_arm(arm)))
     }
 
+    /// Whether strategies are written for MoveIt instead of records.
+    pub(super) fn is_moveit(&self) -> bool {
+        self.format == Some(Format::Moveit)
+    }
+}
+
+/// What is sent to a service.
+#[cfg(feature = "serve")]
+impl RobotArguments {
     /// The robot hand's name, and its description where that is a file; the object's and the camera's files.
     pub(super) fn files(&self) -> Option<(&str, [Option<&Path>; 3])> {
         let (robot, object, camera) = (self.robot.as_ref()?, self.object.as_deref(), self.camera.as_deref());
-        Some((robot, [described(robot), object, camera]))
+        Some((robot, [grasp_robot::described(robot), object, camera]))
     }
 
     /// The arm's name, and its description where that is a file.
     pub(super) fn arm(&self) -> Option<(&str, Option<&Path>)> {
-        self.arm.as_deref().map(|arm| (arm, described(arm)))
-    }
-
-    /// Whether strategies are written for MoveIt instead of records.
-    pub(super) fn is_moveit(&self) -> bool {
-        self.format == Some(Format::Moveit)
+        self.arm.as_deref().map(|arm| (arm, grasp_robot::described(arm)))
     }
 }

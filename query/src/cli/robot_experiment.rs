@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::Global;
-use super::experiment::print;
+use super::figures::print;
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
 use super::selection::Selection;

@@ -1,5 +1,6 @@
 //! `grasp-query search`.
 
+#[cfg(feature = "serve")]
 mod remote;
 
 use std::fs::File;
@@ -18,6 +19,7 @@ use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
+#[cfg(feature = "serve")]
 use grasp_serve::client::Address;
 
 const EXAMPLES: &str = "\
@@ -67,9 +69,11 @@ pub(super) struct Search {
     /// Print each query's neighbours as a line of JSON.
     #[arg(long, conflicts_with = "json")]
     neighbours: bool,
+    #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["json", "timings", "rounds", "allow_missing"])]
     server: Option<Address>,
+    #[cfg(feature = "serve")]
     /// Show the service the token in this file.
     #[arg(long, value_name = "FILE", requires = "server")]
     token_file: Option<PathBuf>,
@@ -107,6 +111,7 @@ struct SegmentsRecord {
 impl Search {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         self.refuse_clashes()?;
+        #[cfg(feature = "serve")]
         if let Some(address) = &self.server {
             return self.run_remote(address);
         }
@@ -162,6 +167,7 @@ impl Search {
     }
 
     /// As a run by an own index, but for who answers.
+    #[cfg(feature = "serve")]
     fn run_remote(&self, address: &Address) -> anyhow::Result<u8> {
         let (queries, dim) = self.read_queries(None)?;
         let count = queries.len() / dim.max(1);

@@ -65,7 +65,7 @@ impl CalibrationReport {
             let labelled = guess.classes.iter().find(|(name, _)| *name == outcome.label.grasp);
             labelled.map_or(LEAST, |(_, probability)| probability.max(LEAST)).ln()
         });
-        let log_likelihood = super::report::mean(likelihoods);
+        let log_likelihood = super::errors::mean(likelihoods);
         // Whether or not it was enough for an answer.
         let is_right = |guess: &Guess, outcome: &Outcome| {
             guess.classes.first().is_some_and(|(name, _)| *name == outcome.label.grasp)

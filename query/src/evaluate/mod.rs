@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod confusion;
+pub mod errors;
 pub mod labels;
 pub mod report;
 pub mod spread;

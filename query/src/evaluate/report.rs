@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::calibration::CalibrationReport;
 use super::confusion::{Confusion, Share};
+use super::errors::{Errors, errors, mean};
 use super::labels::{Kind, OTHER, RowError};
 use super::spread::SpreadReport;
 use super::{Guess, Outcome};
@@ -56,17 +57,6 @@ pub struct Report {
     pub ms_per_picture: f64,
     /// Rows and pictures that could not be used.
     pub errors: Vec<RowReport>,
-}
-
-/// Mean and median of some errors; null where there are none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Errors {
-    /// How many there are.
-    pub n: usize,
-    /// Their mean.
-    pub mean: Option<f64>,
-    /// Their median.
-    pub median: Option<f64>,
 }
 
 /// What became of pictures that show none of the classes.
@@ -209,24 +199,8 @@ fn shares(outcomes: &[&Outcome], key: impl Fn(&Outcome) -> String) -> BTreeMap<S
     shares
 }
 
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, n) = values.fold((0.0, 0usize), |(sum, n), value| (sum + value, n + 1));
-    (n > 0).then(|| sum / n as f64)
-}
-
 fn angles<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Errors {
     errors(outcomes.filter_map(Outcome::orientation_error_deg).collect())
-}
-
-pub(super) fn errors(mut angles: Vec<f64>) -> Errors {
-    angles.sort_by(f64::total_cmp);
-    let middle = angles.len() / 2;
-    let median = match angles.len() {
-        0 => None,
-        n if n % 2 == 1 => angles.get(middle).copied(),
-        _ => angles.get(middle - 1..=middle).map(|two| two.iter().sum::<f64>() / 2.0),
-    };
-    Errors { n: angles.len(), mean: mean(angles.iter().copied()), median }
 }
 
 /// The difference of two angles the short way round, 0..=180 degrees.

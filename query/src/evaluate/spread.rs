@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::Outcome;
-use super::report::{Errors, errors};
+use super::errors::{Errors, errors};
 
 /// Where bins begin, in degrees.
 const FROM: [f64; 5] = [0.0, 10.0, 20.0, 30.0, 45.0];

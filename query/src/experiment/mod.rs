@@ -4,8 +4,10 @@
 //! [`robustness`] asks how far a robot's grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that
 //! lifts the object.
 
+#[cfg(feature = "simulate")]
 pub mod imitation;
 pub mod paper;
+#[cfg(feature = "simulate")]
 pub mod robustness;
 pub mod sequence;
 pub mod shapes;

@@ -13,8 +13,9 @@ use serde::Serialize;
 use super::KINDS;
 use crate::evaluate::Outcome;
 use crate::evaluate::confusion::Confusion;
+use crate::evaluate::errors::Errors;
 use crate::evaluate::labels::{Kind, OTHER, RowError};
-use crate::evaluate::report::{Errors, Report, RowReport};
+use crate::evaluate::report::{Report, RowReport};
 pub use published::Published;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
