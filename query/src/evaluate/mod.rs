@@ -44,7 +44,7 @@ pub struct Iou {
 /// An answer, as far as it is scored.
 #[derive(Clone, Debug)]
 pub struct Guess {
-    /// The class, or [`confusion::UNKNOWN`].
+    /// The class, or [`UNKNOWN`].
     pub grasp: String,
     /// The probability of the most probable class.
     pub probability: f64,
