@@ -7,15 +7,35 @@
 //!
 //! The feature `schema` describes the types that stand in records for OpenAPI; it is off by default.
 
+mod accept;
+mod belief;
+mod doubtful;
+mod error;
+mod evidence;
+mod hypothesis;
+mod options;
 pub mod orientation;
 pub mod picture;
 pub mod prior;
-mod recognise;
+mod recogniser;
+mod recognition;
 pub mod segment;
 pub mod sequence;
+mod side;
+mod source;
+mod timings;
+mod trust;
+mod warning;
 
-pub use recognise::{
-    Accept, DEFAULT_ROLLS, Doubt, Evidence, HandChoice, Hypothesis, Logistic, MaskSource, Prepared,
-    RecogniseError, RecogniseOptions, Recogniser, Recognition, Side, SourceError, Term, Timings, Trust,
-    Warning, logistic, temper,
-};
+pub use accept::Doubt;
+pub use error::{RecogniseError, SourceError};
+pub use evidence::Evidence;
+pub use hypothesis::Hypothesis;
+pub use options::{Accept, DEFAULT_ROLLS, RecogniseOptions};
+pub use recogniser::Recogniser;
+pub use recognition::Recognition;
+pub use side::{HandChoice, Side};
+pub use source::{MaskSource, Prepared};
+pub use timings::Timings;
+pub use trust::{Logistic, Term, Trust, logistic, temper};
+pub use warning::Warning;

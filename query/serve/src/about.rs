@@ -9,13 +9,14 @@ use image::ExtendedColorType;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::Shared;
 use super::current::LOST;
 use super::explained::png;
 use super::metrics::Now;
-use super::openapi;
 use super::problem::Problem;
-use super::query::{Options, shown};
+use super::query::Options;
+use super::service::Shared;
+use super::shown::shown;
+use super::tags;
 use grasp_index::{EPS_GRID, HashInfo};
 
 /// The index that is served. Its keys are an interface: they may be added to, never renamed.
@@ -70,7 +71,7 @@ pub(super) struct EffortRecord {
 }
 
 /// `GET /v1/index`.
-#[utoipa::path(get, path = "/v1/index", tag = openapi::INDEX,
+#[utoipa::path(get, path = "/v1/index", tag = tags::INDEX,
     summary = "Describe the index that is served",
     description = "Its classes and size, what its searches find at each effort, and where it comes from.",
     responses((status = 200, description = "The index", body = IndexRecord),
@@ -121,7 +122,7 @@ pub(super) struct OfIndex {
 }
 
 /// `GET /v1/neighbours/{id}/thumbnail.png`.
-#[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", tag = openapi::INDEX,
+#[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", tag = tags::INDEX,
     summary = "Show an entry's picture",
     description = "The hand image of an entry that `neighbours` of a record names by its `id`.",
     params(("id" = u32, Path, description = "The entry's number"), OfIndex),
@@ -174,7 +175,7 @@ pub(super) struct Ready {
 }
 
 /// `GET /readyz`.
-#[utoipa::path(get, path = "/readyz", tag = openapi::OPERATION,
+#[utoipa::path(get, path = "/readyz", tag = tags::OPERATION,
     summary = "Say whether requests are answered",
     description = "For a load balancer, and for those who replace the index: `problem` says why the file that lies at its path now \
         is not the one that is served.",
@@ -208,7 +209,7 @@ fn without(message: &str, path: &str) -> String {
 }
 
 /// `GET /healthz`.
-#[utoipa::path(get, path = "/healthz", tag = openapi::OPERATION,
+#[utoipa::path(get, path = "/healthz", tag = tags::OPERATION,
     summary = "Say whether the program runs",
     description = "Answers `ok` for as long as the process lives, whatever it does.",
     responses((status = 200, description = "The program runs", content_type = "text/plain")))]
@@ -217,7 +218,7 @@ pub(super) async fn health() -> &'static str {
 }
 
 /// `GET /metrics`.
-#[utoipa::path(get, path = "/metrics", tag = openapi::OPERATION,
+#[utoipa::path(get, path = "/metrics", tag = tags::OPERATION,
     summary = "Count requests, their times and the index's replacements",
     description = "Counters and histograms since the start, in the text form that Prometheus reads.",
     responses((status = 200, description = "The counters", content_type = "text/plain")))]

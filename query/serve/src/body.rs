@@ -5,7 +5,7 @@ use axum::http::{HeaderValue, StatusCode};
 
 use super::form::{Form, FormError, Part};
 use super::problem::Problem;
-use super::query::shown;
+use super::shown::shown;
 use crate::wire::DESCRIBED;
 use grasp_recognise::MaskSource;
 use grasp_recognise::picture;

@@ -10,9 +10,9 @@ use axum::http::header;
 use axum::routing::get;
 use serde_json::{Map, Value};
 
-use super::Shared;
 use super::openapi;
 use super::query::values;
+use super::service::Shared;
 
 /// Where a schema's reference leads.
 const SCHEMA: &str = "#/components/schemas/";

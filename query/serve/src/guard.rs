@@ -7,13 +7,13 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::Shared;
 use super::linger::Linger;
 use super::metrics::PATHS;
-use super::openapi;
 use super::origin::{Names, check_host, check_origin};
 use super::page;
 use super::problem::Problem;
+use super::service::Shared;
+use super::tags;
 use crate::wire::Token;
 
 /// The cookie by which the page shows the token.
@@ -90,7 +90,7 @@ fn check_token(headers: &HeaderMap, token: &Token) -> Result<(), Problem> {
 }
 
 /// `POST /session`: the page trades the token for a cookie that scripts cannot read, so that pictures load by themselves.
-#[utoipa::path(post, path = "/session", tag = openapi::OPERATION,
+#[utoipa::path(post, path = "/session", tag = tags::OPERATION,
     summary = "Trade the token for a cookie",
     description = "For the page in a browser: the cookie `grasp_token` shows the token from now on. Without `--token-file` nothing is \
         needed, and none is set.",

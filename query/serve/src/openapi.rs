@@ -4,11 +4,7 @@ use utoipa::openapi::OpenApi as Api;
 use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
 use utoipa::{Modify, OpenApi};
 
-/// The tags, in the order of the page for people.
-pub(super) const PICTURES: &str = "Pictures";
-pub(super) const DESCRIPTORS: &str = "Descriptors";
-pub(super) const INDEX: &str = "The index";
-pub(super) const OPERATION: &str = "Operation";
+use super::tags::{DESCRIPTORS, INDEX, OPERATION, PICTURES};
 
 #[derive(OpenApi)]
 #[openapi(
@@ -30,9 +26,9 @@ pub(super) const OPERATION: &str = "Operation";
         (name = OPERATION, description = "For those who run the service.")
     ),
     paths(
-        super::recognise_picture,
-        super::robot_strategy,
-        super::search_descriptors,
+        super::work::recognise_picture,
+        super::work::robot_strategy,
+        super::work::search_descriptors,
         super::about::index,
         super::about::thumbnail,
         super::guard::session,

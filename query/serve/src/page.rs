@@ -5,7 +5,7 @@ use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 
-use super::Shared;
+use super::service::Shared;
 
 /// What all pages look alike in.
 pub const LOOK: &[u8] = include_bytes!("page/look.css");

@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::query::shown;
+use super::shown::shown;
 use grasp_answer::record::ErrorRecord;
 
 /// Seconds after which one who was turned away may come back.

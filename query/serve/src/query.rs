@@ -8,9 +8,7 @@ use serde_json::Value;
 use utoipa::IntoParams;
 
 use super::problem::Problem;
-
-/// The most letters of a value that a message repeats.
-const MOST_SHOWN: usize = 40;
+use super::shown::shown;
 
 /// The options of a request.
 #[derive(Clone, Copy, Debug)]
@@ -52,14 +50,6 @@ fn reason<T: DeserializeOwned + IntoParams>(query: &str) -> String {
         }
     }
     "the query cannot be read: it is NAME=VALUE&NAME=VALUE".into()
-}
-
-/// A value of the asker, short and on one line.
-pub(super) fn shown(value: &str) -> String {
-    let mut letters = value.chars();
-    let start: String = letters.by_ref().take(MOST_SHOWN).flat_map(char::escape_debug).collect();
-    let rest = if letters.next().is_some() { ".." } else { "" };
-    format!("`{start}{rest}`")
 }
 
 /// Which values a schema allows, in words.

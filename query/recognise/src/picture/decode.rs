@@ -3,7 +3,7 @@
 use grasp_picture::{DecodeError, DecodeWarning, Format};
 use image::{DynamicImage, GenericImageView as _, Rgb, RgbImage, Rgba};
 
-use super::Picture;
+use super::rgb::Picture;
 
 /// A colour picture, upright.
 #[derive(Clone, Debug)]

@@ -269,7 +269,7 @@ impl Fitted {
     pub fn write(&self, path: &Path, command: &str, index: &Index) -> anyhow::Result<()> {
         let (entries, hands) = (index.len(), index.catalogue().hand_shapes.len());
         let head = format!(
-            "# How far an answer is trusted whose mask was found by colour: see query/recognise/src/recognise/trust.rs.\n\
+            "# How far an answer is trusted whose mask was found by colour: see query/recognise/src/trust.rs.\n\
              # Made by: {command}\n\
              # with an index of {entries} entries, {hands} hand shapes.\n\n"
         );

@@ -3,6 +3,7 @@
 use grasp_index::{Calibration, Index, Vote, VoteOptions};
 
 use super::Hypothesis;
+use super::options::Accept;
 use super::trust::{Trust, temper};
 
 /// Why there is no answer.
@@ -28,18 +29,6 @@ impl Doubt {
     pub(super) fn is_unsure(self) -> bool {
         matches!(self, Self::Neighbours(grasp_index::Doubt::TooUnsure { .. }))
     }
-}
-
-/// What is taken for an answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Accept {
-    /// Everything.
-    Always,
-    /// What lies within the limits that the index was calibrated with.
-    #[default]
-    Calibrated,
-    /// What has its nearest neighbour within this distance.
-    Within(f64),
 }
 
 impl Accept {

@@ -55,9 +55,8 @@ pub struct Term {
     pub weight: f64,
 }
 
-static BUILT_IN: LazyLock<Trust> = LazyLock::new(|| {
-    toml::from_str(include_str!("../../data/trust.toml")).expect("a test reads the same file")
-});
+static BUILT_IN: LazyLock<Trust> =
+    LazyLock::new(|| toml::from_str(include_str!("../data/trust.toml")).expect("a test reads the same file"));
 
 impl Trust {
     /// The model that the program holds.

@@ -2,10 +2,10 @@
 
 use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
-use super::RecogniseError;
+use crate::error::{RecogniseError, SourceError};
 use crate::picture::{self, Picture, WORKING_SIDE};
 use crate::segment::depth::{DepthRange, mask_from_depth};
-use crate::segment::{self, Mask, MaskError, Quality, SegmentParams};
+use crate::segment::{self, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
 
 /// What tells the hand from the rest.
@@ -31,14 +31,6 @@ pub enum MaskSource {
         /// The values that are hand.
         range: DepthRange,
     },
-}
-
-/// Why a mask cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum SourceError {
-    /// It belongs to another picture.
-    #[error(transparent)]
-    Mask(#[from] MaskError),
 }
 
 /// A picture and the hand in it.

@@ -1,0 +1,63 @@
+//! Why a picture has no answer.
+
+use grasp_index::{HandImageError, SearchError};
+
+use crate::picture::DecodeError;
+use crate::segment::MaskError;
+
+/// Why a mask cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// It belongs to another picture.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+}
+
+/// Why a picture has no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum RecogniseError {
+    /// The bytes are no picture.
+    #[error(transparent)]
+    Decode(#[from] DecodeError),
+    /// The mask or the depth picture does not fit.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// Nothing in the picture looks like a hand.
+    #[error(
+        "no hand found: nothing in the picture has the colour and the size of a hand (a mask can be given with --mask)"
+    )]
+    NoHand,
+    /// The hand is too small or its buffers do not fit.
+    #[error(transparent)]
+    Hand(HandImageError),
+    /// The descriptor does not fit the index.
+    #[error(transparent)]
+    Search(#[from] SearchError),
+}
+
+impl RecogniseError {
+    /// A short, stable name for JSON records.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Decode(error) => error.kind(),
+            Self::Source(_) => "mask",
+            Self::NoHand => "no_hand",
+            Self::Hand(_) => "hand_too_small",
+            Self::Search(_) => "search",
+        }
+    }
+
+    /// Whether the picture is sound and merely shows no hand that can be recognised.
+    pub fn is_rejection(&self) -> bool {
+        matches!(self, Self::NoHand | Self::Hand(_))
+    }
+}
+
+impl From<HandImageError> for RecogniseError {
+    fn from(error: HandImageError) -> Self {
+        match error {
+            HandImageError::NoHand { .. } => Self::NoHand,
+            other => Self::Hand(other),
+        }
+    }
+}

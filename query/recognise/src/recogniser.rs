@@ -1,0 +1,85 @@
+//! From a picture to an answer: mask, hand image, descriptor, search, vote.
+
+use std::time::Instant;
+
+use grasp_index::{DESCRIBED_SIDE, Index};
+
+use crate::doubtful;
+use crate::error::RecogniseError;
+use crate::evidence::Evidence;
+use crate::hypothesis;
+use crate::options::RecogniseOptions;
+use crate::picture;
+use crate::recognition::Recognition;
+use crate::source::{MaskSource, Prepared};
+use crate::timings::{self, Timings};
+use crate::trust::{Trust, temper};
+use crate::warning::Warning;
+
+/// Recognises pictures by one index. It can be shared between threads.
+#[derive(Debug)]
+pub struct Recogniser<'a> {
+    pub(crate) index: &'a Index,
+    pub(crate) options: RecogniseOptions,
+}
+
+impl<'a> Recogniser<'a> {
+    /// A recogniser over `index`.
+    pub fn new(index: &'a Index, options: RecogniseOptions) -> Self {
+        Self { index, options }
+    }
+
+    /// The index that answers come from.
+    pub fn index(&self) -> &'a Index {
+        self.index
+    }
+
+    /// Recognises an encoded picture ([`picture::FORMATS`]), whose hand `source` finds.
+    ///
+    /// # Errors
+    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
+    pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
+        let mut timings = Timings::default();
+        let decoded = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;
+        let prepared = timings.time(
+            |t| &mut t.segmentation_ms,
+            || Prepared::new(decoded.picture, decoded.is_jpeg, source, &self.options.segment),
+        )?;
+        let mut found = self.recognise_prepared(prepared, timings)?;
+        let odd = decoded.warnings.iter().map(|warning| Warning::Decoding(warning.to_string()));
+        found.warnings.splice(..0, odd);
+        Ok(found)
+    }
+
+    /// Recognises a hand whose mask is known.
+    ///
+    /// # Errors
+    /// As [`Self::recognise`].
+    pub fn recognise_prepared(
+        &self,
+        prepared: Prepared,
+        mut timings: Timings,
+    ) -> Result<Recognition, RecogniseError> {
+        let started = Instant::now();
+        let hand_image = prepared.hand_image()?.shrunk_to(DESCRIBED_SIDE);
+        timings.descriptor_ms += timings::milliseconds(started);
+        let mut best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
+        let evidence = Evidence::of(self.index, &prepared, &best);
+        // The weights' shares are not what trust was fitted with.
+        let is_calibrated = !self.options.vote.has_own_width();
+        let trust = Trust::built_in().of(&evidence).filter(|_| is_calibrated);
+        let applied = trust.filter(|_| self.options.temper);
+        let classes = best.vote.classes.len();
+        if let Some(trust) = applied {
+            for class in &mut best.vote.classes {
+                class.probability = temper(class.probability, trust, classes);
+            }
+        }
+        let doubt = self.options.accept.doubt(self.index, &best, applied, &self.options.vote);
+        let warnings = Vec::new();
+        let mut found = Recognition { prepared, hand_image, best, evidence, trust, warnings, doubt, timings };
+        let is_measured = self.index.catalogue().calibration.measured.is_some();
+        found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
+        Ok(found)
+    }
+}

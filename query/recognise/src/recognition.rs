@@ -1,0 +1,31 @@
+//! An answer and all that led to it.
+
+use grasp_index::HandImage;
+
+use crate::accept::Doubt;
+use crate::evidence::Evidence;
+use crate::hypothesis::Hypothesis;
+use crate::source::Prepared;
+use crate::timings::Timings;
+use crate::warning::Warning;
+
+/// An answer and all that led to it.
+#[derive(Clone, Debug)]
+pub struct Recognition {
+    /// The picture and its mask.
+    pub prepared: Prepared,
+    /// The hand image, as the picture shows it.
+    pub hand_image: HandImage,
+    /// The best hypothesis about hand and roll, with its neighbours and their vote.
+    pub best: Hypothesis,
+    /// What picture and neighbours say about how far the answer can be relied on.
+    pub evidence: Evidence,
+    /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by it. `None` where the mask was given and is one.
+    pub trust: Option<f64>,
+    /// What should make a reader doubt the answer.
+    pub warnings: Vec<Warning>,
+    /// Why the class is unknown, where it is.
+    pub doubt: Option<Doubt>,
+    /// How long each step took.
+    pub timings: Timings,
+}

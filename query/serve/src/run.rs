@@ -1,0 +1,57 @@
+//! From the first look at the index to the last answer.
+
+use std::future::Future;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Router;
+
+use crate::current::Looked;
+use crate::listen::{Connections, Listener};
+use crate::router::router;
+use crate::service::{Ended, Event, Service};
+
+impl Service {
+    /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of `quiz`, where there is one, lie
+    /// below `/quiz/`.
+    ///
+    /// # Errors
+    /// Where the first index cannot be opened: what is wrong with it.
+    pub async fn run(
+        self: Arc<Self>,
+        listeners: Vec<Listener>,
+        quiz: Option<Router>,
+        stop: impl Future<Output = ()>,
+        tell: impl Fn(Event) + Send + 'static,
+    ) -> Result<Ended, String> {
+        let router = router(Arc::clone(&self), quiz);
+        let connections = Arc::new(Connections::new());
+        let accepting: Vec<_> = listeners
+            .into_iter()
+            .map(|listener| {
+                let (connections, router) = (Arc::clone(&connections), router.clone());
+                tokio::spawn(async move { connections.accept(&listener, &router).await })
+            })
+            .collect();
+        let first = match self.look(false).await {
+            Some(Looked::Replaced(generation)) => generation,
+            Some(Looked::Failed(message)) => return Err(message),
+            _ => return Err("the index cannot be opened".into()),
+        };
+        tell(Event::Serving(first));
+        let watching = tokio::spawn(Arc::clone(&self).watch(tell));
+        stop.await;
+        let ended = self.drain().await;
+        watching.abort();
+        for task in accepting {
+            task.abort();
+            // The task lets go of the connections.
+            let _ = task.await;
+        }
+        if let Some(connections) = Arc::into_inner(connections) {
+            // What is left are answers on their way out and connections that lie idle.
+            let _ = tokio::time::timeout(Duration::from_secs(1), connections.close()).await;
+        }
+        Ok(ended)
+    }
+}
