@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::CHOICES;
+use super::choices::CHOICES;
 
 /// The columns of the table; an interface.
 const HEADER: &str = "file,answer,cutkosky\n";

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use grasp_terminal::text::counted;
 use serde::Serialize;
 
-use super::CHOICES;
+use super::choices::CHOICES;
 use super::pictures::Shown;
 use crate::evaluate::confusion::{Confusion, Share};
 use crate::experiment::paper::Published;

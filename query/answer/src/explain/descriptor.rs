@@ -3,7 +3,7 @@
 use grasp_index::{DescriptorKind, DescriptorParams};
 
 use super::canvas::{Canvas, Font, LINE, colour};
-use super::{GAP, MARGIN, WIDTH};
+use super::measures::{GAP, MARGIN, WIDTH};
 
 /// Side of a panel's finest level in pixels.
 const FINE: u32 = 168;

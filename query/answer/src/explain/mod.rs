@@ -4,6 +4,7 @@
 mod canvas;
 mod descriptor;
 mod file;
+mod measures;
 
 use grasp_index::Index;
 use image::{Rgb, RgbImage};
@@ -14,15 +15,10 @@ use canvas::{Canvas, Font, HEADLINE, LINE, colour};
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};
 use grasp_recognise::{Recognition, Side};
+use measures::{GAP, LARGE, MARGIN, WIDTH};
 
-const MARGIN: u32 = 24;
-/// Between two pictures that lie side by side.
-const GAP: u32 = 12;
 /// Above a part's title.
 const APART: u32 = 22;
-/// Side of the pictures at the top, of which there are three, with the vote beside them.
-const LARGE: u32 = 300;
-const WIDTH: u32 = 2 * MARGIN + 4 * LARGE + 3 * GAP;
 /// Width of a line of text.
 const TEXT: u32 = WIDTH - 2 * MARGIN;
 /// Neighbours in a row.
