@@ -3,7 +3,7 @@
 use crate::file::OpenError;
 use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
-use crate::file::catalogue::{Catalogue, HashInfo, Originals};
+use crate::file::catalogue::{Catalogue, Originals};
 use crate::file::input::{BuildError, NewEntry};
 use crate::file::open::Opened;
 use crate::file::pack;
@@ -13,13 +13,15 @@ use crate::file::verify::{Verification, verify};
 use crate::file::write::segment::write_segment;
 use crate::hand_image::HandImage;
 use crate::search::blocks::Blocks;
+use crate::search::hash::HashInfo;
 use crate::search::learned::axes::Axes;
-use crate::search::learned::{Learned, LearnedHash};
+use crate::search::learned::centres::Centres;
+use crate::search::learned::{self, Learned, LearnedHash};
 use crate::search::random::tables::Buckets;
-use crate::search::random::{Random, RandomHyperplanes};
+use crate::search::random::{self, Random, RandomHyperplanes};
 use crate::search::searcher::Searcher;
 use crate::search::stored::{Stored, Values};
-use crate::search::{Hash, Neighbour, Search, SearchError, SearchOptions};
+use crate::search::{Hash, Neighbour, ReadAhead, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
 use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
@@ -213,8 +215,8 @@ impl Index {
 
     /// Searches the index, query after query.
     pub fn searcher(&self) -> Searcher<'_> {
-        let files = vec![self.bytes()];
-        Searcher::new(self.stored(), self.hash(), &self.catalogue().measured, files, self.was_cold())
+        let files: Vec<&dyn ReadAhead> = vec![self.bytes()];
+        Searcher::new(self.stored(), &self.hash(), &self.catalogue().measured, files, self.was_cold())
     }
 
     pub(crate) fn bytes(&self) -> &Bytes {
@@ -226,35 +228,43 @@ impl Index {
         self.is_cold.swap(false, Ordering::Relaxed)
     }
 
-    pub(crate) fn hash(&self) -> Box<dyn Hash + '_> {
+    pub(crate) fn hash(&self) -> Hash<'_> {
         match self.catalogue().hash {
-            HashInfo::Random(size) => Box::new(Random {
+            HashInfo::Random(size) => Hash::Random(Random {
                 hyperplanes: RandomHyperplanes {
                     size,
                     dim: self.dim(),
                     normals: self.file.array(SectionKind::PlaneNormals),
                     offsets: self.file.array(SectionKind::PlaneOffsets),
                 },
-                buckets: Buckets {
-                    directory: self.file.array(SectionKind::BucketDirectory),
-                    ids: self.file.array(SectionKind::BucketIds),
-                },
-                entries: self.len(),
+                files: vec![random::Entries {
+                    buckets: Buckets {
+                        directory: self.file.array(SectionKind::BucketDirectory),
+                        ids: self.file.array(SectionKind::BucketIds),
+                    },
+                    count: self.len(),
+                    first: 0,
+                }],
             }),
-            HashInfo::Learned(size) => Box::new(self.learned(size)),
+            HashInfo::Learned(size) => Hash::Learned(self.learned(size)),
         }
     }
 
     fn learned(&self, size: LearnedHash) -> Learned<'_> {
         let axes = size.axes as usize;
         Learned {
-            size,
             axes: Axes { count: axes, projection: self.file.array(SectionKind::Axes) },
-            groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
-            group_directory: self.file.array(SectionKind::GroupDirectory),
-            centres: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
-            bucket_directory: self.file.array(SectionKind::BucketDirectory),
-            entries: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
+            centres: Centres {
+                scale: size.centre_scale,
+                groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
+                group_directory: self.file.array(SectionKind::GroupDirectory),
+                buckets: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
+            },
+            residual_scale: size.residual_scale,
+            files: vec![learned::Entries {
+                directory: self.file.array(SectionKind::BucketDirectory),
+                blocks: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
+            }],
         }
     }
 

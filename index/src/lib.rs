@@ -59,7 +59,9 @@ mod descriptor;
 mod file;
 mod hand_image;
 mod index;
+mod model;
 pub mod npy;
+mod phase;
 mod resample;
 mod rotation;
 mod search;
@@ -69,23 +71,25 @@ mod vote;
 pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
-pub use file::catalogue::{Catalogue, ClassInfo, HashInfo, Kept, Originals};
+pub use file::catalogue::{Catalogue, ClassInfo, Kept, Originals};
 pub use file::fault::guard_against_truncation;
-pub use file::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
+pub use file::input::{BuildError, IndexParams, NewEntry, Summary};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::stamp::FileChanged;
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
 pub use index::{CannotRecognise, Entry, EntryError, Index};
+pub use phase::Phase;
 pub use rotation::{euler_deg, from_euler_deg, mirror_orientation, turned_orientation};
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
+pub use search::hash::HashInfo;
 pub use search::learned::LearnedHash;
-pub use search::measure::NOISE;
 #[cfg(feature = "parts")]
 #[doc(hidden)]
 pub use search::parts::Parts;
+pub use search::queries::NOISE;
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 

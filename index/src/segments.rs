@@ -3,10 +3,9 @@
 use crate::file::catalogue::{Catalogue, Originals};
 use crate::file::stamp::FileChanged;
 use crate::index::Index;
-use crate::search::joined::Joined;
 use crate::search::searcher::Searcher;
 use crate::search::stored::{Several, Stored, Values};
-use crate::search::{Neighbour, Search, SearchCost, SearchError, SearchOptions};
+use crate::search::{Neighbour, ReadAhead, Search, SearchCost, SearchError, SearchOptions};
 use thiserror::Error;
 
 /// Indexes of different entries, searched as if all entries were in one. An entry's number is the one that it has in the index that
@@ -119,17 +118,19 @@ impl Segments {
 
     /// A searcher of all entries by the hash that the indexes share.
     fn joined<'a>(&'a self, first: &'a Index, others: &'a [Index]) -> Searcher<'a> {
-        let starts = self.starts.iter().skip(1).copied();
-        let hash = Joined::new(first.hash(), starts.zip(others.iter().map(Index::hash)).collect());
+        let mut hash = first.hash();
+        for (&start, other) in self.starts.iter().skip(1).zip(others) {
+            hash.join(start, other.hash());
+        }
         let values = match first.catalogue().originals {
             Originals::None => Values::None,
             Originals::F32 | Originals::F16 => Values::Several(self),
         };
         let stored = Stored { dim: first.dim(), entries: self.entries, values };
-        let files = self.indexes.iter().map(Index::bytes).collect();
+        let files = self.indexes.iter().map(|index| index.bytes() as &dyn ReadAhead).collect();
         // All of them are asked, and none is cold any more.
         let is_cold = self.indexes.iter().filter(|index| index.was_cold()).count() > 0;
-        Searcher::new(stored, Box::new(hash), &first.catalogue().measured, files, is_cold)
+        Searcher::new(stored, &hash, &first.catalogue().measured, files, is_cold)
     }
 
     /// The nearest neighbours of a descriptor in all indexes. For many queries, [`Self::searcher`] is faster.
@@ -186,8 +187,8 @@ impl Segments {
 }
 
 impl Several for Segments {
-    fn of(&self, id: u32) -> Option<(Stored<'_>, u32)> {
-        self.locate(id).map(|(index, id)| (index.stored(), id))
+    fn locate(&self, id: u32) -> Option<(Stored<'_>, u32)> {
+        Segments::locate(self, id).map(|(index, id)| (index.stored(), id))
     }
 
     fn all(&self) -> Vec<(u32, Stored<'_>)> {

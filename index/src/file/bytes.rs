@@ -4,6 +4,7 @@ use super::fault::Registered;
 use super::header::{self, Header};
 use super::stamp::{FileChanged, Stamp};
 use super::{ALIGNMENT, OpenError};
+use crate::search::ReadAhead;
 use memmap2::Mmap;
 use rkyv::util::AlignedVec;
 use std::fs::File;
@@ -101,9 +102,18 @@ impl Bytes {
         }
     }
 
+    /// Copies bytes that are in memory already, because those need not be aligned.
+    pub(crate) fn copy(bytes: &[u8]) -> Self {
+        let mut held = AlignedVec::with_capacity(bytes.len());
+        held.extend_from_slice(bytes);
+        Self::Held(held)
+    }
+}
+
+impl ReadAhead for Bytes {
     /// Asks the operating system to read `part` of these bytes ahead: all of it at once and beside others, instead of page by
     /// page as it is touched. Of no effect besides time.
-    pub(crate) fn will_need(&self, part: &[u8]) {
+    fn will_need(&self, part: &[u8]) {
         #[cfg(unix)]
         if let Self::Mapped(Mapping { map, .. }) = self {
             let start = (part.as_ptr() as usize).checked_sub(map.as_ptr() as usize);
@@ -121,7 +131,7 @@ impl Bytes {
     ///
     /// Of 20 million entries (8.4 GB) in 1 GB of memory, on a disk set to read on by 8 MB, a search read 200 MB, of which it used
     /// 200 kB. A file that fits into memory is the sooner there if the system reads on.
-    pub(crate) fn will_jump(&self) {
+    fn will_jump(&self) {
         #[cfg(unix)]
         if let Self::Mapped(Mapping { map, .. }) = self
             && map.len() >= LARGE
@@ -132,17 +142,10 @@ impl Bytes {
 
     /// Asks for `part` of a large file, which will be read next and from front to back, as [`Self::will_need`] does: it may have been
     /// told that it [`Self::will_jump`].
-    pub(crate) fn will_pass(&self, part: &[u8]) {
+    fn will_pass(&self, part: &[u8]) {
         if self.len() >= LARGE {
             self.will_need(part);
         }
-    }
-
-    /// Copies bytes that are in memory already, because those need not be aligned.
-    pub(crate) fn copy(bytes: &[u8]) -> Self {
-        let mut held = AlignedVec::with_capacity(bytes.len());
-        held.extend_from_slice(bytes);
-        Self::Held(held)
     }
 }
 
@@ -180,25 +183,29 @@ impl<'a> Written<'a> {
         Ok(Self::Mapped(map, PhantomData))
     }
 
-    /// Tells the operating system that the file will be read here and there from now on: that it should not read on beyond each page that
-    /// is touched. What is in memory is there already, since it has just been written; the rest did not fit.
-    pub(crate) fn will_jump(&self) {
-        #[cfg(unix)]
-        self.advise(memmap2::Advice::Random);
-    }
-
-    /// Tells it that the file will be read from front to back from now on, by several threads at several places.
-    pub(crate) fn will_pass(&self) {
-        #[cfg(unix)]
-        self.advise(memmap2::Advice::Sequential);
-    }
-
     #[cfg(unix)]
     fn advise(&self, advice: memmap2::Advice) {
         if let Self::Mapped(map, _) = self {
             // A system that knows no advice is as right without.
             let _ = map.advise(advice);
         }
+    }
+}
+
+impl ReadAhead for Written<'_> {
+    /// What is in memory is there already, since it has just been written; the rest did not fit.
+    fn will_jump(&self) {
+        #[cfg(unix)]
+        self.advise(memmap2::Advice::Random);
+    }
+
+    /// A writer's rows are read as a whole.
+    fn will_need(&self, _: &[u8]) {}
+
+    /// All of the file, by several threads at several places.
+    fn will_pass(&self, _: &[u8]) {
+        #[cfg(unix)]
+        self.advise(memmap2::Advice::Sequential);
     }
 }
 

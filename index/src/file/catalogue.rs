@@ -3,8 +3,7 @@
 use crate::descriptor::DescriptorParams;
 use crate::file::sections::Section;
 use crate::search::effort::Measured;
-use crate::search::learned::LearnedHash;
-use crate::search::random::RandomHash;
+use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -129,29 +128,4 @@ pub struct ClassInfo {
     pub name: String,
     /// Its number in Cutkosky's taxonomy, such as 9.
     pub cutkosky: u8,
-}
-
-/// Which hash the buckets were made by.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum HashInfo {
-    /// The paper's random hyperplanes.
-    Random(RandomHash),
-    /// Hyperplanes fitted to the data.
-    Learned(LearnedHash),
-}
-
-impl HashInfo {
-    /// With nothing in its buckets.
-    pub(crate) fn without_entries(self) -> Self {
-        self.with_entry_blocks(0)
-    }
-
-    /// With so many blocks of entries, where it has blocks.
-    pub(crate) fn with_entry_blocks(self, entry_blocks: u32) -> Self {
-        match self {
-            Self::Learned(hash) => Self::Learned(LearnedHash { entry_blocks, ..hash }),
-            Self::Random(_) => self,
-        }
-    }
 }

@@ -1,11 +1,12 @@
 //! What an index is made from, and what comes of it.
 
 use super::atomic::WriteError;
-use super::catalogue::{ClassInfo, HashInfo, Kept, Originals};
+use super::catalogue::{ClassInfo, Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::rotation::turned_orientation;
 use crate::search::build::HashParams;
 use crate::search::effort::Measured;
+use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
 use nalgebra::UnitQuaternion;
 use thiserror::Error;
@@ -121,23 +122,6 @@ pub enum BuildError {
     /// The caller's callback asked to stop.
     #[error("stopped before the index was written")]
     Stopped,
-}
-
-/// What finishing an index is at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Measuring sigma.
-    Sigma,
-    /// Choosing the hash.
-    Tune,
-    /// Fitting the hash and putting every entry into its buckets.
-    Tables,
-    /// Measuring the search.
-    Measure,
-    /// Calibrating the vote.
-    Calibrate,
-    /// Writing the file.
-    Write,
 }
 
 /// An index that was written.

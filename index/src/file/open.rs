@@ -6,6 +6,7 @@ use super::catalogue::Catalogue;
 use super::header::Header;
 use super::sections::{Layout, SectionKind};
 use super::version2::CatalogueOfVersion2;
+use crate::search::ReadAhead as _;
 use bytemuck::AnyBitPattern;
 use rkyv::rancor::Error as ArchiveError;
 use xxhash_rust::xxh3::xxh3_64;

@@ -1,9 +1,10 @@
 //! The sections: which there are, what they hold, and how long each must be.
 
-use super::catalogue::{Catalogue, HashInfo, Originals};
+use super::catalogue::{Catalogue, Originals};
 use super::{OpenError, align, header};
 use crate::search::blocks::{LANES, MAX_AXES, centre_stride, entry_stride};
 use crate::search::effort::{EffortPoint, Measured};
+use crate::search::hash::HashInfo;
 use crate::search::learned::LearnedHash;
 use crate::search::random::{MAX_PLANES, RandomHash};
 use rkyv::{Archive, Deserialize, Serialize};

@@ -1,11 +1,12 @@
 //! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
 
-use super::catalogue::{HashInfo, Originals};
+use super::catalogue::Originals;
 use super::header::LENGTH;
 use super::open::Opened;
 use super::pack;
 use super::sections::SectionKind;
 use crate::search::blocks::{Blocks, LANES};
+use crate::search::hash::HashInfo;
 use bytemuck::AnyBitPattern;
 use half::f16;
 use rayon::prelude::*;

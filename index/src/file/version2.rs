@@ -1,9 +1,10 @@
 //! The catalogue as version 2 of the format has it: without what calibrates the vote.
 
-use super::catalogue::{Catalogue, ClassInfo, HashInfo, Kept, Originals};
+use super::catalogue::{Catalogue, ClassInfo, Kept, Originals};
 use super::sections::Section;
 use crate::descriptor::DescriptorParams;
 use crate::search::effort::Measured;
+use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
 use rkyv::{Archive, Deserialize};
 

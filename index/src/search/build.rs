@@ -1,16 +1,19 @@
 //! Making the hash of an index.
 
 use super::effort::Measured;
+use super::hash::{Hash, HashInfo};
+use super::in_flight::InFlight;
 use super::learned::fit::{Fitted, fit};
-use super::measure::{self, QUERIES_OF_THE_VOTE};
+use super::measure::measure;
+use super::nearest::Neighbour;
+use super::options::SearchOptions;
+use super::queries::{QUERIES_OF_THE_VOTE, moved};
 use super::random::tables::Tables;
-use super::random::{self, Random, RandomHash, RandomHyperplanes, tune};
-use super::searcher::{Scratch, hashed};
+use super::random::{self, Entries, Random, RandomHash, RandomHyperplanes, tune};
+use super::rows::{Rows, Source};
 use super::simd::Simd;
 use super::stored::{Stored, Values};
-use super::{Hash, Neighbour, Rows, SearchOptions, Source};
-use crate::file::catalogue::HashInfo;
-use crate::file::sections::SectionKind;
+use crate::phase::Phase;
 use rayon::prelude::*;
 
 /// Which hash an index gets.
@@ -40,29 +43,23 @@ pub enum RandomParams {
     },
 }
 
-/// What is being done, told with the share of it that is done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
-    Tune,
-    Fill,
-    Measure,
-}
-
-/// A hash on its way into a file.
+/// A hash on its way into a file, and how well it searches.
 #[derive(Debug)]
-pub(crate) struct Built {
-    table: Table,
+pub(crate) struct BuiltHash {
+    pub(crate) hash: OwnedHash,
     keeps_descriptors: bool,
     pub(crate) measured: Measured,
 }
 
+/// A hash and its buckets in memory.
 #[derive(Debug)]
-enum Table {
+pub(crate) enum OwnedHash {
     Random { size: RandomHash, normals: Vec<f32>, offsets: Vec<f32>, tables: Tables },
     Learned(Fitted),
 }
 
-/// Makes the hash that `params` asks for and measures it. `step` stops the work by returning an error.
+/// Makes the hash that `params` asks for and measures it. `progress` hears what is being done and the share of it that is
+/// done, and stops the work by returning an error.
 pub(crate) fn build<E: Send>(
     source: Source<'_>,
     keeps_descriptors: bool,
@@ -70,33 +67,35 @@ pub(crate) fn build<E: Send>(
     params: HashParams,
     sigma: f64,
     seed: u64,
-    step: &dyn Fn(Step, f64) -> Result<(), E>,
-) -> Result<Built, E> {
-    step(Step::Tune, 0.0)?;
+    progress: &dyn Fn(Phase, f64) -> Result<(), E>,
+) -> Result<BuiltHash, E> {
+    progress(Phase::Tune, 0.0)?;
     let rows = source.rows;
-    let table = match params {
-        HashParams::Learned => Table::Learned(fit(rows, Simd::best(), &|share| step(Step::Fill, share))?),
+    let hash = match params {
+        HashParams::Learned => {
+            OwnedHash::Learned(fit(rows, Simd::best(), &|share| progress(Phase::Tables, share))?)
+        }
         HashParams::Random(params) => {
             let size = match params {
                 RandomParams::Auto => {
-                    tune::choose(source, held_out, sigma, seed, &|share| step(Step::Tune, share))?
+                    tune::choose(source, held_out, sigma, seed, &|share| progress(Phase::Tune, share))?
                 }
                 RandomParams::Fixed { k, t, buckets } => RandomHash { planes: k, tables: t, buckets },
             };
-            step(Step::Fill, 0.0)?;
-            source.file.will_jump();
+            progress(Phase::Tables, 0.0)?;
+            source.will_jump();
             let (normals, offsets) = random::draw(rows, size.tables, size.planes, seed);
-            source.file.will_pass();
-            let hash = RandomHyperplanes { size, dim: rows.dim, normals: &normals, offsets: &offsets };
-            let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hash.home(row, table));
-            Table::Random { size, normals, offsets, tables }
+            source.will_pass();
+            let planes = RandomHyperplanes { size, dim: rows.dim, normals: &normals, offsets: &offsets };
+            let tables = Tables::build(rows, size.tables, size.buckets, |row, table| planes.home(row, table));
+            OwnedHash::Random { size, normals, offsets, tables }
         }
     };
-    step(Step::Measure, 0.0)?;
+    progress(Phase::Measure, 0.0)?;
     let stored = stored(rows, keeps_descriptors);
-    let go_on = |share| step(Step::Measure, share);
-    let measured = measure::measure(source, stored, held_out, &*table.hash(rows), sigma, seed, &go_on)?;
-    Ok(Built { table, keeps_descriptors, measured })
+    let progress = |share| progress(Phase::Measure, share);
+    let measured = measure(source, stored, held_out, &hash.as_hash(rows), sigma, seed, &progress)?;
+    Ok(BuiltHash { hash, keeps_descriptors, measured })
 }
 
 /// Rounded to 16 bits, descriptors find what they find as they are.
@@ -105,29 +104,28 @@ fn stored(rows: Rows<'_>, keeps_descriptors: bool) -> Stored<'_> {
     Stored { values, ..rows.into() }
 }
 
-impl Table {
-    fn hash<'a>(&'a self, rows: Rows<'a>) -> Box<dyn Hash + 'a> {
+impl OwnedHash {
+    fn as_hash<'a>(&'a self, rows: Rows<'a>) -> Hash<'a> {
         match self {
-            Self::Learned(fitted) => Box::new(fitted.as_learned()),
-            Self::Random { size, normals, offsets, tables } => Box::new(Random {
+            Self::Learned(fitted) => Hash::Learned(fitted.as_learned()),
+            Self::Random { size, normals, offsets, tables } => Hash::Random(Random {
                 hyperplanes: RandomHyperplanes { size: *size, dim: rows.dim, normals, offsets },
-                buckets: tables.as_buckets(),
-                entries: rows.len(),
+                files: vec![Entries { buckets: tables.as_buckets(), count: rows.len(), first: 0 }],
             }),
+        }
+    }
+
+    pub(crate) fn info(&self) -> HashInfo {
+        match self {
+            Self::Learned(fitted) => HashInfo::Learned(fitted.size),
+            Self::Random { size, .. } => HashInfo::Random(*size),
         }
     }
 }
 
-impl Built {
-    pub(crate) fn info(&self) -> HashInfo {
-        match &self.table {
-            Table::Learned(fitted) => HashInfo::Learned(fitted.size),
-            Table::Random { size, .. } => HashInfo::Random(*size),
-        }
-    }
-
+impl BuiltHash {
     /// Held-out rows, moved by `noise` in units of `sigma`, each with the `k` entries that a search finds by default.
-    pub(crate) fn ask(
+    pub(crate) fn neighbours_of_held_out(
         &self,
         source: Source<'_>,
         held_out: Rows<'_>,
@@ -137,40 +135,17 @@ impl Built {
         seed: u64,
     ) -> Vec<(u32, Vec<Neighbour>)> {
         let rows = source.rows;
-        let hash = self.table.hash(rows);
+        let hash = self.hash.as_hash(rows);
         let enough = self.measured.enough(SearchOptions::default().effort);
         let probes = enough.or(self.measured.curve.last()).map_or(1, |point| point.probes);
         let stored = stored(rows, self.keeps_descriptors);
-        let queries = measure::moved(held_out, QUERIES_OF_THE_VOTE, noise, sigma, seed, 3);
-        let find = |scratch: &mut Scratch, (row, vector): (u32, Vec<f32>)| {
-            (row, hashed(stored, &*hash, Simd::best(), &vector, k, probes, scratch).neighbours)
+        let queries = moved(held_out, QUERIES_OF_THE_VOTE, noise, sigma, seed, 3);
+        let find = |in_flight: &mut InFlight<'_>, (row, vector): (u32, Vec<f32>)| {
+            (row, in_flight.search(stored, Simd::best(), &vector, k, probes).neighbours)
         };
-        source.file.will_jump();
-        let found = queries.into_par_iter().map_init(Scratch::default, find).collect();
-        source.file.will_pass();
+        source.will_jump();
+        let found = queries.into_par_iter().map_init(|| InFlight::new(&hash), find).collect();
+        source.will_pass();
         found
-    }
-
-    /// The bytes of one of the hash's sections; none for a section that is another's.
-    pub(crate) fn section(&self, kind: SectionKind) -> &[u8] {
-        match (&self.table, kind) {
-            (Table::Random { normals, .. }, SectionKind::PlaneNormals) => bytemuck::cast_slice(normals),
-            (Table::Random { offsets, .. }, SectionKind::PlaneOffsets) => bytemuck::cast_slice(offsets),
-            (Table::Random { tables, .. }, SectionKind::BucketDirectory) => {
-                bytemuck::cast_slice(&tables.directory)
-            }
-            (Table::Random { tables, .. }, SectionKind::BucketIds) => bytemuck::cast_slice(&tables.ids),
-            (Table::Learned(fitted), SectionKind::Axes) => bytemuck::cast_slice(&fitted.axes.projection),
-            (Table::Learned(fitted), SectionKind::GroupCentres) => &fitted.groups,
-            (Table::Learned(fitted), SectionKind::GroupDirectory) => {
-                bytemuck::cast_slice(&fitted.group_directory)
-            }
-            (Table::Learned(fitted), SectionKind::BucketCentres) => &fitted.centres,
-            (Table::Learned(fitted), SectionKind::BucketDirectory) => {
-                bytemuck::cast_slice(&fitted.bucket_directory)
-            }
-            (Table::Learned(fitted), SectionKind::EntryBlocks) => &fitted.entries,
-            _ => &[],
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! How much effort finds how much: measured when the index is built, looked up when it is searched.
 
-use super::Effort;
+use super::options::Effort;
 use rkyv::{Archive, Deserialize, Serialize};
 
 /// The values of eps at which success is measured.

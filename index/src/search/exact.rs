@@ -1,6 +1,6 @@
 //! The k nearest of the rows that are measured.
 
-use super::Neighbour;
+use super::nearest::{Nearest, Neighbour};
 use super::simd::Simd;
 use super::stored::Stored;
 use rayon::prelude::*;
@@ -12,61 +12,6 @@ const TILE: usize = 32 << 10;
 const BLOCK: usize = 16 << 20;
 /// Neighbours that are kept at a time, 32 MB of them: for more, the rows are gone through again.
 const KEPT: usize = 4 << 20;
-
-/// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts as infinitely far.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Nearest {
-    k: usize,
-    /// Ascending.
-    kept: Vec<Neighbour>,
-    /// No squared distance above is among the nearest; some that are below it are not either.
-    bound: f32,
-}
-
-impl Nearest {
-    pub(crate) fn new(k: usize) -> Self {
-        let mut nearest = Self::default();
-        nearest.reset(k);
-        nearest
-    }
-
-    pub(crate) fn reset(&mut self, k: usize) {
-        self.k = k;
-        self.kept.clear();
-        self.bound = f32::INFINITY;
-    }
-
-    /// k is small: a sorted list beats a heap.
-    #[inline]
-    pub(crate) fn offer(&mut self, id: u32, squared: f32) {
-        // Most are too far, and need no root to show it.
-        if squared > self.bound {
-            return;
-        }
-        // Of the NaNs, which only a damaged file can bring about, some sort before every number.
-        let squared = if squared.is_nan() { f32::INFINITY } else { squared };
-        // Compared as it is told: of two squares, one root may come, and what several indexes tell is merged by it.
-        let offered = Neighbour { id, distance: squared.sqrt() };
-        let is_before = |kept: &Neighbour| kept.by_distance(&offered).is_lt();
-        if self.kept.len() >= self.k {
-            if self.kept.last().is_none_or(is_before) {
-                return;
-            }
-            self.kept.pop();
-        }
-        let at = self.kept.partition_point(is_before);
-        self.kept.insert(at, offered);
-        if let (true, Some(last)) = (self.kept.len() >= self.k, self.kept.last()) {
-            // A root is rounded by less than that.
-            let squared = f64::from(last.distance).powi(2) * (1.0 + 1e-6);
-            self.bound = squared as f32;
-        }
-    }
-
-    pub(crate) fn neighbours(&self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
-        self.kept.iter().copied()
-    }
-}
 
 /// Who measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,8 +85,9 @@ pub(crate) fn append(neighbours: impl Iterator<Item = Neighbour>, k: usize, foun
 
 #[cfg(test)]
 mod tests {
+    use super::super::distance;
+    use super::super::rows::Rows;
     use super::super::stored::{Several, Values};
-    use super::super::{Rows, distance};
     use super::*;
     use half::f16;
     use half::slice::HalfFloatSliceExt as _;
@@ -179,7 +125,7 @@ mod tests {
     struct Two<'a>(Stored<'a>, Stored<'a>);
 
     impl Several for Two<'_> {
-        fn of(&self, id: u32) -> Option<(Stored<'_>, u32)> {
+        fn locate(&self, id: u32) -> Option<(Stored<'_>, u32)> {
             Some(id.checked_sub(self.0.entries as u32).map_or((self.0, id), |id| (self.1, id)))
         }
 

@@ -1,8 +1,8 @@
 //! The steps of one search by the learned hash, each by itself, for the benches to time. No part of the interface.
 
-use super::Hash;
 use super::learned::Learned;
-use super::searcher::{Scratch, rerank};
+use super::learned::lookup::Lookup;
+use super::nearest::Nearest;
 use super::simd::Simd;
 use super::stored::Stored;
 
@@ -10,14 +10,15 @@ use super::stored::Stored;
 #[derive(Debug)]
 pub struct Parts<'a> {
     stored: Stored<'a>,
-    learned: Learned<'a>,
     simd: Simd,
-    scratch: Scratch,
+    lookup: Lookup<'a>,
+    nearest: Nearest,
+    row: Vec<f32>,
 }
 
 impl<'a> Parts<'a> {
     pub(crate) fn new(stored: Stored<'a>, learned: Learned<'a>, simd: Simd) -> Self {
-        Self { stored, learned, simd, scratch: Scratch::default() }
+        Self { stored, simd, lookup: Lookup::new(learned), nearest: Nearest::default(), row: Vec::new() }
     }
 
     /// The instructions that are used.
@@ -27,27 +28,29 @@ impl<'a> Parts<'a> {
 
     /// Into the principal axes, and quantised.
     pub fn rotate(&mut self, query: &[f32]) {
-        self.learned.rotate(self.simd, query, &mut self.scratch);
+        self.lookup.rotate(self.simd, query);
     }
 
     /// The `probes` buckets whose centres are nearest to the rotated query.
     pub fn rank(&mut self, probes: u32) {
-        self.learned.rank(self.simd, self.learned.groups_for(probes), probes, &mut self.scratch);
+        self.lookup.rank(self.simd, probes);
     }
 
     /// How many entries the ranked buckets hold.
     pub fn held(&self) -> u32 {
-        self.learned.held(0, &self.scratch)
+        self.lookup.held()
     }
 
     /// The best by their codes of the entries of the ranked buckets.
     pub fn scan(&mut self, k: usize) {
-        self.learned.gather(self.simd, k, &mut self.scratch);
+        self.lookup.gather(self.simd, k);
     }
 
     /// Measures those, and keeps the k nearest; returns how many were measured.
     pub fn rerank(&mut self, query: &[f32], k: usize) -> usize {
-        rerank(self.stored, &self.learned, self.simd, query, k, &mut self.scratch);
-        self.scratch.candidates.len()
+        self.nearest.reset(k);
+        let candidates = self.lookup.candidates();
+        self.stored.measure(self.simd, query, candidates, &mut self.row, &mut self.nearest);
+        candidates.len()
     }
 }

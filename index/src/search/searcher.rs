@@ -1,52 +1,30 @@
 //! Many searches of one index.
 
-use super::blocks::QuantisedQuery;
 use super::effort::Measured;
-use super::exact::{self, Nearest, Threads, append};
+use super::exact::{Threads, append, nearest_of_many};
+use super::hash::Hash;
+use super::in_flight::{InFlight, ahead, exhaustive};
+use super::nearest::Neighbour;
+use super::options::{Effort, SearchError, SearchOptions, check};
+use super::read_ahead::ReadAhead;
+use super::result::{Search, SearchCost, Shortlist};
 use super::simd::Simd;
-use super::smallest::Smallest;
 use super::stored::Stored;
-use super::{Effort, Hash, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist, check};
-use crate::file::bytes::Bytes;
-use std::collections::HashMap;
-use std::convert::Infallible;
 use std::ops::ControlFlow;
 
 /// Searches one index, query after query. Each thread has its own.
 pub struct Searcher<'a> {
     stored: Stored<'a>,
-    hash: Box<dyn Hash + 'a>,
     measured: &'a Measured,
     simd: Simd,
-    scratch: [Scratch; STAGES],
-    files: Vec<&'a Bytes>,
+    in_flight: [InFlight<'a>; STAGES],
+    files: Vec<&'a dyn ReadAhead>,
     /// Before the first search: what that one needs is read ahead.
     is_cold: bool,
 }
 
 /// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
 const STAGES: usize = 3;
-
-/// Memory that one search after another uses.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch {
-    /// The query in the frame of a learned hash.
-    pub(crate) coordinates: Vec<f32>,
-    pub(crate) query: QuantisedQuery,
-    pub(crate) nearest: Smallest,
-    pub(crate) groups: Vec<u32>,
-    /// What [`Hash::probe`] finds: the buckets to look into, the most promising first, each with what it adds to the scores
-    /// of its entries.
-    pub(crate) buckets: Vec<(f32, u32)>,
-    pub(crate) found: Smallest,
-    /// A bit for each entry that was met.
-    pub(crate) met: Vec<u64>,
-    /// What [`Hash::gather`] finds: the entries whose distance is to be measured.
-    pub(crate) candidates: Vec<u32>,
-    pub(crate) measured: Nearest,
-    /// A descriptor whose values had to be widened.
-    row: Vec<f32>,
-}
 
 impl std::fmt::Debug for Searcher<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -57,12 +35,13 @@ impl std::fmt::Debug for Searcher<'_> {
 impl<'a> Searcher<'a> {
     pub(crate) fn new(
         stored: Stored<'a>,
-        hash: Box<dyn Hash + 'a>,
+        hash: &Hash<'a>,
         measured: &'a Measured,
-        files: Vec<&'a Bytes>,
+        files: Vec<&'a dyn ReadAhead>,
         is_cold: bool,
     ) -> Self {
-        Self { stored, hash, measured, simd: Simd::best(), scratch: Default::default(), files, is_cold }
+        let in_flight = std::array::from_fn(|_| InFlight::new(hash));
+        Self { stored, measured, simd: Simd::best(), in_flight, files, is_cold }
     }
 
     /// The nearest neighbours of a descriptor.
@@ -80,8 +59,7 @@ impl<'a> Searcher<'a> {
             return all.ok_or(SearchError::NoOriginals);
         };
         self.warm(query, options.k, probes);
-        let scratch = &mut self.scratch[0];
-        let mut found = hashed(self.stored, &*self.hash, self.simd, query, options.k, probes, scratch);
+        let mut found = self.in_flight[0].search(self.stored, self.simd, query, options.k, probes);
         if !found.cost.exact {
             found.cost.predicted_recall = predicted_recall;
         }
@@ -105,17 +83,15 @@ impl<'a> Searcher<'a> {
         check(query, options)?;
         let Some((probes, _)) = self.probes(options.effort)? else { return Ok(None) };
         self.warm(query, options.k, probes);
-        let (hash, scratch) = (&*self.hash, &mut self.scratch[0]);
-        hash.probe(self.simd, query, probes, scratch);
-        hash.gather(self.simd, options.k, scratch);
-        let mut keys = HashMap::new();
-        let keep = hash.keys(scratch, &mut |key, id| {
-            keys.insert(id, key);
-        });
-        rerank(self.stored, hash, self.simd, query, scratch.candidates.len(), scratch);
+        let in_flight = &mut self.in_flight[0];
+        in_flight.lookup.probe(self.simd, query, probes);
+        in_flight.lookup.gather(self.simd, options.k);
+        let (keep, keys) = in_flight.lookup.keys().unzip();
+        let keys = keys.unwrap_or_default();
+        in_flight.rerank(self.stored, self.simd, query, in_flight.lookup.candidates().len());
         let keyed = |near: Neighbour| (keys.get(&near.id).copied().unwrap_or_default(), near);
-        let candidates = scratch.measured.neighbours().map(keyed).collect();
-        Ok(Some(Shortlist { probes, most_probes: hash.most_probes(), keep, candidates }))
+        let candidates = in_flight.nearest.neighbours().map(keyed).collect();
+        Ok(Some(Shortlist { probes, most_probes: in_flight.lookup.most_probes(), keep, candidates }))
     }
 
     /// The nearest neighbours of many descriptors: `queries` holds them in rows of the index's `dim` values. To `found` is
@@ -138,36 +114,35 @@ impl<'a> Searcher<'a> {
         check(queries, options)?;
         let k = options.k;
         let Some((probes, _)) = self.probes(options.effort)? else {
-            let Ok(()) =
-                exact::nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
+            let Ok(()) = nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
             return Ok(());
         };
         let queries: Vec<&[f32]> = queries.chunks_exact(dim).collect();
         if let Some(first) = queries.first() {
             self.warm(first, k, probes);
         }
-        let (hash, simd) = (&*self.hash, self.simd);
+        let simd = self.simd;
         // Each turn takes one query a step further at each of three stages, so that what a stage asks the memory for
         // has a whole turn to arrive.
         for turn in 0..queries.len() + STAGES - 1 {
             if let Some(query) = queries.get(turn) {
-                let scratch = &mut self.scratch[turn % STAGES];
-                hash.probe(simd, query, probes, scratch);
-                hash.prefetch(scratch);
+                let lookup = &mut self.in_flight[turn % STAGES].lookup;
+                lookup.probe(simd, query, probes);
+                lookup.prefetch();
             }
             if let Some(at) = turn.checked_sub(1).filter(|&at| at < queries.len()) {
-                let scratch = &mut self.scratch[at % STAGES];
-                hash.gather(simd, k, scratch);
-                stored.prefetch(&scratch.candidates);
+                let lookup = &mut self.in_flight[at % STAGES].lookup;
+                lookup.gather(simd, k);
+                stored.prefetch(lookup.candidates());
             }
             if let Some((at, query)) = turn.checked_sub(2).and_then(|at| Some((at, *queries.get(at)?))) {
-                let scratch = &mut self.scratch[at % STAGES];
-                if scratch.candidates.len() < k.min(stored.entries) {
-                    let more = hashed(stored, hash, simd, query, k, probes.saturating_mul(2), scratch);
+                let in_flight = &mut self.in_flight[at % STAGES];
+                if in_flight.lookup.candidates().len() < k.min(stored.entries) {
+                    let more = in_flight.search(stored, simd, query, k, probes.saturating_mul(2));
                     append(more.neighbours.into_iter(), k, found);
                 } else {
-                    rerank(stored, hash, simd, query, k, scratch);
-                    append(scratch.measured.neighbours(), k, found);
+                    in_flight.rerank(stored, simd, query, k);
+                    append(in_flight.nearest.neighbours(), k, found);
                 }
             }
         }
@@ -175,7 +150,7 @@ impl<'a> Searcher<'a> {
     }
 
     /// The true nearest neighbours of many descriptors, as [`Self::batch`] with [`Effort::Exact`] finds them, on all threads, which go
-    /// through the index together. `go_on` hears what share of the work is done, 0 to 1, and stops it by breaking: then there is
+    /// through the index together. `progress` hears what share of the work is done, 0 to 1, and stops it by breaking: then there is
     /// no answer.
     ///
     /// # Errors
@@ -184,7 +159,7 @@ impl<'a> Searcher<'a> {
         &mut self,
         queries: &[f32],
         k: usize,
-        go_on: &dyn Fn(f64) -> ControlFlow<()>,
+        progress: &dyn Fn(f64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<Neighbour>>, SearchError> {
         let (stored, dim) = (self.stored, self.stored.dim.max(1));
         let rest = queries.len() % dim;
@@ -197,9 +172,9 @@ impl<'a> Searcher<'a> {
         let (mut found, mut announce) = (Vec::new(), ahead(&self.files));
         let mut before = |done: f64, to_come: &[(u32, Stored<'a>)]| {
             let Ok(()) = announce(done, to_come);
-            if go_on(done).is_break() { Err(()) } else { Ok(()) }
+            if progress(done).is_break() { Err(()) } else { Ok(()) }
         };
-        let searched = exact::nearest_of_many(stored, queries, k, Threads::All, &mut found, &mut before);
+        let searched = nearest_of_many(stored, queries, k, Threads::All, &mut found, &mut before);
         Ok(searched.is_ok().then_some(found))
     }
 
@@ -213,11 +188,11 @@ impl<'a> Searcher<'a> {
         files.iter().for_each(|bytes| bytes.will_jump());
         // A file knows what is its own.
         let will_need = |part: &[u8]| files.iter().for_each(|bytes| bytes.will_need(part));
-        let scratch = &mut self.scratch[0];
-        self.hash.probe(self.simd, query, probes, scratch);
-        self.hash.parts(scratch, &mut |part| will_need(part));
-        self.hash.gather(self.simd, k, scratch);
-        for &id in &scratch.candidates {
+        let lookup = &mut self.in_flight[0].lookup;
+        lookup.probe(self.simd, query, probes);
+        lookup.for_each_part(will_need);
+        lookup.gather(self.simd, k);
+        for &id in lookup.candidates() {
             will_need(self.stored.part(id));
         }
     }
@@ -236,91 +211,4 @@ impl<'a> Searcher<'a> {
             point => Ok(point.map(|point| (point.probes, Some(point.recall_at_10)))),
         }
     }
-}
-
-/// Searches an index through `hash`: the path of every hash. The query fits the descriptors.
-pub(crate) fn hashed(
-    stored: Stored<'_>,
-    hash: &dyn Hash,
-    simd: Simd,
-    query: &[f32],
-    k: usize,
-    probes: u32,
-    scratch: &mut Scratch,
-) -> Search {
-    let wanted = k.min(stored.entries);
-    let (mut probes, most) = (probes.max(1), hash.most_probes());
-    loop {
-        hash.probe(simd, query, probes, scratch);
-        hash.gather(simd, k, scratch);
-        if scratch.candidates.len() >= wanted || probes >= most {
-            break;
-        }
-        // Small buckets, or a large k: more of them are cheaper than all entries.
-        probes = probes.saturating_mul(2);
-    }
-    let held = hash.held(0, scratch);
-    let cost = SearchCost {
-        tables: hash.tables(),
-        buckets: scratch.buckets.len() as u32,
-        candidates: held,
-        share_of_database: f64::from(held) / stored.entries.max(1) as f64,
-        reranked: if stored.are_kept() { scratch.candidates.len() as u32 } else { 0 },
-        ..SearchCost::default()
-    };
-    if scratch.candidates.len() < wanted
-        && let Some(all) = exhaustive(stored, &[], query, k, SearchCost { fell_back: true, ..cost })
-    {
-        return all;
-    }
-    stored.prefetch(&scratch.candidates);
-    rerank(stored, hash, simd, query, k, scratch);
-    Search { neighbours: scratch.measured.neighbours().collect(), cost }
-}
-
-/// Measures every entry; `None` where no descriptors are kept.
-pub(crate) fn exhaustive(
-    stored: Stored<'_>,
-    files: &[&Bytes],
-    query: &[f32],
-    k: usize,
-    cost: SearchCost,
-) -> Option<Search> {
-    if !stored.are_kept() {
-        return None;
-    }
-    let (mut neighbours, k) = (Vec::new(), k.min(stored.entries));
-    let Ok(()) = exact::nearest_of_many(stored, query, k, Threads::One, &mut neighbours, &mut ahead(files));
-    let found_all = SearchCost { share_of_database: 1.0, exact: true, predicted_recall: Some(1.0), ..cost };
-    Some(Search { neighbours, cost: SearchCost { reranked: stored.entries as u32, ..found_all } })
-}
-
-/// Has the blocks that are to be looked at next read ahead, so that they come while the one before is looked at.
-fn ahead<'a>(files: &[&Bytes]) -> impl FnMut(f64, &[(u32, Stored<'a>)]) -> Result<(), Infallible> {
-    const BLOCKS: usize = 2;
-    |_, to_come| {
-        for (_, block) in to_come.iter().take(BLOCKS) {
-            files.iter().for_each(|file| file.will_pass(block.bytes()));
-        }
-        Ok(())
-    }
-}
-
-/// Measures the candidates' distances, by their descriptors where these are kept, and keeps the k nearest.
-pub(crate) fn rerank(
-    stored: Stored<'_>,
-    hash: &dyn Hash,
-    simd: Simd,
-    query: &[f32],
-    k: usize,
-    scratch: &mut Scratch,
-) {
-    let mut nearest = std::mem::take(&mut scratch.measured);
-    nearest.reset(k);
-    if stored.are_kept() {
-        stored.measure(simd, query, &scratch.candidates, &mut scratch.row, &mut nearest);
-    } else {
-        hash.estimate(scratch, &mut nearest);
-    }
-    scratch.measured = nearest;
 }

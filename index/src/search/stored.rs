@@ -1,7 +1,7 @@
 //! The descriptors that an index keeps, by which distances are measured.
 
-use super::Rows;
-use super::exact::Nearest;
+use super::nearest::Nearest;
+use super::rows::Rows;
 use super::simd::{self, Simd};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -31,7 +31,7 @@ pub(crate) enum Values<'a> {
 /// Several files of descriptors, whose entries are numbered on from one to the next.
 pub(crate) trait Several: std::fmt::Debug + Sync {
     /// The file of an entry, and its number there.
-    fn of(&self, id: u32) -> Option<(Stored<'_>, u32)>;
+    fn locate(&self, id: u32) -> Option<(Stored<'_>, u32)>;
 
     /// All files, each with the number of its first entry.
     fn all(&self) -> Vec<(u32, Stored<'_>)>;
@@ -54,7 +54,7 @@ impl<'a> Stored<'a> {
             Values::F32(values) => row_of(values, self.dim, id).map(Cow::Borrowed),
             Values::F16(values) => row_of(values, self.dim, id).map(|row| Cow::Owned(row.to_f32_vec())),
             Values::None => None,
-            Values::Several(several) => several.of(id).and_then(|(stored, id)| stored.get(id)),
+            Values::Several(several) => several.locate(id).and_then(|(stored, id)| stored.get(id)),
         }
     }
 
@@ -71,7 +71,7 @@ impl<'a> Stored<'a> {
                 Some(row)
             }
             Values::None => None,
-            Values::Several(several) => several.of(id).and_then(|(stored, id)| stored.row(id, row)),
+            Values::Several(several) => several.locate(id).and_then(|(stored, id)| stored.row(id, row)),
         }
     }
 
@@ -111,7 +111,7 @@ impl<'a> Stored<'a> {
             Values::F32(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
             Values::F16(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
             Values::None => None,
-            Values::Several(several) => several.of(id).map(|(stored, id)| stored.part(id)),
+            Values::Several(several) => several.locate(id).map(|(stored, id)| stored.part(id)),
         };
         part.unwrap_or(&[])
     }

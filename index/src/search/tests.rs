@@ -1,9 +1,11 @@
 //! The search against brute force.
 
+use super::in_flight::{InFlight, exhaustive};
 use super::learned::fit::fit;
-use super::random::tables::{self, Buckets, Tables};
-use super::random::{Random, RandomHash, RandomHyperplanes};
-use super::searcher::{exhaustive, hashed};
+use super::options::check;
+use super::random::tables::{Buckets, Tables};
+use super::random::{Entries, Random, RandomHash, RandomHyperplanes};
+use super::simd::Simd;
 use super::*;
 use proptest::prelude::*;
 
@@ -36,8 +38,9 @@ fn random(rows: Rows<'_>, size: RandomHash, probes: u32, query: &[f32], k: usize
     let (normals, offsets) = random::draw(rows, size.tables, size.planes, 3);
     let hyperplanes = RandomHyperplanes { size, dim: DIM, normals: &normals, offsets: &offsets };
     let tables = Tables::build(rows, size.tables, size.buckets, |row, table| hyperplanes.home(row, table));
-    let hash = Random { hyperplanes, buckets: tables.as_buckets(), entries: rows.len() };
-    hashed(rows.into(), &hash, Simd::best(), query, k, probes, &mut Scratch::default())
+    let files = vec![Entries { buckets: tables.as_buckets(), count: rows.len(), first: 0 }];
+    let hash = Hash::Random(Random { hyperplanes, files });
+    InFlight::new(&hash).search(rows.into(), Simd::best(), query, k, probes)
 }
 
 proptest! {
@@ -114,10 +117,10 @@ proptest! {
     fn with_all_buckets_a_learned_search_is_brute_force(values in rows(), query in prop::array::uniform5(0..4u8), k in 1..20usize) {
         let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
         let fitted = fit::<()>(rows, Simd::best(), &|_| Ok(())).expect("nothing stops it");
-        let hash = fitted.as_learned();
+        let hash = Hash::Learned(fitted.as_learned());
         let all = brute_force(rows, &query);
         for simd in Simd::available() {
-            let found = hashed(rows.into(), &hash, simd, &query, k, hash.most_probes(), &mut Scratch::default());
+            let found = InFlight::new(&hash).search(rows.into(), simd, &query, k, hash.most_probes());
             prop_assert_eq!(found.neighbours.len(), k.min(rows.len()));
             // Of equally near ones, the codes may prefer any.
             for (found, true_one) in found.neighbours.iter().zip(&all) {
@@ -150,7 +153,7 @@ proptest! {
         let fitted = fit::<()>(rows, Simd::best(), &|_| Ok(())).expect("nothing stops it");
         let learned = fitted.as_learned();
         let mut ids: Vec<u32> =
-            learned.entries.iter().flat_map(|block| (0..blocks::LANES).map(move |lane| block.id(lane))).collect();
+            learned.files[0].blocks.iter().flat_map(|block| (0..blocks::LANES).map(move |lane| block.id(lane))).collect();
         ids.sort_unstable();
         ids.truncate(rows.len());
         prop_assert_eq!(ids, (0..rows.len() as u32).collect::<Vec<_>>());
@@ -181,12 +184,6 @@ fn buckets_that_make_no_sense_are_empty() {
     for bucket in [0, 1, 2, 3, u32::MAX] {
         assert!(buckets.get(bucket).is_empty(), "bucket {bucket}");
     }
-    let buckets = Buckets { directory: &[0, 3], ids: &[0, 7, u32::MAX] };
-    let (mut met, mut union) = (Vec::new(), Vec::new());
-    tables::union(buckets, [0, 0].into_iter(), 0, 5, &mut met, &mut union);
-    assert_eq!(union, [0], "ids past the last row are left out");
-    tables::union(buckets, [0].into_iter(), 70, 8, &mut met, &mut union);
-    assert_eq!(union, [0, 70, 77], "numbered on");
 }
 
 #[test]

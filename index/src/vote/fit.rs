@@ -4,7 +4,7 @@
 use super::calibration::{Calibrated, Calibration};
 use super::class::shares;
 use super::reliability::Reliability;
-use crate::search::measure::NOISE;
+use crate::search::queries::NOISE;
 use rayon::prelude::*;
 
 /// Numbers of neighbours that are tried.

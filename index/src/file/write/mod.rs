@@ -1,22 +1,24 @@
 //! Building an index and writing it.
 //!
 //! Descriptors are the bulk of an index. They are written as they come, straight to where they lie in the file
-//! ([`sink`]), and mapped from there when the hash is made of them ([`built`]); of the rest of an entry a few bytes stay
+//! ([`sink`]), and mapped from there when the hash is made of them ([`crate::model`]); of the rest of an entry a few bytes stay
 //! in memory ([`columns`]). The header comes last: until then zeros stand in its place, which make no index.
 
-mod built;
 mod check;
 mod columns;
+mod hash_sections;
 pub(crate) mod segment;
 mod sink;
 
 use super::atomic::{AtomicFile, WriteError};
 use super::catalogue::{Catalogue, Originals};
 use super::header::{self, Header};
-use super::input::{BuildError, IndexParams, NewEntry, Phase, Summary};
+use super::input::{BuildError, IndexParams, NewEntry, Summary};
 use super::sections::{ElementType, Section, SectionKind};
+use crate::model::{Model, ModelParams};
+use crate::phase::Phase;
+use crate::search::build::{HashParams, RandomParams};
 use crate::search::{Rows, Source};
-use built::Built;
 use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
 use half::f16;
@@ -193,17 +195,35 @@ impl IndexWriter {
         };
         let values = written.get(header::LENGTH..).unwrap_or(&[]);
         let rows = Rows { values: bytemuck::cast_slice(values), dim: params.descriptor.dim() };
-        let built = Built::new(Source { rows, file: &written }, columns, params, progress)?;
+        check_count(params, rows.len())?;
+        let model_params = ModelParams {
+            hash: params.hash,
+            keeps_descriptors: params.originals != Originals::None,
+            labels: &columns.labels,
+            classes: params.classes.len(),
+            hand_shapes: params.hand_shapes.len(),
+            held_out: &params.held_out,
+            held_out_classes: &params.held_out_classes,
+            calibration: params.calibration,
+            seed: params.seed,
+        };
+        let model =
+            Model::fit(Source { rows, file: &written }, &model_params, &|phase, share| match progress(
+                phase, share,
+            ) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(BuildError::Stopped),
+            })?;
         drop(written);
-        let sections = self.sections(in_place, &built, progress)?;
-        let catalogue = self.catalogue(&built, sections);
+        let sections = self.sections(in_place, &model, progress)?;
+        let catalogue = self.catalogue(&model, sections);
         Ok(Summary {
             entries: self.len() as u64,
             bytes: seal(&mut self.out, &catalogue)?,
-            sigma: built.sigma,
-            calibration: built.calibration,
-            hash: built.search.info(),
-            measured: built.search.measured,
+            sigma: model.sigma,
+            calibration: model.calibration,
+            hash: model.search.hash.info(),
+            measured: model.search.measured,
         })
     }
 
@@ -211,7 +231,7 @@ impl IndexWriter {
     fn sections(
         &mut self,
         in_place: Option<Section>,
-        built: &Built,
+        model: &Model,
         progress: &dyn Fn(Phase, f64) -> ControlFlow<()>,
     ) -> Result<Vec<Section>, Failure> {
         let Self { params, columns, out, rows, thumbnails, .. } = self;
@@ -224,7 +244,7 @@ impl IndexWriter {
         let bytes = |kind| match kind {
             SectionKind::Descriptors => values,
             SectionKind::Thumbnails => &thumbnails,
-            _ if kind.is_of_the_hash() => built.section(kind),
+            _ if kind.is_of_the_hash() => hash_sections::section(&model.search.hash, kind),
             _ => columns.section(kind, params.kept),
         };
         let total = SectionKind::ALL.iter().map(|&kind| bytes(kind).len()).sum::<usize>().max(1);
@@ -252,7 +272,7 @@ impl IndexWriter {
         SectionKind::ALL.iter().map(&mut section).collect()
     }
 
-    fn catalogue(&self, built: &Built, sections: Vec<Section>) -> Catalogue {
+    fn catalogue(&self, model: &Model, sections: Vec<Section>) -> Catalogue {
         let params = &self.params;
         Catalogue {
             entries: self.len() as u64,
@@ -265,11 +285,11 @@ impl IndexWriter {
             originals: params.originals,
             kept: params.kept,
             objects: self.columns.objects(),
-            sigma: built.sigma,
-            calibration: built.calibration,
+            sigma: model.sigma,
+            calibration: model.calibration,
             seed: params.seed,
-            hash: built.search.info(),
-            measured: built.search.measured.clone(),
+            hash: model.search.hash.info(),
+            measured: model.search.measured.clone(),
             thumbnail_side: params.thumbnail_side,
             provenance: params.provenance.clone(),
             sections,
@@ -277,7 +297,16 @@ impl IndexWriter {
     }
 }
 
-/// Writes the catalogue, and the header last of all; tells how many bytes the file has.
+/// Refuses more entries than the hash can number: the places of a random hash's ids are u32.
+fn check_count(params: &IndexParams, entries: usize) -> Result<(), BuildError> {
+    let tables = match params.hash {
+        HashParams::Random(RandomParams::Fixed { t, .. }) => u64::from(t),
+        HashParams::Random(RandomParams::Auto) | HashParams::Learned => 1,
+    };
+    u32::try_from(tables * entries as u64).map(|_| ()).map_err(|_| BuildError::TooMany("the entries"))
+}
+
+/// Writes the catalogue, and the header last of all; returns how many bytes the file has.
 fn seal(out: &mut Sink, catalogue: &Catalogue) -> io::Result<u64> {
     let archive = rkyv::to_bytes::<rkyv::rancor::Error>(catalogue).map_err(io::Error::other)?;
     out.open()?;

@@ -3,12 +3,13 @@
 use super::sink::Sink;
 use super::{Failure, failed, seal};
 use crate::file::atomic::AtomicFile;
-use crate::file::catalogue::{Catalogue, HashInfo};
+use crate::file::catalogue::Catalogue;
 use crate::file::header;
 use crate::file::input::BuildError;
 use crate::file::open::Opened;
 use crate::file::sections::{Section, SectionKind};
 use crate::search::blocks::{self, Blocks, LANES};
+use crate::search::hash::HashInfo;
 use crate::search::random::tables::Buckets;
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};

@@ -1,7 +1,7 @@
 //! The principal axes of the data: the frame in which vectors are quantised.
 
-use crate::search::Rows;
 use crate::search::blocks::MAX_AXES;
+use crate::search::rows::Rows;
 use crate::search::simd::Simd;
 use nalgebra::{DMatrix, SymmetricEigen};
 use rayon::prelude::*;

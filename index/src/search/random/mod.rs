@@ -1,12 +1,13 @@
 //! The paper's hash: `T` tables, each of `K` random hyperplanes through the region where the data lies. The side of each
 //! plane is a bit; the `K` bits are hashed to one of `H` buckets.
 
+mod id_set;
+pub(crate) mod lookup;
 pub(crate) mod tables;
 pub(crate) mod tune;
 
-use super::searcher::Scratch;
-use super::simd::Simd;
-use super::{Hash, Rows, distance};
+use crate::search::distance;
+use crate::search::rows::Rows;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -49,7 +50,7 @@ impl RandomHyperplanes<'_> {
         }
     }
 
-    /// The paper's f: bit `k` tells the side of plane `k`.
+    /// The paper's f: bit `k` is the side of plane `k`.
     pub(crate) fn bits(&self, vector: &[f32], table: u32) -> u64 {
         let mut bits = 0;
         self.margins(vector, table, |plane, margin| bits |= u64::from(margin >= 0.0) << plane);
@@ -69,60 +70,30 @@ impl RandomHyperplanes<'_> {
 }
 
 /// Hyperplanes with the buckets behind them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Random<'a> {
     pub(crate) hyperplanes: RandomHyperplanes<'a>,
-    pub(crate) buckets: Buckets<'a>,
-    /// Entries of the index.
-    pub(crate) entries: usize,
+    /// The buckets' entries, file by file: a bucket holds those of the bucket of its number in each.
+    pub(crate) files: Vec<Entries<'a>>,
 }
 
-impl Hash for Random<'_> {
-    fn tables(&self) -> u32 {
+/// The entries that the buckets hold in one file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entries<'a> {
+    pub(crate) buckets: Buckets<'a>,
+    pub(crate) count: usize,
+    /// The number of the file's first entry among those of all files.
+    pub(crate) first: u32,
+}
+
+impl Random<'_> {
+    pub(crate) fn tables(&self) -> u32 {
         self.hyperplanes.size.tables
     }
 
-    fn most_probes(&self) -> u32 {
+    /// A table's own bucket, and those across one of its planes.
+    pub(crate) fn most_probes(&self) -> u32 {
         self.hyperplanes.size.planes + 1
-    }
-
-    /// A table's own bucket first; then those across one plane, the nearest plane first.
-    fn probe(&self, _: Simd, vector: &[f32], probes: u32, scratch: &mut Scratch) {
-        let RandomHyperplanes { size, .. } = self.hyperplanes;
-        let mut margins = Vec::with_capacity(size.planes as usize);
-        scratch.buckets.clear();
-        for table in 0..size.tables {
-            margins.clear();
-            let mut bits = 0u64;
-            self.hyperplanes.margins(vector, table, |plane, margin| {
-                bits |= u64::from(margin >= 0.0) << plane;
-                margins.push((margin.abs(), plane));
-            });
-            let number = |bits: u64| (0.0, table * size.buckets + self.hyperplanes.bucket(bits, table));
-            scratch.buckets.push(number(bits));
-            if probes > 1 {
-                margins.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                let flips = margins.iter().take(probes as usize - 1);
-                scratch.buckets.extend(flips.map(|(_, plane)| number(bits ^ (1 << plane))));
-            }
-        }
-    }
-
-    fn begin(&self, _: usize, scratch: &mut Scratch) {
-        scratch.met.clear();
-        scratch.candidates.clear();
-    }
-
-    /// The union of the buckets.
-    fn scan(&self, _: Simd, first: u32, scratch: &mut Scratch) {
-        let Scratch { buckets, candidates, met, .. } = scratch;
-        let probed = buckets.iter().map(|&(_, bucket)| bucket);
-        tables::union(self.buckets, probed, first, self.entries, met, candidates);
-    }
-
-    fn held(&self, first: u32, scratch: &Scratch) -> u32 {
-        let own = |id: &&u32| (id.wrapping_sub(first) as usize) < self.entries;
-        scratch.candidates.iter().filter(own).count() as u32
     }
 }
 

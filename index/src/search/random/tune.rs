@@ -3,8 +3,8 @@
 
 use super::{RandomHash, RandomHyperplanes, draw};
 use crate::search::effort::EPS;
-use crate::search::measure::{self, is_near_enough};
-use crate::search::{Rows, Source};
+use crate::search::queries::{is_near_enough, queries};
+use crate::search::rows::{Rows, Source};
 use rayon::prelude::*;
 
 /// The share of queries whose nearest found shall be within `1 + EPS` of the true nearest: 0.95 is wanted, and a little
@@ -22,18 +22,18 @@ fn buckets_for(rows: usize) -> u32 {
     (rows.min(1 << 20) as u32).next_power_of_two().max(16)
 }
 
-/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest distances and products. `go_on` stops the
+/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest distances and products. `progress` stops the
 /// work by an error.
 pub(crate) fn choose<E>(
     source: Source<'_>,
     held_out: Rows<'_>,
     sigma: f64,
     seed: u64,
-    go_on: &dyn Fn(f64) -> Result<(), E>,
+    progress: &dyn Fn(f64) -> Result<(), E>,
 ) -> Result<RandomHash, E> {
-    let queries = measure::queries(source, held_out, sigma, TRUE_NEIGHBOURS, seed, 1, go_on)?;
+    let queries = queries(source, held_out, sigma, TRUE_NEIGHBOURS, seed, 1, progress)?;
     let rows = source.rows;
-    source.file.will_jump();
+    source.will_jump();
     let (normals, offsets) = draw(rows, MAX_TABLES, MAX_PLANES, seed);
     let all = RandomHash { planes: MAX_PLANES, tables: MAX_TABLES, buckets: 1 };
     let hash = RandomHyperplanes { size: all, dim: rows.dim, normals: &normals, offsets: &offsets };
@@ -50,10 +50,10 @@ pub(crate) fn choose<E>(
             let own = signature(&query.vector);
             let good = query.nearest.iter().filter(|n| is_near_enough(n, &query.nearest, EPS));
             let good: Vec<Vec<u64>> = good.filter_map(|n| rows.get(n.id).map(signature)).collect();
-            Reach::of(&own, &good, &sample)
+            Reach::new(&own, &good, &sample)
         })
         .collect();
-    source.file.will_pass();
+    source.will_pass();
     let cost = |planes: u32, tables: u32| {
         let (success, share) = totals(&reach, planes, tables);
         (success, share * rows.len() as f64 + f64::from(planes * tables))
@@ -78,7 +78,7 @@ struct Reach {
 }
 
 impl Reach {
-    fn of(own: &[u64], good: &[Vec<u64>], rows: &[Vec<u64>]) -> Self {
+    fn new(own: &[u64], good: &[Vec<u64>], rows: &[Vec<u64>]) -> Self {
         let common = |a: u64, b: u64| (a ^ b).trailing_zeros().min(MAX_PLANES);
         let mut best_good = 0;
         let mut best = vec![0u32; rows.len()];

@@ -1,15 +1,15 @@
 //! The centres of the buckets, and the groups of them.
 
-use super::CHUNK;
 use super::tree::Leaves;
-use crate::search::blocks::{self, Blocks, LANES};
-use crate::search::learned::axes::Axes;
-use crate::search::learned::{Learned, LearnedHash};
-use crate::search::searcher::Scratch;
+use crate::search::blocks::{self, Blocks, LANES, QuantisedQuery};
+use crate::search::counting_sort::counting_sort;
+use crate::search::learned::centres::{Centres, Ranking};
 use crate::search::simd::Simd;
 use rayon::prelude::*;
 use rkyv::util::AlignedVec;
 
+/// Rows that are worked on at a time by one thread.
+pub(super) const CHUNK: usize = 1024;
 /// Of all groups, the share in which an entry looks for its centre, at least [`LEAST_GROUPS`].
 const SHARE_OF_GROUPS: f64 = 0.06;
 const LEAST_GROUPS: u32 = 10;
@@ -97,37 +97,24 @@ impl Cells {
         (self.group_blocks, self.group_directory, self.centre_blocks)
     }
 
-    fn as_learned(&self) -> Learned<'_> {
-        let size = LearnedHash {
-            planes: 0,
-            axes: self.axes as u32,
-            groups: self.groups() as u32,
-            centre_blocks: 0,
-            entry_blocks: 0,
-            centre_scale: self.scale,
-            residual_scale: 0.0,
-        };
-        Learned {
-            size,
-            axes: Axes { count: self.axes, projection: &[] },
+    fn as_centres(&self) -> Centres<'_> {
+        Centres {
+            scale: self.scale,
             groups: Blocks::of_centres(&self.group_blocks, self.axes),
             group_directory: &self.group_directory,
-            centres: Blocks::of_centres(&self.centre_blocks, self.axes),
-            bucket_directory: &[],
-            entries: Blocks::of_entries(&[], self.axes),
+            buckets: Blocks::of_centres(&self.centre_blocks, self.axes),
         }
     }
 
     /// The bucket of every row of codes: the one that a query there would probe first.
     pub(super) fn assign(&self, codes: &[i8], simd: Simd) -> Vec<u32> {
-        let learned = self.as_learned();
         let groups = (SHARE_OF_GROUPS * self.groups() as f64).ceil() as u32;
-        nearest(&learned, codes, groups.max(LEAST_GROUPS), simd)
+        nearest(self.as_centres(), self.axes, codes, groups.max(LEAST_GROUPS), simd)
     }
 
     /// Moves every centre to the middle of its entries and makes new groups of the centres. Buckets without entries vanish.
     pub(super) fn move_centres(&mut self, codes: &[i8], homes: &[u32], simd: Simd) {
-        let (ends, ids) = crate::search::random::tables::counting_sort(homes, self.places() as u32);
+        let (ends, ids) = counting_sort(homes, self.places() as u32);
         let centres: Vec<Option<Vec<i8>>> = (0..self.places())
             .into_par_iter()
             .map(|bucket| {
@@ -149,13 +136,11 @@ impl Cells {
             let placed =
                 groups_of.iter().zip(flat.chunks_exact(self.axes)).map(|(&g, c)| (g as usize, c.to_vec()));
             *self = Self::group(self.axes, self.scale, count, placed);
-            let mut tops = self.as_learned();
+            let own = self.as_centres();
             // The groups' own centres, ranked as if they were buckets of one group.
-            let all = [0, tops.groups.len() as u32];
-            tops.centres = tops.groups;
-            tops.group_directory = &all;
-            tops.size.groups = 1;
-            groups_of = nearest(&tops, &flat, 1, simd);
+            let all = [0, own.groups.len() as u32];
+            let tops = Centres { group_directory: &all, buckets: own.groups, ..own };
+            groups_of = nearest(tops, self.axes, &flat, 1, simd);
         }
         let placed =
             groups_of.iter().zip(flat.chunks_exact(self.axes)).map(|(&g, c)| (g as usize, c.to_vec()));
@@ -164,15 +149,14 @@ impl Cells {
 }
 
 /// The nearest centre, by number, for every row of codes.
-fn nearest(learned: &Learned<'_>, codes: &[i8], groups: u32, simd: Simd) -> Vec<u32> {
-    let axes = learned.axes.count;
+fn nearest(centres: Centres<'_>, axes: usize, codes: &[i8], groups: u32, simd: Simd) -> Vec<u32> {
     let mut homes = vec![0; codes.len() / axes];
     homes.par_chunks_mut(CHUNK).zip(codes.par_chunks(CHUNK * axes)).for_each(|(homes, codes)| {
-        let mut scratch = Scratch::default();
+        let (mut query, mut ranking) = (QuantisedQuery::default(), Ranking::default());
         for (home, codes) in homes.iter_mut().zip(codes.chunks_exact(axes)) {
-            scratch.query.set_codes(codes, learned.size.centre_scale);
-            learned.rank(simd, groups, 1, &mut scratch);
-            *home = scratch.buckets.first().map_or(0, |&(_, bucket)| bucket);
+            query.set_codes(codes, centres.scale);
+            centres.rank(simd, &query, groups, 1, &mut ranking);
+            *home = ranking.buckets.first().map_or(0, |&(_, bucket)| bucket);
         }
     });
     homes

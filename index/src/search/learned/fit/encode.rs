@@ -1,11 +1,10 @@
 //! Entries as codes of their difference from the bucket's centre, in blocks.
 
-use super::CHUNK;
-use super::cells::Cells;
-use crate::search::Rows;
+use super::cells::{CHUNK, Cells};
 use crate::search::blocks::{self, LANES, MAX_CODE};
+use crate::search::counting_sort::counting_sort;
 use crate::search::learned::axes::{self, FittedAxes};
-use crate::search::random::tables::counting_sort;
+use crate::search::rows::Rows;
 use crate::search::simd::Simd;
 use rayon::prelude::*;
 use rkyv::util::AlignedVec;
@@ -72,7 +71,7 @@ pub(super) fn residuals(
     Residuals { scale, scalars }
 }
 
-/// Lays the entries out in blocks, bucket by bucket, and tells where each bucket's blocks start and end. Within a bucket ids ascend.
+/// Lays the entries out in blocks, bucket by bucket, and returns where each bucket's blocks start and end. Within a bucket ids ascend.
 pub(super) fn blocks(
     codes: &[i8],
     axes: usize,

@@ -7,11 +7,12 @@ mod encode;
 mod tree;
 
 use super::axes::{self, FittedAxes};
-use super::{Learned, LearnedHash};
-use crate::search::Rows;
+use super::centres::Centres;
+use super::{Entries, Learned, LearnedHash};
 use crate::search::blocks::{self, Blocks};
+use crate::search::rows::Rows;
 use crate::search::simd::Simd;
-use cells::Cells;
+use cells::{CHUNK, Cells};
 use rayon::prelude::*;
 use rkyv::util::AlignedVec;
 
@@ -21,8 +22,6 @@ const BUCKET: usize = 56;
 pub(crate) const MAX_PLANES: u32 = 26;
 /// How often entries move to the nearest centre and centres to the middle of their entries.
 const ROUNDS: usize = 4;
-/// Rows that are worked on at a time by one thread.
-const CHUNK: usize = 1024;
 
 /// A learned hash on its way into a file.
 #[derive(Debug)]
@@ -40,13 +39,18 @@ impl Fitted {
     pub(crate) fn as_learned(&self) -> Learned<'_> {
         let axes = self.axes.count;
         Learned {
-            size: self.size,
             axes: self.axes.as_axes(),
-            groups: Blocks::of_centres(&self.groups, axes),
-            group_directory: &self.group_directory,
-            centres: Blocks::of_centres(&self.centres, axes),
-            bucket_directory: &self.bucket_directory,
-            entries: Blocks::of_entries(&self.entries, axes),
+            centres: Centres {
+                scale: self.size.centre_scale,
+                groups: Blocks::of_centres(&self.groups, axes),
+                group_directory: &self.group_directory,
+                buckets: Blocks::of_centres(&self.centres, axes),
+            },
+            residual_scale: self.size.residual_scale,
+            files: vec![Entries {
+                directory: &self.bucket_directory,
+                blocks: Blocks::of_entries(&self.entries, axes),
+            }],
         }
     }
 }
@@ -63,20 +67,20 @@ fn planes(rows: usize) -> u32 {
     planes
 }
 
-/// Learns a hash for the rows: the same one at any number of threads and on any machine's instructions. `step` is told
+/// Learns a hash for the rows: the same one at any number of threads and on any machine's instructions. `progress` hears
 /// the share that is done, and stops the work by returning an error.
 pub(crate) fn fit<E: Send>(
     rows: Rows<'_>,
     simd: Simd,
-    step: &dyn Fn(f64) -> Result<(), E>,
+    progress: &dyn Fn(f64) -> Result<(), E>,
 ) -> Result<Fitted, E> {
     let planes = planes(rows.len());
     let axes = axes::fit(rows);
-    step(0.05)?;
+    progress(0.05)?;
     let (mut codes, centre_scale) = quantise(rows, &axes, simd);
-    step(0.15)?;
+    progress(0.15)?;
     let leaves = tree::grow(&codes, axes.count, planes);
-    step(0.35)?;
+    progress(0.35)?;
     let mut cells = Cells::new(&codes, axes.count, &leaves, planes, centre_scale);
     drop(leaves);
     let mut homes = Vec::new();
@@ -86,12 +90,12 @@ pub(crate) fn fit<E: Send>(
         if round + 1 < ROUNDS {
             cells.move_centres(&codes, &homes, simd);
         }
-        step(0.35 + 0.4 * (round + 1) as f64 / ROUNDS as f64)?;
+        progress(0.35 + 0.4 * (round + 1) as f64 / ROUNDS as f64)?;
     }
     let residuals = encode::residuals(rows, &axes, &cells, &homes, &mut codes, simd);
-    step(0.9)?;
+    progress(0.9)?;
     let (bucket_directory, entries) = encode::blocks(&codes, axes.count, &residuals, &homes, cells.places());
-    step(1.0)?;
+    progress(1.0)?;
     let size = LearnedHash {
         planes,
         axes: axes.count as u32,

@@ -1,0 +1,65 @@
+//! The centres of the buckets, by which buckets are ranked for a query.
+
+use crate::search::blocks::{Blocks, QuantisedQuery};
+use crate::search::simd::Simd;
+use crate::search::smallest::Smallest;
+
+/// Centres in groups, as they lie in the file. Nothing in them is trusted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Centres<'a> {
+    /// The unit of the codes.
+    pub(crate) scale: f32,
+    /// The centres of the groups.
+    pub(crate) groups: Blocks<'a>,
+    /// Where the blocks of centres of each group start and end.
+    pub(crate) group_directory: &'a [u32],
+    /// The centres of the buckets, group by group: a bucket's number is the place of its centre.
+    pub(crate) buckets: Blocks<'a>,
+}
+
+/// The buckets ranked for a query, and the memory that it takes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ranking {
+    nearest: Smallest,
+    groups: Vec<u32>,
+    /// The nearest first, each with the query's squared distance from its centre, less the query's own square: what
+    /// the bucket adds to the scores of its entries.
+    pub(crate) buckets: Vec<(f32, u32)>,
+}
+
+impl Centres<'_> {
+    /// Ranks the buckets: the `probes` nearest of the `groups` nearest groups.
+    pub(crate) fn rank(
+        &self,
+        simd: Simd,
+        query: &QuantisedQuery,
+        groups: u32,
+        probes: u32,
+        ranking: &mut Ranking,
+    ) {
+        let Ranking { nearest, groups: chosen, buckets } = ranking;
+        let factor = 2.0 * self.scale * query.step;
+        let all = self.group_directory.len().saturating_sub(1) as u32;
+        chosen.clear();
+        if groups >= all {
+            chosen.extend(0..all);
+        } else {
+            nearest.reset(groups as usize);
+            simd.scan(self.groups, query, factor, 0.0, nearest);
+            chosen.extend(nearest.unsorted().map(|(_, group)| group));
+        }
+        nearest.reset(probes as usize);
+        for &group in chosen.iter() {
+            let (start, end) = bounds(self.group_directory, group);
+            simd.scan(self.buckets.run(start, end), query, factor, 0.0, nearest);
+        }
+        buckets.clear();
+        buckets.extend(nearest.sorted());
+    }
+}
+
+/// Where the blocks of one number start and end; nowhere where the directory makes no sense.
+pub(super) fn bounds(directory: &[u32], number: u32) -> (u32, u32) {
+    let bounds = directory.get(number as usize).zip(directory.get(number as usize + 1));
+    bounds.map_or((0, 0), |(&start, &end)| (start, end))
+}

@@ -1,0 +1,126 @@
+//! One query after another on its way through a learned hash.
+
+use super::Learned;
+use super::centres::Ranking;
+use crate::search::blocks::QuantisedQuery;
+use crate::search::nearest::Nearest;
+use crate::search::simd::{self, Simd};
+use crate::search::smallest::Smallest;
+
+/// Entries that are measured exactly besides the k that are wanted: half as many again, at least this, and one for every
+/// four buckets, because who looks into many does not want to lose a neighbour to the codes' rounding.
+const MORE: usize = 4;
+/// More are never measured exactly, whatever k is asked for.
+const MOST: usize = 1 << 30;
+/// Bytes of a bucket that are asked for ahead of their use; the processor follows by itself.
+const PREFETCHED: usize = 2048;
+
+/// Looks queries up in a learned hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes the best of what they
+/// hold.
+#[derive(Clone, Debug)]
+pub(crate) struct Lookup<'a> {
+    hash: Learned<'a>,
+    /// The query in the principal axes.
+    coordinates: Vec<f32>,
+    quantised: QuantisedQuery,
+    ranking: Ranking,
+    /// The nearest entries by their codes.
+    found: Smallest,
+    /// Their ids.
+    candidates: Vec<u32>,
+}
+
+impl<'a> Lookup<'a> {
+    pub(crate) fn new(hash: Learned<'a>) -> Self {
+        Self {
+            hash,
+            coordinates: Vec::new(),
+            quantised: QuantisedQuery::default(),
+            ranking: Ranking::default(),
+            found: Smallest::default(),
+            candidates: Vec::new(),
+        }
+    }
+
+    pub(crate) fn hash(&self) -> &Learned<'a> {
+        &self.hash
+    }
+
+    /// Chooses the `probes` buckets whose centres are nearest.
+    pub(crate) fn probe(&mut self, simd: Simd, vector: &[f32], probes: u32) {
+        self.rotate(simd, vector);
+        // A damaged or hostile request may ask for more than there is.
+        self.rank(simd, probes.min(self.hash.most_probes()));
+    }
+
+    /// Turns the query into the principal axes and quantises it.
+    pub(crate) fn rotate(&mut self, simd: Simd, vector: &[f32]) {
+        self.coordinates.resize(self.hash.axes.count, 0.0);
+        self.hash.axes.project(simd, vector, &mut self.coordinates);
+        self.quantised.set(&self.coordinates);
+    }
+
+    /// Ranks the buckets for the rotated query.
+    pub(crate) fn rank(&mut self, simd: Simd, probes: u32) {
+        let groups = probes.saturating_add(probes / 2).saturating_add(6);
+        self.hash.centres.rank(simd, &self.quantised, groups, probes, &mut self.ranking);
+    }
+
+    /// The bytes of the chosen buckets.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = &'a [u8]> {
+        self.hash.runs(&self.ranking.buckets).map(|(_, run)| run.bytes())
+    }
+
+    /// Asks the memory for the start of each chosen bucket.
+    pub(crate) fn prefetch(&self) {
+        self.parts().for_each(|part| simd::prefetch_all(&part[..part.len().min(PREFETCHED)]));
+    }
+
+    /// Scans the chosen buckets and keeps of their entries those that are nearest by their codes: the `k` that are wanted,
+    /// and some more.
+    pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
+        let Self { hash, quantised, ranking, found, candidates, .. } = self;
+        let more = (k / 2).max(MORE) + ranking.buckets.len() / 4;
+        found.reset(k.saturating_add(more).min(MOST));
+        let factor = 2.0 * hash.residual_scale * quantised.step;
+        for (base, run) in hash.runs(&ranking.buckets) {
+            simd.scan(run, quantised, factor, base, found);
+        }
+        candidates.clear();
+        candidates.extend(found.unsorted().map(|(_, id)| id));
+    }
+
+    /// How many buckets were chosen.
+    pub(crate) fn buckets(&self) -> usize {
+        self.ranking.buckets.len()
+    }
+
+    /// How many entries they hold.
+    pub(crate) fn held(&self) -> u32 {
+        self.hash.runs(&self.ranking.buckets).fold(0, |held, (_, run)| held.saturating_add(run.vectors()))
+    }
+
+    /// The entries that were kept.
+    pub(crate) fn candidates(&self) -> &[u32] {
+        &self.candidates
+    }
+
+    /// How many entries are kept at most.
+    pub(crate) fn keep(&self) -> usize {
+        self.found.keep()
+    }
+
+    /// Each kept entry's key, by which it was kept, and its id.
+    pub(crate) fn keys(&mut self) -> impl Iterator<Item = (u32, u32)> {
+        self.found.keys()
+    }
+
+    /// Offers the candidates at the squared distances that their codes give.
+    pub(crate) fn estimate(&mut self, nearest: &mut Nearest) {
+        // The query's own square, which the scores leave out.
+        let square: f32 = self.coordinates.iter().map(|value| value * value).sum();
+        for (score, id) in self.found.unsorted() {
+            nearest.offer(id, (score + square).max(0.0));
+        }
+    }
+}
