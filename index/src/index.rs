@@ -1,14 +1,15 @@
 //! An opened index.
 
-use crate::file::OpenError;
 use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
-use crate::file::catalogue::{Catalogue, Originals};
+use crate::file::catalogue::Catalogue;
+use crate::file::error::FileChanged;
+use crate::file::error::OpenError;
 use crate::file::input::{BuildError, NewEntry};
+use crate::file::kept::Originals;
 use crate::file::open::Opened;
 use crate::file::pack;
 use crate::file::sections::SectionKind;
-use crate::file::stamp::FileChanged;
 use crate::file::verify::{Verification, verify};
 use crate::file::write::segment::write_segment;
 use crate::hand_image::HandImage;

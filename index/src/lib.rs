@@ -69,13 +69,13 @@ mod segments;
 mod vote;
 
 pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
-pub use file::OpenError;
 pub use file::atomic::{AtomicFile, WriteError};
-pub use file::catalogue::{Catalogue, ClassInfo, Kept, Originals};
+pub use file::catalogue::{Catalogue, ClassInfo};
+pub use file::error::{FileChanged, OpenError};
 pub use file::fault::guard_against_truncation;
 pub use file::input::{BuildError, IndexParams, NewEntry, Summary};
+pub use file::kept::{Kept, Originals};
 pub use file::sections::{ElementType, Section, SectionKind};
-pub use file::stamp::FileChanged;
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};

@@ -1,7 +1,8 @@
 //! Several indexes that are searched as one.
 
-use crate::file::catalogue::{Catalogue, Originals};
-use crate::file::stamp::FileChanged;
+use crate::file::catalogue::Catalogue;
+use crate::file::error::FileChanged;
+use crate::file::kept::Originals;
 use crate::index::Index;
 use crate::search::searcher::Searcher;
 use crate::search::stored::{Several, Stored, Values};

@@ -1,6 +1,5 @@
 //! What determines a descriptor.
 
-use super::{Cell, Describer};
 use crate::hand_image::HandImage;
 use rkyv::{Archive, Deserialize, Serialize};
 use thiserror::Error;
@@ -267,28 +266,5 @@ impl DescriptorParams {
             Sampling::Upright { .. } => hand.upright_turn_deg(),
             _ => 0.0,
         }
-    }
-
-    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many pictures.
-    pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
-        Describer::new(self).describe(hand)
-    }
-
-    /// The cells of a descriptor, finest level first, each level row by row: what the paper's Figure 4 draws.
-    pub fn cells<'a>(&self, descriptor: &'a [f32]) -> impl Iterator<Item = Cell<'a>> {
-        let params = self.clamped();
-        let places = (1..=params.levels).flat_map(move |level| {
-            let cells_a_side = 1usize << (params.levels - level);
-            (0..cells_a_side * cells_a_side).map(move |cell| (level, cells_a_side, cell))
-        });
-        places.zip(descriptor.chunks_exact(params.bins as usize)).map(
-            |((level, cells_a_side, cell), histogram)| Cell {
-                level,
-                cells_a_side,
-                row: cell / cells_a_side,
-                column: cell % cells_a_side,
-                histogram,
-            },
-        )
     }
 }

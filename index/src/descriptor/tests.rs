@@ -1,6 +1,7 @@
 //! The descriptors against their definitions, pixel by pixel.
 
 use super::*;
+use crate::hand_image::HandImage;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

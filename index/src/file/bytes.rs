@@ -1,9 +1,10 @@
 //! The bytes of an index, mapped or in memory. The one place where a file is mapped.
 
+use super::align::ALIGNMENT;
+use super::error::{FileChanged, OpenError};
 use super::fault::Registered;
 use super::header::{self, Header};
-use super::stamp::{FileChanged, Stamp};
-use super::{ALIGNMENT, OpenError};
+use super::stamp::Stamp;
 use crate::search::ReadAhead;
 use memmap2::Mmap;
 use rkyv::util::AlignedVec;

@@ -12,7 +12,8 @@
 //! | 48..56 | 0 |
 //! | 56..64 | xxh3 of bytes 0..56 |
 
-use super::{ALIGNMENT, OpenError, align};
+use super::align::{ALIGNMENT, align};
+use super::error::OpenError;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// No text, and broken by transfers that rewrite line ends.

@@ -1,7 +1,8 @@
 //! What an index is made from, and what comes of it.
 
 use super::atomic::WriteError;
-use super::catalogue::{ClassInfo, Kept, Originals};
+use super::catalogue::ClassInfo;
+use super::kept::{Kept, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::rotation::turned_orientation;
 use crate::search::build::HashParams;

@@ -9,13 +9,16 @@
 //! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for [`verify`].
 //! Where another program changes it all the same, [`stamp`] notices it, and [`fault`] keeps the reader alive.
 
+mod align;
 pub(crate) mod atomic;
 pub(crate) mod bytes;
 pub(crate) mod catalogue;
-mod error;
+pub(crate) mod error;
 pub(crate) mod fault;
 pub(crate) mod header;
 pub(crate) mod input;
+pub(crate) mod kept;
+mod layout;
 pub(crate) mod open;
 pub(crate) mod pack;
 pub(crate) mod sections;
@@ -24,16 +27,6 @@ pub(crate) mod verify;
 mod version2;
 pub(crate) mod write;
 
-pub use error::OpenError;
-
 // Sections are read in place as they lie in memory, and they lie in the file in little-endian order.
 #[cfg(target_endian = "big")]
 compile_error!("an index file is little-endian and read in place: big-endian machines are not supported");
-
-/// Sections and the catalogue start at multiples of this.
-pub(crate) const ALIGNMENT: u64 = 64;
-
-/// The next multiple of [`ALIGNMENT`]; `None` past the end of `u64`.
-pub(crate) fn align(offset: u64) -> Option<u64> {
-    offset.checked_next_multiple_of(ALIGNMENT)
-}

@@ -1,10 +1,11 @@
 //! Opening: the header, the catalogue and every section's range are checked; no section's bytes are read.
 
-use super::OpenError;
 use super::bytes::Bytes;
 use super::catalogue::Catalogue;
+use super::error::OpenError;
 use super::header::Header;
-use super::sections::{Layout, SectionKind};
+use super::layout::Layout;
+use super::sections::SectionKind;
 use super::version2::CatalogueOfVersion2;
 use crate::search::ReadAhead as _;
 use bytemuck::AnyBitPattern;

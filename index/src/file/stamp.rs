@@ -1,17 +1,10 @@
 //! Which content an open file had, to notice that another program has changed it.
 
+use super::error::FileChanged;
 use super::header;
 use std::fs::{File, Metadata};
 use std::io;
 use std::time::{Duration, SystemTime};
-use thiserror::Error;
-
-/// The file of an index was changed in place while it was in use, so that what was read of it may be of two files.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[error(
-    "the file was overwritten or cut short while it was in use: try again when it is whole; `mv` a new index over the old one, which disturbs nobody, instead of copying it there"
-)]
-pub struct FileChanged;
 
 /// A system counts the times of files in steps of up to 10 ms: a file changed so lately may change again within the same step.
 const STEP: Duration = Duration::from_millis(20);

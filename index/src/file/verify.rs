@@ -1,7 +1,7 @@
 //! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
 
-use super::catalogue::Originals;
 use super::header::LENGTH;
+use super::kept::Originals;
 use super::open::Opened;
 use super::pack;
 use super::sections::SectionKind;

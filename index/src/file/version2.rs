@@ -1,6 +1,7 @@
 //! The catalogue as version 2 of the format has it: without what calibrates the vote.
 
-use super::catalogue::{Catalogue, ClassInfo, Kept, Originals};
+use super::catalogue::{Catalogue, ClassInfo};
+use super::kept::{Kept, Originals};
 use super::sections::Section;
 use crate::descriptor::DescriptorParams;
 use crate::search::effort::Measured;

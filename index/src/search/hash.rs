@@ -74,6 +74,7 @@ impl<'a> Hash<'a> {
 }
 
 /// One query after another on its way through a hash, with the memory that this hash needs for it.
+#[expect(clippy::large_enum_variant, reason = "a searcher has three, and nearly always of the larger kind")]
 #[derive(Clone, Debug)]
 pub(crate) enum Lookup<'a> {
     Random(RandomLookup<'a>),

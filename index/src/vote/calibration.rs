@@ -7,7 +7,7 @@
 //! P(c) = (share(c) + a)^g / sum over all classes of the same
 //! ```
 
-use super::Reliability;
+use super::reliability::Reliability;
 use rkyv::{Archive, Deserialize, Serialize};
 use thiserror::Error;
 

@@ -2,6 +2,7 @@
 //! kernel that both weigh with (Equation 5). What the class's share of the weights is worth as a probability is fitted on hands
 //! that the index does not hold.
 
+mod ballot;
 mod calibration;
 mod class;
 mod fit;
@@ -9,6 +10,7 @@ mod orientation;
 mod reliability;
 mod sigma;
 
+pub(crate) use ballot::Ballot;
 pub use calibration::{Calibrated, Calibration, Doubt};
 pub(crate) use class::{kernel_mass, shares};
 pub(crate) use fit::{Example, MOST_VOTERS, calibrate, noise_of_the_farthest, noise_of_the_vote};
@@ -64,13 +66,4 @@ pub struct ClassScore {
     pub probability: f64,
     /// Equation 3's sum for the class, divided by that of all classes: 0 to 1.
     pub share: f64,
-}
-
-/// A neighbour as the vote sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ballot {
-    pub(crate) class: u16,
-    pub(crate) distance: f64,
-    /// `None` where the index keeps no orientations.
-    pub(crate) orientation: Option<nalgebra::UnitQuaternion<f64>>,
 }

@@ -8,7 +8,7 @@
 //! The mean is therefore taken over the greatest cluster alone: of all neighbours the one with the most weight within
 //! [`CLUSTER_DEG`] degrees, and those. The literal form takes all.
 
-use super::Ballot;
+use super::ballot::Ballot;
 use super::class::relative_weights;
 use crate::rotation::{euler_deg, from_euler_deg};
 use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector4};

@@ -1,7 +1,7 @@
 //! What makes no index is refused before anything is written.
 
-use crate::file::catalogue::Originals;
 use crate::file::input::{BuildError, IndexParams, NewEntry};
+use crate::file::kept::Originals;
 use crate::search::build::{HashParams, RandomParams};
 use crate::search::random::MAX_PLANES;
 use half::f16;

@@ -1,7 +1,7 @@
 //! What an index holds of each entry besides descriptor and thumbnail: small enough to be kept in memory.
 
-use crate::file::catalogue::Kept;
 use crate::file::input::{BuildError, NewEntry};
+use crate::file::kept::Kept;
 use crate::file::pack;
 use crate::file::sections::SectionKind;
 use std::collections::HashMap;

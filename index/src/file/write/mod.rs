@@ -11,9 +11,10 @@ pub(crate) mod segment;
 mod sink;
 
 use super::atomic::{AtomicFile, WriteError};
-use super::catalogue::{Catalogue, Originals};
+use super::catalogue::Catalogue;
 use super::header::{self, Header};
 use super::input::{BuildError, IndexParams, NewEntry, Summary};
+use super::kept::Originals;
 use super::sections::{ElementType, Section, SectionKind};
 use crate::model::{Model, ModelParams};
 use crate::phase::Phase;

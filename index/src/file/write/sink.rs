@@ -1,8 +1,8 @@
 //! Where the bytes of an index go on their way: in order, hashed as they come, to a file or to memory.
 
+use crate::file::align::{ALIGNMENT, align};
 use crate::file::bytes::Written;
 use crate::file::sections::{ElementType, Section, SectionKind};
-use crate::file::{ALIGNMENT, align};
 use rkyv::util::AlignedVec;
 use std::fs::File;
 use std::io::{self, BufWriter, Seek as _, SeekFrom, Write as _};

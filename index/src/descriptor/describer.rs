@@ -1,0 +1,202 @@
+//! From a hand image to its descriptor.
+
+use super::gradient::{Field, Padded};
+use super::params::{DescriptorKind, DescriptorParams, Sampling, Tone};
+use super::pyramid;
+use crate::hand_image::HandImage;
+use crate::resample::{Axis, Resampler};
+
+/// The brightness of a mean pixel of the hand after [`Tone::Normalised`]; its scale is arbitrary, as histograms are normalised.
+const MEAN_TONE: f32 = 0.6;
+
+/// Computes descriptors and keeps its buffers between calls: worth having where one picture is described many times.
+///
+/// ```
+/// use grasp_index::{Describer, DescriptorParams, HandImage};
+/// let grey: Vec<u8> = (0..40 * 40).map(|i| 50 + (i % 40) as u8 * 4).collect();
+/// let hand = HandImage::from_segmented(40, 40, &grey, 0)?;
+/// let params = DescriptorParams::default();
+/// let mut describer = Describer::new(&params);
+/// let mut descriptor = vec![0.0; params.dim()];
+/// for quarter in 0..4 {
+///     let turned = hand.rotated(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
+///     describer.describe_into(&turned, &mut descriptor);
+/// }
+/// # Ok::<(), grasp_index::HandImageError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Describer {
+    params: DescriptorParams,
+    resampler: Resampler,
+    picture: Padded,
+    field: Field,
+    columns: Vec<f32>,
+}
+
+impl Describer {
+    /// A describer for these parameters. Invalid ones ([`DescriptorParams::validate`]) are brought into range.
+    pub fn new(params: &DescriptorParams) -> Self {
+        Self {
+            params: params.clamped(),
+            resampler: Resampler::default(),
+            picture: Padded::default(),
+            field: Field::default(),
+            columns: Vec::new(),
+        }
+    }
+
+    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0; all are where
+    /// [`DescriptorParams::describes_pictures`] is not so.
+    pub fn describe(&mut self, hand: &HandImage) -> Vec<f32> {
+        let mut descriptor = vec![0.0; self.params.dim()];
+        self.describe_into(hand, &mut descriptor);
+        descriptor
+    }
+
+    /// Writes the descriptor of a hand image into `out`. Where `out` is shorter than [`DescriptorParams::dim`], the
+    /// rest of the descriptor is dropped; where it is longer, its end is left alone.
+    pub fn describe_into(&mut self, hand: &HandImage, out: &mut [f32]) {
+        self.describe_as_is(&hand.rotated(self.params.turn_deg(hand).to_radians()), out);
+    }
+
+    /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or as somebody wants to try.
+    pub fn describe_turned(&mut self, hand: &HandImage) -> Vec<f32> {
+        let mut descriptor = vec![0.0; self.params.dim()];
+        self.describe_as_is(hand, &mut descriptor);
+        descriptor
+    }
+
+    fn describe_as_is(&mut self, hand: &HandImage, out: &mut [f32]) {
+        self.paint(hand);
+        let (bins, levels) = (self.params.bins as usize, self.params.levels as usize);
+        let mut descriptor = match self.params.kind {
+            DescriptorKind::Paper => {
+                self.field.count(&self.picture, bins);
+                let mut histograms = pyramid::hard(&self.field, bins, levels);
+                pyramid::normalise_cells(&mut histograms, bins);
+                histograms
+            }
+            DescriptorKind::Default => {
+                self.field.share(&self.picture, bins);
+                let mut histograms = pyramid::soft(&self.field, bins, levels, &mut self.columns);
+                pyramid::normalise_levels(&mut histograms, bins, levels);
+                histograms.iter_mut().for_each(|value| *value = value.sqrt());
+                histograms
+            }
+            DescriptorKind::Raw { .. } => vec![0.0; self.params.dim()],
+        };
+        let length = out.len().min(descriptor.len());
+        out[..length].swap_with_slice(&mut descriptor[..length]);
+    }
+
+    /// Samples the hand image into the padded picture, with the tone that the parameters ask for.
+    fn paint(&mut self, hand: &HandImage) {
+        let tones = tones(hand, self.params.tone);
+        let width = hand.width();
+        let row = |y: usize, row: &mut [f32]| {
+            let line = y * width..(y + 1) * width;
+            let pixels = hand.pixels()[line.clone()].iter().zip(&hand.mask()[line]);
+            for (value, (&grey, &inside)) in row.iter_mut().zip(pixels) {
+                *value = if inside != 0 { tones[grey as usize] } else { 0.0 };
+            }
+        };
+        let (across, down) = axes(hand, self.params.sampling);
+        self.picture.clear(across.samples, down.samples);
+        let (start, stride) = (self.picture.start(), self.picture.stride());
+        if self.params.sampling == Sampling::Native {
+            for y in 0..down.samples {
+                row(y, &mut self.picture.values[start + y * stride..][..width]);
+            }
+        } else {
+            self.resampler.run(across, down, row, &mut self.picture.values, start, stride);
+        }
+    }
+}
+
+/// Where the samples lie in the hand image: across and down.
+fn axes(hand: &HandImage, sampling: Sampling) -> (Axis, Axis) {
+    let (width, height) = (hand.width() as f32, hand.height() as f32);
+    let axis = |source: usize, samples: usize, centre: f32, step: f32| Axis {
+        source,
+        samples,
+        origin: centre - step * samples as f32 / 2.0,
+        step,
+    };
+    // One sample stays black on every side, so that the whole silhouette is an edge.
+    let inner = |side: u16| f32::from(side) - 2.0;
+    let both = |side: u16, (x, y): (f32, f32), (step_x, step_y): (f32, f32)| {
+        (axis(hand.width(), side as usize, x, step_x), axis(hand.height(), side as usize, y, step_y))
+    };
+    let middle = (width / 2.0, height / 2.0);
+    match sampling {
+        Sampling::Native => (
+            axis(hand.width(), hand.width(), middle.0, 1.0),
+            axis(hand.height(), hand.height(), middle.1, 1.0),
+        ),
+        Sampling::Stretch { side } => both(side, middle, (width / inner(side), height / inner(side))),
+        Sampling::KeepAspect { side } | Sampling::Upright { side } => {
+            let step = width.max(height) / inner(side);
+            both(side, middle, (step, step))
+        }
+        Sampling::Moments { side } => {
+            let (centre, radius) = moments(hand);
+            // A filled disc of radius r has a root mean square distance of r / sqrt(2) from its centre. 1.3 such
+            // radii leave room for stretched fingers; what lies beyond is cut.
+            let step = 2.0 * 1.3 * std::f32::consts::SQRT_2 * radius.max(1.0) / inner(side);
+            both(side, centre, (step, step))
+        }
+    }
+}
+
+/// The mask's centroid and the root mean square distance of its pixels from there, in pixels.
+fn moments(hand: &HandImage) -> ((f32, f32), f32) {
+    let (mut n, mut sum_x, mut sum_y, mut sum_squares) = (0u64, 0u64, 0u64, 0u64);
+    for (y, row) in hand.mask().chunks_exact(hand.width()).enumerate() {
+        for x in row.iter().enumerate().filter(|(_, inside)| **inside != 0).map(|(x, _)| x as u64) {
+            n += 1;
+            sum_x += x;
+            sum_y += y as u64;
+            sum_squares += x * x + (y * y) as u64;
+        }
+    }
+    let n = n.max(1) as f64;
+    let (x, y) = (sum_x as f64 / n, sum_y as f64 / n);
+    let variance = (sum_squares as f64 / n - x * x - y * y).max(0.0);
+    ((x as f32 + 0.5, y as f32 + 0.5), variance.sqrt() as f32)
+}
+
+/// What each grey value inside the hand becomes.
+fn tones(hand: &HandImage, tone: Tone) -> [f32; 256] {
+    let mut tones = std::array::from_fn(|grey| grey as f32);
+    let Tone::Normalised { contrast } = tone else {
+        return tones;
+    };
+    let mut counts = [0u32; 256];
+    for (&grey, _) in hand.pixels().iter().zip(hand.mask()).filter(|(_, inside)| **inside != 0) {
+        counts[grey as usize] += 1;
+    }
+    let (mut n, mut sum, mut squares) = (0.0f64, 0.0f64, 0.0f64);
+    for (grey, &count) in counts.iter().enumerate() {
+        let (grey, count) = (grey as f64, f64::from(count));
+        n += count;
+        sum += count * grey;
+        squares += count * grey * grey;
+    }
+    let mean = sum / n.max(1.0);
+    let deviation = (squares / n.max(1.0) - mean * mean).max(0.0).sqrt();
+    // A hand without shading has only noise left to stretch: leave it flat.
+    let deviation = deviation.max(0.04 * mean).max(1.0);
+    for tone in &mut tones {
+        let shade = (f64::from(*tone) - mean) / deviation * f64::from(contrast);
+        // The darkest crease is still hand, and a highlight no second hand.
+        *tone = MEAN_TONE * (1.0 + shade.clamp(-0.8, 0.8)) as f32;
+    }
+    tones
+}
+
+impl DescriptorParams {
+    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many pictures.
+    pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
+        Describer::new(self).describe(hand)
+    }
+}

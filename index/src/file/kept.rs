@@ -1,0 +1,76 @@
+//! What an index keeps of its entries.
+
+use rkyv::{Archive, Deserialize, Serialize};
+
+/// Which form of the descriptors an index keeps, besides what its hash makes of them.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Originals {
+    /// As they are: distances are exact.
+    #[default]
+    F32,
+    /// In half the space: distances are right to about 0.1 %.
+    F16,
+    /// Not at all: distances are as exact as the codes of a learned hash.
+    None,
+}
+
+impl Originals {
+    /// All forms.
+    pub const ALL: [Self; 3] = [Self::F32, Self::F16, Self::None];
+
+    /// `f32`, `f16` or `none`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F16 => "f16",
+            Self::None => "none",
+        }
+    }
+
+    /// The form of this name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|originals| originals.name() == name)
+    }
+}
+
+/// What an index keeps of each entry besides its descriptor. What it does not keep takes no space.
+#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kept {
+    /// Class, stage, hand shape and object. Without them neighbours are found, but cannot vote.
+    pub labels: bool,
+    /// `camera_from_hand`. Without it neighbours vote on the class alone.
+    pub orientations: bool,
+    /// The camera's azimuth, elevation and roll.
+    pub views: bool,
+    /// The file name.
+    pub files: bool,
+    /// The hash of what the descriptor was made from. Without it a rebuild starts from nothing.
+    pub sources: bool,
+}
+
+impl Default for Kept {
+    /// Everything.
+    fn default() -> Self {
+        Self { labels: true, orientations: true, views: true, files: true, sources: true }
+    }
+}
+
+impl Kept {
+    /// The names of what is kept.
+    pub fn names(&self) -> Vec<&'static str> {
+        let Self { labels, orientations, views, files, sources } = *self;
+        let all = [
+            (labels, "labels"),
+            (orientations, "orientations"),
+            (views, "views"),
+            (files, "files"),
+            (sources, "sources"),
+        ];
+        all.into_iter().filter_map(|(is_kept, name)| is_kept.then_some(name)).collect()
+    }
+
+    /// Nothing.
+    pub fn nothing() -> Self {
+        Self { labels: false, orientations: false, views: false, files: false, sources: false }
+    }
+}
