@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::Context as _;
 use grasp_index::{
-    BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
+    BACKGROUND, DESCRIBED_SIDE, Describer, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
 };
 use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
 use rand::{RngExt, SeedableRng};
@@ -223,10 +223,11 @@ impl Hands {
 fn described(spec: &SceneSpec, views: &[View], params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
     let scene = spec.build().context("cannot render")?;
     let mut rows = Vec::with_capacity(views.len() * params.dim());
+    let mut describer = Describer::new(params)?;
     for view in views {
         let render = scene.render(view);
         match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-            Ok(hand) => rows.extend(params.describe(&hand.shrunk_to(DESCRIBED_SIDE))),
+            Ok(hand) => rows.extend(describer.describe(&hand.shrunk_to(DESCRIBED_SIDE))),
             Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => {}
             Err(error) => return Err(error.into()),
         }

@@ -11,7 +11,7 @@ fn describe(c: &mut Criterion) {
     let hand = support::hand(1, 0.5, &support::view(33.0, 21.0));
     let large = grasp_index::HandImage::from_segmented(640, 640, &upscaled(&hand, 640), 0).expect("a hand");
     for params in [DescriptorParams::paper(), DescriptorParams::default()] {
-        let mut describer = Describer::new(&params);
+        let mut describer = Describer::new(&params).expect("the parameters are in range");
         let mut out = vec![0.0; params.dim()];
         let name = params.name();
         c.bench_function(&format!("describe/{name}/{}px", hand.width().max(hand.height())), |b| {

@@ -1,19 +1,17 @@
 //! An opened index.
 
+use crate::descriptor::Describer;
 use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::Catalogue;
 use crate::file::error::FileChanged;
 use crate::file::error::OpenError;
 use crate::file::input::{BuildError, NewEntry};
-use crate::file::kept::Originals;
 use crate::file::open::Opened;
 use crate::file::pack;
-use crate::file::sections::SectionKind;
 use crate::file::verify::{Verification, verify};
 use crate::file::write::segment::write_segment;
 use crate::hand_image::HandImage;
-use crate::search::blocks::Blocks;
 use crate::search::hash::HashInfo;
 use crate::search::learned::axes::Axes;
 use crate::search::learned::centres::Centres;
@@ -21,7 +19,7 @@ use crate::search::learned::{self, Learned, LearnedHash};
 use crate::search::random::tables::Buckets;
 use crate::search::random::{self, Random, RandomHyperplanes};
 use crate::search::searcher::Searcher;
-use crate::search::stored::{Stored, Values};
+use crate::search::stored::Stored;
 use crate::search::{Hash, Neighbour, ReadAhead, Search, SearchError, SearchOptions};
 use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
 use nalgebra::UnitQuaternion;
@@ -183,7 +181,8 @@ impl Index {
         self.file.bytes.len() as u64
     }
 
-    /// The descriptor of a hand image, made as the index's own were. [`crate::Describer`] does the same faster for many pictures.
+    /// The descriptor of a hand image, made as the index's own were. [`Self::describer`] does the same faster for many
+    /// pictures.
     ///
     /// # Errors
     /// [`CannotRecognise::RawDescriptors`].
@@ -192,7 +191,14 @@ impl Index {
         if !descriptor.describes_pictures() {
             return Err(CannotRecognise::RawDescriptors);
         }
-        Ok(descriptor.describe(hand))
+        Ok(self.describer().describe(hand))
+    }
+
+    /// Describes hand images as the index's own were: for many pictures. Where the index holds raw vectors, it describes
+    /// them as zeros.
+    pub fn describer(&self) -> Describer {
+        // An index whose parameters are out of range does not open.
+        Describer::of_valid(self.catalogue().descriptor)
     }
 
     /// Whether the index can tell what a picture shows. Searching it for descriptors is always possible.
@@ -235,14 +241,11 @@ impl Index {
                 hyperplanes: RandomHyperplanes {
                     size,
                     dim: self.dim(),
-                    normals: self.file.array(SectionKind::PlaneNormals),
-                    offsets: self.file.array(SectionKind::PlaneOffsets),
+                    normals: self.file.plane_normals(),
+                    offsets: self.file.plane_offsets(),
                 },
                 files: vec![random::Entries {
-                    buckets: Buckets {
-                        directory: self.file.array(SectionKind::BucketDirectory),
-                        ids: self.file.array(SectionKind::BucketIds),
-                    },
+                    buckets: Buckets { directory: self.file.bucket_directory(), ids: self.file.bucket_ids() },
                     count: self.len(),
                     first: 0,
                 }],
@@ -254,17 +257,17 @@ impl Index {
     fn learned(&self, size: LearnedHash) -> Learned<'_> {
         let axes = size.axes as usize;
         Learned {
-            axes: Axes { count: axes, projection: self.file.array(SectionKind::Axes) },
+            axes: Axes { count: axes, projection: self.file.axes() },
             centres: Centres {
                 scale: size.centre_scale,
-                groups: Blocks::of_centres(self.file.raw(SectionKind::GroupCentres), axes),
-                group_directory: self.file.array(SectionKind::GroupDirectory),
-                buckets: Blocks::of_centres(self.file.raw(SectionKind::BucketCentres), axes),
+                groups: self.file.group_centres(axes),
+                group_directory: self.file.group_directory(),
+                buckets: self.file.bucket_centres(axes),
             },
             residual_scale: size.residual_scale,
             files: vec![learned::Entries {
-                directory: self.file.array(SectionKind::BucketDirectory),
-                blocks: Blocks::of_entries(self.file.raw(SectionKind::EntryBlocks), axes),
+                directory: self.file.bucket_directory(),
+                blocks: self.file.entry_blocks(axes),
             }],
         }
     }
@@ -352,12 +355,12 @@ impl Index {
         };
         let corrupt = |what| EntryError::Corrupt { id, what };
         let view = || {
-            let views: &[[u16; 3]] = self.file.array(SectionKind::Views);
+            let views = self.file.views();
             let [azimuth, elevation, roll] = *views.get(id as usize).ok_or(corrupt("view"))?;
             let degrees = pack::unpack_degrees;
             Ok([degrees(azimuth, false), degrees(elevation, true), degrees(roll, false)])
         };
-        let file = || self.file.text(SectionKind::FileOffsets, SectionKind::FileText, id as usize);
+        let file = || self.file.file_name(id as usize);
         let orientation = || self.orientation(id).ok_or(corrupt("orientation"));
         Ok(Entry {
             class,
@@ -382,13 +385,12 @@ impl Index {
         let corrupt = |what| EntryError::Corrupt { id, what };
         let descriptor = self.descriptor(id).ok_or(corrupt("descriptor"))?.into_owned();
         let [azimuth_deg, elevation_deg, roll_deg] = entry.view_deg.unwrap_or_default();
-        let orientations: &[[i16; 4]] = self.file.array(SectionKind::Orientations);
+        let orientations = self.file.orientations();
         let orientation = orientations.get(id as usize).copied().and_then(pack::unpack_as_packed);
-        let number = |kind| self.file.array::<u16>(kind).get(id as usize).copied().unwrap_or_default();
         Ok(NewEntry {
             class: entry.class.unwrap_or_default(),
-            stage: self.file.array::<u8>(SectionKind::Stages).get(id as usize).copied().unwrap_or_default(),
-            hand_shape: number(SectionKind::HandShapes),
+            stage: self.file.stages().get(id as usize).copied().unwrap_or_default(),
+            hand_shape: self.file.hand_shapes().get(id as usize).copied().unwrap_or_default(),
             object: entry.object.to_owned(),
             file: entry.file.to_owned(),
             azimuth_deg,
@@ -405,15 +407,12 @@ impl Index {
     fn named(&self, id: u32) -> Result<(u16, [&str; 3]), EntryError> {
         let (at, catalogue) = (id as usize, self.catalogue());
         let corrupt = |what| EntryError::Corrupt { id, what };
-        let hand_shapes: &[u16] = self.file.array(SectionKind::HandShapes);
-        let stages: &[u8] = self.file.array(SectionKind::Stages);
-        let objects: &[u16] = self.file.array(SectionKind::Objects);
         let class = self.labels().get(at).filter(|&&class| usize::from(class) < catalogue.classes.len());
-        let hand_shape = hand_shapes.get(at).and_then(|&hand| catalogue.hand_shapes.get(usize::from(hand)));
-        let stage = stages.get(at).and_then(|&stage| catalogue.stages.get(usize::from(stage)));
-        let object = objects.get(at).and_then(|&object| {
-            self.file.text(SectionKind::ObjectOffsets, SectionKind::ObjectText, usize::from(object))
-        });
+        let hand_shape =
+            self.file.hand_shapes().get(at).and_then(|&hand| catalogue.hand_shapes.get(usize::from(hand)));
+        let stage = self.file.stages().get(at).and_then(|&stage| catalogue.stages.get(usize::from(stage)));
+        let object = self.file.objects().get(at).copied();
+        let object = object.and_then(|object| self.file.object_name(usize::from(object)));
         let class = *class.ok_or(corrupt("class"))?;
         let names = [
             hand_shape.ok_or(corrupt("hand shape"))?.as_str(),
@@ -425,7 +424,7 @@ impl Index {
 
     /// `camera_from_hand`; `None` where there is no such entry or what the file has is no rotation.
     fn orientation(&self, id: u32) -> Option<UnitQuaternion<f64>> {
-        let orientations: &[[i16; 4]] = self.file.array(SectionKind::Orientations);
+        let orientations = self.file.orientations();
         pack::unpack_rotation(*orientations.get(id as usize)?)
     }
 
@@ -434,7 +433,7 @@ impl Index {
         let pixels = (self.catalogue().thumbnail_side as usize).pow(2);
         let start = (id as usize).checked_mul(pixels)?;
         let end = start.checked_add(pixels)?;
-        let thumbnail = self.file.raw(SectionKind::Thumbnails).get(start..end)?;
+        let thumbnail = self.file.thumbnails().get(start..end)?;
         thumbnail.iter().any(|&grey| grey != 0).then_some(thumbnail)
     }
 
@@ -446,13 +445,13 @@ impl Index {
 
     /// The class of each entry, in the order of their numbers; nothing where the index keeps no labels.
     pub fn labels(&self) -> &[u16] {
-        self.file.array(SectionKind::Labels)
+        self.file.labels()
     }
 
     /// The hash, for each entry, of what its descriptor was made from: a rebuild may take over the descriptor of an entry
     /// with the same hash, if [`Self::params_hash`] has not changed either. Nothing where the index keeps none.
     pub fn source_hashes(&self) -> &[u64] {
-        self.file.array(SectionKind::SourceHashes)
+        self.file.source_hashes()
     }
 
     /// [`crate::DescriptorParams::fingerprint`] of the index's descriptors.
@@ -461,11 +460,6 @@ impl Index {
     }
 
     pub(crate) fn stored(&self) -> Stored<'_> {
-        let values = match self.catalogue().originals {
-            Originals::F32 => Values::F32(self.file.array(SectionKind::Descriptors)),
-            Originals::F16 => Values::F16(self.file.array(SectionKind::Descriptors)),
-            Originals::None => Values::None,
-        };
-        Stored { dim: self.dim(), entries: self.len(), values }
+        Stored { dim: self.dim(), entries: self.len(), values: self.file.descriptors() }
     }
 }

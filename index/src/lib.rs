@@ -39,7 +39,7 @@
 //!     writer.push(NewEntry {
 //!         class: n as u16 % 2,
 //!         file: format!("{n}.png"),
-//!         descriptor: params.describe(&picture(n as u16 % 2, n)),
+//!         descriptor: params.describe(&picture(n as u16 % 2, n))?,
 //!         ..NewEntry::default()
 //!     })?;
 //! }

@@ -117,7 +117,7 @@ fn pictures_are_described_by_no_raw_vectors() {
     assert_eq!(built(Kept::default()).describe(&hand), Err(CannotRecognise::RawDescriptors));
     let params = IndexParams { kept: Kept::nothing(), ..IndexParams::default() };
     let mut writer = IndexWriter::new(params).expect("the parameters are sound");
-    let descriptor = DescriptorParams::default().describe(&hand);
+    let descriptor = DescriptorParams::default().describe(&hand).unwrap();
     writer.push(NewEntry { descriptor, ..NewEntry::default() }).expect("the entry fits");
     let index = Index::from_bytes(&writer.finish_bytes().expect("built")).expect("the index opens");
     assert!(index.describe(&hand).is_ok());

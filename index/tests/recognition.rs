@@ -54,9 +54,9 @@ fn turning_the_picture_turns_the_hand() {
     let truth = support::view(40.0, 50.0);
     let roll = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.7);
     let params = DescriptorParams::default();
-    let turned = params.describe(&support::hand(1, 0.0, &truth).rotated(0.7));
+    let turned = params.describe(&support::hand(1, 0.0, &truth).rotated(0.7)).unwrap();
     let apart = |other: &UnitQuaternion<f64>| {
-        let other = params.describe(&support::hand(1, 0.0, other));
+        let other = params.describe(&support::hand(1, 0.0, other)).unwrap();
         turned.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt()
     };
     assert!(apart(&(roll * truth)) < 0.5 * apart(&truth));

@@ -57,7 +57,7 @@ fn index() -> Index {
             object: "ball".into(),
             azimuth_deg: n as f32,
             orientation: orientation(n),
-            descriptor: params.describe(&hand),
+            descriptor: params.describe(&hand).expect("the parameters are in range"),
             thumbnail: Some(hand.thumbnail(16)),
             ..NewEntry::default()
         };

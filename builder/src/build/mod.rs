@@ -238,7 +238,7 @@ fn complete(
     };
     let turn_deg = recipe.descriptor.turn_deg(&hand);
     let hand = hand.rotated(turn_deg.to_radians());
-    let descriptor = Describer::new(&recipe.descriptor).describe_turned(&hand);
+    let descriptor = Describer::new(&recipe.descriptor)?.describe_turned(&hand);
     let thumbnail = (recipe.thumbnail_side > 0).then(|| hand.thumbnail(recipe.thumbnail_side as usize));
     Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, false)))
 }

@@ -129,10 +129,8 @@ fn as_text(name: &str, index: &Index) -> String {
 fn sampling_text(sampling: Sampling) -> String {
     match sampling {
         Sampling::Native => "its own pixels".to_owned(),
-        Sampling::Stretch { side } => format!("stretched to {side} pixels a side"),
         Sampling::KeepAspect { side } => format!("fitted into {side} pixels a side"),
         Sampling::Upright { side } => format!("turned upright and fitted into {side} pixels a side"),
-        Sampling::Moments { side } => format!("scaled by its moments to {side} pixels a side"),
     }
 }
 

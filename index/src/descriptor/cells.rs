@@ -20,7 +20,8 @@ pub struct Cell<'a> {
 impl DescriptorParams {
     /// The cells of a descriptor, finest level first, each level row by row: what the paper's Figure 4 draws.
     pub fn cells<'a>(&self, descriptor: &'a [f32]) -> impl Iterator<Item = Cell<'a>> {
-        let params = self.clamped();
+        // Of parameters out of range there is no descriptor.
+        let params = if self.validate().is_ok() { *self } else { Self { levels: 0, bins: 1, ..*self } };
         let places = (1..=params.levels).flat_map(move |level| {
             let cells_a_side = 1usize << (params.levels - level);
             (0..cells_a_side * cells_a_side).map(move |cell| (level, cells_a_side, cell))

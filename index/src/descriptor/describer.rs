@@ -1,7 +1,7 @@
 //! From a hand image to its descriptor.
 
 use super::gradient::{Field, Padded};
-use super::params::{DescriptorKind, DescriptorParams, Sampling, Tone};
+use super::params::{DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 use super::pyramid;
 use crate::hand_image::HandImage;
 use crate::resample::{Axis, Resampler};
@@ -16,13 +16,13 @@ const MEAN_TONE: f32 = 0.6;
 /// let grey: Vec<u8> = (0..40 * 40).map(|i| 50 + (i % 40) as u8 * 4).collect();
 /// let hand = HandImage::from_segmented(40, 40, &grey, 0)?;
 /// let params = DescriptorParams::default();
-/// let mut describer = Describer::new(&params);
+/// let mut describer = Describer::new(&params)?;
 /// let mut descriptor = vec![0.0; params.dim()];
 /// for quarter in 0..4 {
 ///     let turned = hand.rotated(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
 ///     describer.describe_into(&turned, &mut descriptor);
 /// }
-/// # Ok::<(), grasp_index::HandImageError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Describer {
@@ -34,10 +34,19 @@ pub struct Describer {
 }
 
 impl Describer {
-    /// A describer for these parameters. Invalid ones ([`DescriptorParams::validate`]) are brought into range.
-    pub fn new(params: &DescriptorParams) -> Self {
+    /// A describer for these parameters.
+    ///
+    /// # Errors
+    /// [`ParamsError`], where they are out of range: [`DescriptorParams::validate`].
+    pub fn new(params: &DescriptorParams) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self::of_valid(*params))
+    }
+
+    /// The same for parameters that have been validated, as those of an open index have.
+    pub(crate) fn of_valid(params: DescriptorParams) -> Self {
         Self {
-            params: params.clamped(),
+            params,
             resampler: Resampler::default(),
             picture: Padded::default(),
             field: Field::default(),
@@ -122,47 +131,18 @@ fn axes(hand: &HandImage, sampling: Sampling) -> (Axis, Axis) {
         origin: centre - step * samples as f32 / 2.0,
         step,
     };
-    // One sample stays black on every side, so that the whole silhouette is an edge.
-    let inner = |side: u16| f32::from(side) - 2.0;
-    let both = |side: u16, (x, y): (f32, f32), (step_x, step_y): (f32, f32)| {
-        (axis(hand.width(), side as usize, x, step_x), axis(hand.height(), side as usize, y, step_y))
-    };
     let middle = (width / 2.0, height / 2.0);
     match sampling {
         Sampling::Native => (
             axis(hand.width(), hand.width(), middle.0, 1.0),
             axis(hand.height(), hand.height(), middle.1, 1.0),
         ),
-        Sampling::Stretch { side } => both(side, middle, (width / inner(side), height / inner(side))),
         Sampling::KeepAspect { side } | Sampling::Upright { side } => {
-            let step = width.max(height) / inner(side);
-            both(side, middle, (step, step))
-        }
-        Sampling::Moments { side } => {
-            let (centre, radius) = moments(hand);
-            // A filled disc of radius r has a root mean square distance of r / sqrt(2) from its centre. 1.3 such
-            // radii leave room for stretched fingers; what lies beyond is cut.
-            let step = 2.0 * 1.3 * std::f32::consts::SQRT_2 * radius.max(1.0) / inner(side);
-            both(side, centre, (step, step))
+            // One sample stays black on every side, so that the whole silhouette is an edge.
+            let (side, step) = (side as usize, width.max(height) / (f32::from(side) - 2.0));
+            (axis(hand.width(), side, middle.0, step), axis(hand.height(), side, middle.1, step))
         }
     }
-}
-
-/// The mask's centroid and the root mean square distance of its pixels from there, in pixels.
-fn moments(hand: &HandImage) -> ((f32, f32), f32) {
-    let (mut n, mut sum_x, mut sum_y, mut sum_squares) = (0u64, 0u64, 0u64, 0u64);
-    for (y, row) in hand.mask().chunks_exact(hand.width()).enumerate() {
-        for x in row.iter().enumerate().filter(|(_, inside)| **inside != 0).map(|(x, _)| x as u64) {
-            n += 1;
-            sum_x += x;
-            sum_y += y as u64;
-            sum_squares += x * x + (y * y) as u64;
-        }
-    }
-    let n = n.max(1) as f64;
-    let (x, y) = (sum_x as f64 / n, sum_y as f64 / n);
-    let variance = (sum_squares as f64 / n - x * x - y * y).max(0.0);
-    ((x as f32 + 0.5, y as f32 + 0.5), variance.sqrt() as f32)
 }
 
 /// What each grey value inside the hand becomes.
@@ -195,8 +175,12 @@ fn tones(hand: &HandImage, tone: Tone) -> [f32; 256] {
 }
 
 impl DescriptorParams {
-    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many pictures.
-    pub fn describe(&self, hand: &HandImage) -> Vec<f32> {
-        Describer::new(self).describe(hand)
+    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so.
+    /// [`Describer`] does the same faster for many pictures.
+    ///
+    /// # Errors
+    /// [`ParamsError`], where the parameters are out of range.
+    pub fn describe(&self, hand: &HandImage) -> Result<Vec<f32>, ParamsError> {
+        Ok(Describer::new(self)?.describe(hand))
     }
 }

@@ -1,7 +1,6 @@
 //! What determines a descriptor.
 
 use crate::hand_image::HandImage;
-use rkyv::{Archive, Deserialize, Serialize};
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -9,13 +8,13 @@ use xxhash_rust::xxh3::xxh3_64;
 const REVISION: u8 = 1;
 
 /// How gradients are counted.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DescriptorKind {
     /// The paper's form: every pixel with a gradient counts 1, in one bin of one cell; each cell's histogram sums to 1.
     Paper,
     /// A pixel counts by the magnitude of its gradient, shared linearly between the two nearest bins and the four
     /// nearest cells; each level sums to 1; then the square root of every value, so that the Euclidean distance
-    /// becomes the Hellinger distance.
+    /// becomes the Hellinger distance. What `default` and `upright` have in common: they differ in [`Sampling`].
     Default,
     /// Vectors of `dim` values that came from elsewhere: how to describe a picture likewise is not known.
     Raw {
@@ -25,23 +24,12 @@ pub enum DescriptorKind {
 }
 
 /// Where in the hand image the descriptor's picture is sampled.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// The hand image's own pixels; cells divide its box, whatever its aspect.
     Native,
-    /// The box stretched to a square of `side` pixels.
-    Stretch {
-        /// Pixels a side, 8 to 1024.
-        side: u16,
-    },
     /// The box scaled into a square of `side` pixels, aspect kept, centred.
     KeepAspect {
-        /// Pixels a side, 8 to 1024.
-        side: u16,
-    },
-    /// A square of `side` pixels centred on the mask's centroid and scaled by the mask's spread: a speck that
-    /// stretches the box hardly moves it. What reaches far out is cut.
-    Moments {
         /// Pixels a side, 8 to 1024.
         side: u16,
     },
@@ -54,7 +42,7 @@ pub enum Sampling {
 }
 
 /// What happens to the grey values inside the hand before gradients are taken.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tone {
     /// Grey as it is: a bright hand has a strong silhouette.
     AsIs,
@@ -66,7 +54,7 @@ pub enum Tone {
 }
 
 /// Everything that determines a descriptor. Recorded in the index.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DescriptorParams {
     /// How gradients are counted.
     pub kind: DescriptorKind,
@@ -114,7 +102,9 @@ impl Default for DescriptorParams {
 }
 
 impl DescriptorParams {
-    /// The names of descriptors of pictures.
+    /// The names of descriptors of pictures, as they stand in files and on command lines. The one called `default` was the
+    /// default before there was `upright`, which the program that builds indexes takes unless it is told otherwise; the
+    /// name stays, because indexes and scripts hold it.
     pub const NAMES: [&str; 3] = ["default", "upright", "paper"];
 
     /// The paper's descriptor: B = 4, L = 3, D = 84.
@@ -160,12 +150,13 @@ impl DescriptorParams {
 
     /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`, 84 for B = 4, L = 3.
     pub fn dim(&self) -> usize {
-        let params = self.clamped();
-        if let DescriptorKind::Raw { dim } = params.kind {
+        if let DescriptorKind::Raw { dim } = self.kind {
             return dim as usize;
         }
-        let cells: usize = (0..params.levels).map(|level| 1 << (2 * level)).sum();
-        params.bins as usize * cells
+        // Parameters may be out of range: such a length is no descriptor's, but it is no overflow either.
+        let cells = |level: u32| 4usize.saturating_pow(level);
+        let all = (0..self.levels.min(usize::BITS)).map(cells).fold(0, usize::saturating_add);
+        all.saturating_mul(self.bins as usize)
     }
 
     /// Checks the ranges.
@@ -173,60 +164,29 @@ impl DescriptorParams {
     /// # Errors
     /// [`ParamsError`], naming the value out of range and what would do.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        let clamped = self.clamped();
-        if let DescriptorKind::Raw { dim } = self.kind
-            && self.kind != clamped.kind
-        {
-            return Err(ParamsError::Dim(dim));
+        match self.kind {
+            DescriptorKind::Raw { dim } if !(1..=1 << 16).contains(&dim) => {
+                return Err(ParamsError::Dim(dim));
+            }
+            _ => {}
         }
-        if self.bins != clamped.bins {
+        if !(2..=32).contains(&self.bins) {
             return Err(ParamsError::Bins(self.bins));
         }
-        if self.levels != clamped.levels {
+        if !(1..=6).contains(&self.levels) {
             return Err(ParamsError::Levels(self.levels));
         }
         match self.sampling {
-            Sampling::Stretch { side }
-            | Sampling::KeepAspect { side }
-            | Sampling::Moments { side }
-            | Sampling::Upright { side }
-                if self.sampling != clamped.sampling =>
-            {
-                Err(ParamsError::Side(side))
+            Sampling::KeepAspect { side } | Sampling::Upright { side } if !(8..=1024).contains(&side) => {
+                return Err(ParamsError::Side(side));
             }
-            _ => match self.tone {
-                Tone::Normalised { contrast } if self.tone != clamped.tone => {
-                    Err(ParamsError::Contrast(contrast))
-                }
-                _ => Ok(()),
-            },
+            _ => {}
         }
-    }
-
-    /// The parameters with every value brought into its range.
-    pub(super) fn clamped(&self) -> Self {
-        let fit = |side: u16| side.clamp(8, 1024);
-        Self {
-            kind: match self.kind {
-                DescriptorKind::Raw { dim } => DescriptorKind::Raw { dim: dim.clamp(1, 1 << 16) },
-                kind => kind,
-            },
-            bins: self.bins.clamp(2, 32),
-            levels: self.levels.clamp(1, 6),
-            sampling: match self.sampling {
-                Sampling::Native => Sampling::Native,
-                Sampling::Stretch { side } => Sampling::Stretch { side: fit(side) },
-                Sampling::KeepAspect { side } => Sampling::KeepAspect { side: fit(side) },
-                Sampling::Moments { side } => Sampling::Moments { side: fit(side) },
-                Sampling::Upright { side } => Sampling::Upright { side: fit(side) },
-            },
-            tone: match self.tone {
-                Tone::AsIs => Tone::AsIs,
-                // A NaN becomes 0 too.
-                Tone::Normalised { contrast } => {
-                    Tone::Normalised { contrast: if contrast > 0.0 { contrast.min(1.0) } else { 0.0 } }
-                }
-            },
+        match self.tone {
+            Tone::Normalised { contrast } if !(0.0..=1.0).contains(&contrast) => {
+                Err(ParamsError::Contrast(contrast))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -234,9 +194,8 @@ impl DescriptorParams {
     pub fn fingerprint(&self) -> u64 {
         let (sampling, side) = match self.sampling {
             Sampling::Native => (0u8, 0),
-            Sampling::Stretch { side } => (1, side),
+            // 1 and 3 were ways that are gone.
             Sampling::KeepAspect { side } => (2, side),
-            Sampling::Moments { side } => (3, side),
             Sampling::Upright { side } => (4, side),
         };
         let (tone, contrast) = match self.tone {

@@ -6,10 +6,9 @@ use crate::descriptor::DescriptorParams;
 use crate::search::effort::Measured;
 use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
-use rkyv::{Archive, Deserialize, Serialize};
 
 /// The parameters, names and measurements of an index, and where its sections lie.
-#[derive(Archive, Serialize, Deserialize, Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Catalogue {
     /// How many entries the index holds.
     pub entries: u64,
@@ -50,7 +49,7 @@ pub struct Catalogue {
 }
 
 /// A grasp class.
-#[derive(Archive, Serialize, Deserialize, Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClassInfo {
     /// Its name, such as `pinch`.
     pub name: String,

@@ -28,6 +28,8 @@ const OLDEST: u32 = 2;
 /// Where the catalogue lies, and the hash of its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
+    /// The least version of a reader that can read the file.
+    pub(crate) least_reader: u32,
     /// The version that wrote the file.
     pub(crate) version: u32,
     pub(crate) file_length: u64,
@@ -40,7 +42,7 @@ impl Header {
     pub(crate) fn to_bytes(self) -> [u8; LENGTH] {
         let mut bytes = [0; LENGTH];
         bytes[0..8].copy_from_slice(&MAGIC);
-        bytes[8..12].copy_from_slice(&self.version.to_le_bytes());
+        bytes[8..12].copy_from_slice(&self.least_reader.to_le_bytes());
         bytes[12..16].copy_from_slice(&self.version.to_le_bytes());
         bytes[16..24].copy_from_slice(&self.file_length.to_le_bytes());
         bytes[24..32].copy_from_slice(&self.catalogue_offset.to_le_bytes());
@@ -86,6 +88,7 @@ impl Header {
             return Err(OpenError::TooOld { wrote, oldest: OLDEST });
         }
         let header = Self {
+            least_reader: needs,
             version: wrote,
             file_length: u64_at(bytes, 16),
             catalogue_offset: u64_at(bytes, 24),

@@ -1,9 +1,7 @@
 //! What an index keeps of its entries.
 
-use rkyv::{Archive, Deserialize, Serialize};
-
 /// Which form of the descriptors an index keeps, besides what its hash makes of them.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Originals {
     /// As they are: distances are exact.
     #[default]
@@ -34,7 +32,7 @@ impl Originals {
 }
 
 /// What an index keeps of each entry besides its descriptor. What it does not keep takes no space.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kept {
     /// Class, stage, hand shape and object. Without them neighbours are found, but cannot vote.
     pub labels: bool,

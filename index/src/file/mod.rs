@@ -13,6 +13,7 @@ mod align;
 pub(crate) mod atomic;
 pub(crate) mod bytes;
 pub(crate) mod catalogue;
+mod contents;
 pub(crate) mod error;
 pub(crate) mod fault;
 pub(crate) mod header;
@@ -24,7 +25,7 @@ pub(crate) mod pack;
 pub(crate) mod sections;
 pub(crate) mod stamp;
 pub(crate) mod verify;
-mod version2;
+pub(crate) mod wire;
 pub(crate) mod write;
 
 // Sections are read in place as they lie in memory, and they lie in the file in little-endian order.

@@ -1,10 +1,9 @@
 //! The sections: which there are, and what they hold.
 
 use super::kept::Originals;
-use rkyv::{Archive, Deserialize, Serialize};
 
 /// Where a section lies.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Section {
     /// What it holds.
     pub kind: SectionKind,
@@ -19,7 +18,7 @@ pub struct Section {
 }
 
 /// The type of a section's elements, little-endian.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementType {
     /// Bytes.
     U8,
@@ -50,7 +49,7 @@ impl ElementType {
 
 /// What a section holds. N is the number of entries, D the length of a descriptor. What an index does not keep
 /// ([`super::kept::Kept`]) is a section of no length.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionKind {
     /// N x D f32 or f16, or nothing: the descriptors.
     Descriptors,

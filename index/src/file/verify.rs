@@ -1,14 +1,12 @@
 //! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
 
 use super::header::LENGTH;
-use super::kept::Originals;
 use super::open::Opened;
 use super::pack;
 use super::sections::SectionKind;
-use crate::search::blocks::{Blocks, LANES};
+use crate::search::blocks::LANES;
 use crate::search::hash::HashInfo;
-use bytemuck::AnyBitPattern;
-use half::f16;
+use crate::search::stored::Values;
 use rayon::prelude::*;
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
@@ -89,36 +87,42 @@ fn elements(file: &Opened) -> Vec<Problem> {
     let below = |limit: usize| move |value: usize| value < limit;
     let (entries, kept) = (catalogue.entries as usize, &catalogue.kept);
     let finite = |value: &f32| value.is_finite();
+    let classes = catalogue.classes.len();
     let found = [
         descriptors(file),
-        first(file, Views, "is no angle", |&angle: &u16| angle < pack::TURN),
-        first(file, PlaneNormals, "is not a finite number", finite),
-        first(file, PlaneOffsets, "is not a finite number", finite),
-        first(file, Labels, "is no class", |&class: &u16| below(catalogue.classes.len())(class.into())),
-        first(file, Stages, "is no stage", |&stage: &u8| below(catalogue.stages.len())(stage.into())),
-        first(file, HandShapes, "is no hand shape", |&hand: &u16| {
+        first(Views, file.views().as_flattened(), "is no angle", |&angle| angle < pack::TURN),
+        first(PlaneNormals, file.plane_normals(), "is not a finite number", finite),
+        first(PlaneOffsets, file.plane_offsets(), "is not a finite number", finite),
+        first(Labels, file.labels(), "is no class", |&class| below(classes)(class.into())),
+        first(Stages, file.stages(), "is no stage", |&stage| below(catalogue.stages.len())(stage.into())),
+        first(HandShapes, file.hand_shapes(), "is no hand shape", |&hand| {
             below(catalogue.hand_shapes.len())(hand.into())
         }),
-        first(file, Objects, "is no object", |&object: &u16| u32::from(object) < catalogue.objects),
-        first(file, BucketIds, "is no entry", |&id: &u32| below(entries)(id as usize)),
-        first(file, Orientations, "is no unit quaternion", |&packed: &[i16; 4]| {
+        first(Objects, file.objects(), "is no object", |&object| u32::from(object) < catalogue.objects),
+        first(BucketIds, file.bucket_ids(), "is no entry", |&id| below(entries)(id as usize)),
+        first(Orientations, file.orientations(), "is no unit quaternion", |&packed| {
             pack::unpack_rotation(packed).is_some()
         }),
-        first(file, Axes, "is not a finite number", finite),
+        first(Axes, file.axes(), "is not a finite number", finite),
         buckets(file, entries),
-        kept.files.then(|| ascending(file, FileOffsets, file.raw(FileText).len())).flatten(),
-        kept.labels.then(|| ascending(file, ObjectOffsets, file.raw(ObjectText).len())).flatten(),
-        kept.files.then(|| texts(file, FileOffsets, FileText, entries)).flatten(),
-        kept.labels.then(|| texts(file, ObjectOffsets, ObjectText, catalogue.objects as usize)).flatten(),
+        kept.files.then(|| ascending(FileOffsets, file.file_offsets(), file.raw(FileText).len())).flatten(),
+        kept.labels
+            .then(|| ascending(ObjectOffsets, file.object_offsets(), file.raw(ObjectText).len()))
+            .flatten(),
+        kept.files.then(|| texts(FileText, entries, |at| file.file_name(at))).flatten(),
+        kept.labels
+            .then(|| texts(ObjectText, catalogue.objects as usize, |at| file.object_name(at)))
+            .flatten(),
     ];
     found.into_iter().flatten().collect()
 }
 
 fn descriptors(file: &Opened) -> Option<Problem> {
     let (kind, what) = (SectionKind::Descriptors, "is not a finite number");
-    match file.catalogue.originals {
-        Originals::F16 => first(file, kind, what, |value: &f16| value.is_finite()),
-        _ => first(file, kind, what, |value: &f32| value.is_finite()),
+    match file.descriptors() {
+        Values::F32(values) => first(kind, values, what, |value| value.is_finite()),
+        Values::F16(values) => first(kind, values, what, |value| value.is_finite()),
+        Values::None | Values::Several(_) => None,
     }
 }
 
@@ -126,21 +130,21 @@ fn descriptors(file: &Opened) -> Option<Problem> {
 fn buckets(file: &Opened, entries: usize) -> Option<Problem> {
     let hash = match file.catalogue.hash {
         HashInfo::Random(_) => {
-            return ascending(
-                file,
-                SectionKind::BucketDirectory,
-                file.array::<u32>(SectionKind::BucketIds).len(),
-            );
+            let ids = file.bucket_ids().len();
+            return ascending(SectionKind::BucketDirectory, file.bucket_directory(), ids);
         }
         HashInfo::Learned(hash) => hash,
     };
-    let directories = ascending(file, SectionKind::GroupDirectory, hash.centre_blocks as usize)
-        .or_else(|| ascending(file, SectionKind::BucketDirectory, hash.entry_blocks as usize));
+    let centre_blocks = hash.centre_blocks as usize;
+    let directories =
+        ascending(SectionKind::GroupDirectory, file.group_directory(), centre_blocks).or_else(|| {
+            ascending(SectionKind::BucketDirectory, file.bucket_directory(), hash.entry_blocks as usize)
+        });
     if directories.is_some() {
         return directories;
     }
     let mut met = vec![false; entries];
-    let blocks = Blocks::of_entries(file.raw(SectionKind::EntryBlocks), hash.axes as usize);
+    let blocks = file.entry_blocks(hash.axes as usize);
     let ids = blocks.iter().flat_map(|block| (0..LANES).map(move |lane| block.id(lane)));
     // A place without an entry has the id that no entry has.
     let mut is_good =
@@ -157,19 +161,18 @@ fn buckets(file: &Opened, entries: usize) -> Option<Problem> {
     Some(Problem::Element { kind: SectionKind::EntryBlocks, at, what: "is in no bucket" })
 }
 
-fn first<T: AnyBitPattern>(
-    file: &Opened,
+fn first<T>(
     kind: SectionKind,
+    elements: &[T],
     what: &'static str,
     is_good: impl Fn(&T) -> bool,
 ) -> Option<Problem> {
-    let at = file.array::<T>(kind).iter().position(|element| !is_good(element))?;
+    let at = elements.iter().position(|element| !is_good(element))?;
     Some(Problem::Element { kind, at, what })
 }
 
 /// Offsets start at 0, never fall, and end at `end`.
-fn ascending(file: &Opened, kind: SectionKind, end: usize) -> Option<Problem> {
-    let offsets: &[u32] = file.array(kind);
+fn ascending(kind: SectionKind, offsets: &[u32], end: usize) -> Option<Problem> {
     let falls = offsets.windows(2).position(|pair| matches!(pair, [a, b] if a > b)).map(|at| at + 1);
     let starts = offsets.first() == Some(&0);
     let ends = offsets.last().is_some_and(|&last| last as usize == end);
@@ -178,7 +181,7 @@ fn ascending(file: &Opened, kind: SectionKind, end: usize) -> Option<Problem> {
     Some(Problem::Element { kind, at, what: "is no offset in ascending order" })
 }
 
-fn texts(file: &Opened, offsets: SectionKind, text: SectionKind, count: usize) -> Option<Problem> {
-    let at = (0..count).find(|&at| file.text(offsets, text, at).is_none())?;
-    Some(Problem::Element { kind: text, at, what: "is no text" })
+fn texts<'a>(kind: SectionKind, count: usize, text: impl Fn(usize) -> Option<&'a str>) -> Option<Problem> {
+    let at = (0..count).find(|&at| text(at).is_none())?;
+    Some(Problem::Element { kind, at, what: "is no text" })
 }

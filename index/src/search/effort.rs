@@ -1,7 +1,6 @@
 //! How much effort finds how much: measured when the index is built, looked up when it is searched.
 
 use super::options::Effort;
-use rkyv::{Archive, Deserialize, Serialize};
 
 /// The values of eps at which success is measured.
 pub const EPS_GRID: [f64; 6] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.2];
@@ -12,7 +11,7 @@ pub const EPS: f64 = 0.05;
 const MARGIN: f64 = 0.1;
 
 /// What a search does and what it finds, on average, when it looks into so many buckets.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffortPoint {
     /// Buckets that are looked into, in each table.
     pub probes: u32,
@@ -25,7 +24,7 @@ pub struct EffortPoint {
 }
 
 /// How well the hash does on queries that it has not seen.
-#[derive(Archive, Serialize, Deserialize, Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// How many queries were measured.
     pub queries: u32,

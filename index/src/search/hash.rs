@@ -7,11 +7,10 @@ use super::nearest::Nearest;
 use super::random::lookup::Lookup as RandomLookup;
 use super::random::{Random, RandomHash};
 use super::simd::Simd;
-use rkyv::{Archive, Deserialize, Serialize};
 use std::collections::HashMap;
 
 /// Which hash the buckets were made by, and its size.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HashInfo {
     /// The paper's random hyperplanes.

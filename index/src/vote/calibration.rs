@@ -8,14 +8,13 @@
 //! ```
 
 use super::reliability::Reliability;
-use rkyv::{Archive, Deserialize, Serialize};
 use thiserror::Error;
 
 /// More neighbours than that make no vote, only work.
 const MOST_NEIGHBOURS: u32 = 100_000;
 
 /// How neighbours are best weighed, and what their agreement is worth.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// How many neighbours vote.
     pub k: u32,
@@ -35,7 +34,7 @@ pub struct Calibration {
 }
 
 /// What a calibration was fitted to, and how well it fits on queries that it was not fitted to.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibrated {
     /// How far the queries were moved, in units of sigma: least and most.
     pub noise: [f64; 2],

@@ -1,16 +1,14 @@
 //! How often answers of each probability are right.
 
-use rkyv::{Archive, Deserialize, Serialize};
-
 /// Answers in ten bins of equal width, by the probability that they state.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reliability {
     /// From improbable to probable: bin b holds probabilities from b / 10 up to (b + 1) / 10.
     pub bins: [ReliabilityBin; 10],
 }
 
 /// The answers of one bin.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReliabilityBin {
     /// How many there are.
     pub n: u32,

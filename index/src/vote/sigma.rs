@@ -6,13 +6,12 @@
 
 use crate::search::distance;
 use rayon::prelude::*;
-use rkyv::{Archive, Deserialize, Serialize};
 
 /// At most so many descriptors of a class are paired; of more, evenly spaced ones are.
 const MOST_OF_A_CLASS: usize = 3_000;
 
 /// Both readings of Equation 5, in units of descriptor distance.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sigma {
     /// The mean distance between two descriptors of one class, averaged over the classes: the words.
     pub mean_distance: f64,

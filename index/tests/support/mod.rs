@@ -111,7 +111,7 @@ pub(crate) fn fill(mut writer: IndexWriter, azimuths: u16, elevations: u16) -> I
             elevation_deg: elevation as f32,
             orientation,
             source_hash: u64::from(class) << 32 | u64::from(e) << 16 | u64::from(a),
-            descriptor: descriptor.describe(&hand),
+            descriptor: descriptor.describe(&hand).expect("the parameters are in range"),
             thumbnail: (thumbnail_side > 0).then(|| hand.thumbnail(thumbnail_side)),
             ..NewEntry::default()
         };

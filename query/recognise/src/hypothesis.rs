@@ -5,8 +5,7 @@
 //! orientation is turned and flipped back.
 
 use grasp_index::{
-    Describer, HandImage, Index, Neighbour, Search, SearchCost, SearchOptions, Vote, euler_deg,
-    mirror_orientation,
+    HandImage, Index, Neighbour, Search, SearchCost, SearchOptions, Vote, euler_deg, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -73,7 +72,7 @@ pub(super) fn best(
     let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
     let search = SearchOptions { k, effort: options.effort };
     let mut best: [Option<(f64, Hypothesis)>; 2] = [None, None];
-    let mut describer = Describer::new(&index.catalogue().descriptor);
+    let mut describer = index.describer();
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
         let tried = turn as f64 / rolls as f64 * 360.0;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use grasp_index::{BACKGROUND, DESCRIBED_SIDE, DescriptorParams, HandImage, HandImageError};
+use grasp_index::{BACKGROUND, DESCRIBED_SIDE, Describer, DescriptorParams, HandImage, HandImageError};
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::Progress;
 use rayon::prelude::*;
@@ -179,20 +179,24 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
 /// The descriptors of all renders of a plan, in its order, without those that show no hand.
 fn describe(plan: &RenderPlan, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
     let mut all = Vec::new();
+    let describer = Describer::new(params)?;
     for spec in plan.scenes() {
         let views = plan.views(&spec);
         interrupt::check()?;
         let scene = spec.build().context("cannot render")?;
         let described: Vec<Option<Vec<f32>>> = views
             .par_iter()
-            .map(|view| {
-                let render = scene.render(view);
-                match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-                    Ok(hand) => Ok(Some(params.describe(&hand.shrunk_to(DESCRIBED_SIDE)))),
-                    Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => Ok(None),
-                    Err(error) => Err(error),
-                }
-            })
+            .map_init(
+                || describer.clone(),
+                |describer, view| {
+                    let render = scene.render(view);
+                    match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
+                        Ok(hand) => Ok(Some(describer.describe(&hand.shrunk_to(DESCRIBED_SIDE)))),
+                        Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => Ok(None),
+                        Err(error) => Err(error),
+                    }
+                },
+            )
             .collect::<Result<_, _>>()?;
         all.extend(described.into_iter().flatten().flatten());
     }

@@ -16,6 +16,7 @@ use super::header::{self, Header};
 use super::input::{BuildError, IndexParams, NewEntry, Summary};
 use super::kept::Originals;
 use super::sections::{ElementType, Section, SectionKind};
+use super::wire;
 use crate::model::{Model, ModelParams};
 use crate::phase::Phase;
 use crate::search::build::{HashParams, RandomParams};
@@ -309,9 +310,10 @@ fn check_count(params: &IndexParams, entries: usize) -> Result<(), BuildError> {
 
 /// Writes the catalogue, and the header last of all; returns how many bytes the file has.
 fn seal(out: &mut Sink, catalogue: &Catalogue) -> io::Result<u64> {
-    let archive = rkyv::to_bytes::<rkyv::rancor::Error>(catalogue).map_err(io::Error::other)?;
+    let archive = wire::write(catalogue).map_err(io::Error::other)?;
     out.open()?;
     let header = Header {
+        least_reader: wire::least_reader(catalogue),
         version: header::VERSION,
         file_length: out.len() + archive.len() as u64,
         catalogue_offset: out.len(),

@@ -83,7 +83,7 @@ fn section<'a>(
     let whole = index.raw(kind);
     let range = entries.start as usize..entries.end as usize;
     let texts = || {
-        let offsets: &[u32] = index.array(SectionKind::FileOffsets);
+        let offsets = index.file_offsets();
         if offsets.is_empty() { Some(offsets) } else { offsets.get(range.start..range.end.checked_add(1)?) }
     };
     Some(match kind {
@@ -129,12 +129,12 @@ struct Filled {
 
 impl Filled {
     fn new(index: &Opened, entries: &Range<u32>) -> Result<Self, BuildError> {
-        let directory: &[u32] = index.array(SectionKind::BucketDirectory);
+        let directory = index.bucket_directory();
         let mut filled = Self { directory: vec![0], ids: Vec::new(), blocks: Vec::new(), entry_blocks: 0 };
         let own = |id: u32| entries.contains(&id).then(|| id - entries.start);
         match index.catalogue.hash {
             HashInfo::Random(_) => {
-                let buckets = Buckets { directory, ids: index.array(SectionKind::BucketIds) };
+                let buckets = Buckets { directory, ids: index.bucket_ids() };
                 for bucket in 0..directory.len().saturating_sub(1) as u32 {
                     filled.ids.extend(buckets.get(bucket).iter().filter_map(|&id| own(id)));
                     filled.directory.push(filled.ids.len() as u32);
@@ -145,7 +145,7 @@ impl Filled {
             }
             HashInfo::Learned(hash) => {
                 let axes = hash.axes as usize;
-                let all = Blocks::of_entries(index.raw(SectionKind::EntryBlocks), axes);
+                let all = index.entry_blocks(axes);
                 let mut entered = 0;
                 for bounds in directory.windows(2) {
                     let [start, end] = *bounds else { continue };

@@ -4,7 +4,7 @@ use super::*;
 use crate::file::catalogue::ClassInfo;
 use crate::file::verify::Problem;
 use crate::search::build::{HashParams, RandomParams};
-use crate::{Effort, EntryError, Index, SearchOptions, VoteOptions};
+use crate::{Effort, EntryError, Index, Sampling, SearchOptions, VoteOptions};
 
 /// A sound index of 8 entries, ready to be spoilt.
 fn writer() -> IndexWriter {
@@ -129,4 +129,16 @@ fn text_that_is_none_is_found_and_refused() {
         |problem: &Problem| matches!(problem, Problem::Element { kind: SectionKind::FileOffsets, at: 5, .. });
     assert!(problems.iter().any(is_offset), "{problems:?}");
     assert_eq!(index.entry(3), Err(EntryError::Corrupt { id: 3, what: "file name" }));
+}
+
+#[test]
+fn an_index_needs_no_newer_reader_than_its_content_does() {
+    let least_reader = |sampling| {
+        let mut writer = writer();
+        writer.params.descriptor.sampling = sampling;
+        let bytes = writer.finish_bytes().expect("the index is built");
+        Header::read(&bytes).map(|header| (header.least_reader, header.version)).expect("the header is sound")
+    };
+    assert_eq!(least_reader(Sampling::KeepAspect { side: 48 }), (3, 4));
+    assert_eq!(least_reader(Sampling::Upright { side: 48 }), (4, 4));
 }

@@ -22,10 +22,9 @@ pub(crate) mod lookup;
 use crate::search::blocks::{Blocks, LANES};
 use axes::Axes;
 use centres::{Centres, bounds};
-use rkyv::{Archive, Deserialize, Serialize};
 
 /// The size of a learned hash.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedHash {
     /// K: hyperplanes that an entry passes on its way into a bucket.
     pub planes: u32,

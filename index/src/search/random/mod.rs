@@ -11,7 +11,6 @@ use crate::search::rows::Rows;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use rkyv::{Archive, Deserialize, Serialize};
 use tables::Buckets;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
@@ -19,7 +18,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 pub(crate) const MAX_PLANES: u32 = 64;
 
 /// The size of a random-hyperplane hash.
-#[derive(Archive, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RandomHash {
     /// The paper's K: hyperplanes a table, 1 to 64.
     pub planes: u32,
