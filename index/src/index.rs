@@ -78,7 +78,7 @@ pub enum EntryError {
     },
 }
 
-/// Why an index cannot tell what a picture shows, though it can be searched.
+/// Why an index cannot recognise what a picture shows, though it can be searched.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CannotRecognise {
@@ -138,8 +138,8 @@ impl Index {
 
     /// Writes some of the entries as an index of their own, with all that was learned and measured from all of them: the hash, the
     /// names, the curve of effort and the calibration. Segments of all entries, in order, are searched by [`crate::Segments`] exactly
-    /// as this index is. Each entry is numbered from the first of the range. `provenance` is added to the index's own, and `go_on` may
-    /// stop the work by breaking. Tells how many bytes the file has.
+    /// as this index is. Each entry is numbered from the first of the range. `provenance` is added to the index's own, and `proceed` may
+    /// stop the work by breaking. Returns how many bytes the file has.
     ///
     /// # Errors
     /// [`BuildError`], where there are no such entries, the index is damaged or the file cannot be written; what was at its place is
@@ -149,9 +149,9 @@ impl Index {
         entries: Range<u32>,
         provenance: Vec<(String, String)>,
         file: AtomicFile,
-        go_on: &dyn Fn() -> ControlFlow<()>,
+        proceed: &dyn Fn() -> ControlFlow<()>,
     ) -> Result<u64, BuildError> {
-        write_segment(&self.file, entries, provenance, file, go_on)
+        write_segment(&self.file, entries, provenance, file, proceed)
     }
 
     /// Checks every byte of the index, which opening does not.
@@ -201,7 +201,7 @@ impl Index {
         Describer::of_valid(self.catalogue().descriptor)
     }
 
-    /// Whether the index can tell what a picture shows. Searching it for descriptors is always possible.
+    /// Whether the index can recognise what a picture shows. Searching it for descriptors is always possible.
     ///
     /// # Errors
     /// [`CannotRecognise`] says what it lacks.

@@ -74,8 +74,8 @@ impl Field {
     /// Hard counts: a pixel with a gradient has weight 1 in the bin `[b pi/B, (b+1) pi/B)` of its orientation.
     pub(super) fn count(&mut self, picture: &Padded, bins: usize) {
         self.resize(picture, bins);
-        // Which bin is told by the sides of the bins' borders: exact where the orientation lies on a border, as 45
-        // degrees, frequent in pictures of whole numbers, do.
+        // The bin follows from the sides of the bins' borders: exact where the orientation lies on a border, as 45
+        // degrees, frequent in pictures of integers, do.
         let borders: Vec<(f32, f32)> = (1..bins)
             .map(|b| (b as f64 * std::f64::consts::PI / bins as f64).sin_cos())
             .map(|(sin, cos)| (sin as f32, cos as f32))

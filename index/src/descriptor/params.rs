@@ -103,7 +103,7 @@ impl Default for DescriptorParams {
 
 impl DescriptorParams {
     /// The names of descriptors of pictures, as they stand in files and on command lines. The one called `default` was the
-    /// default before there was `upright`, which the program that builds indexes takes unless it is told otherwise; the
+    /// default before there was `upright`, which most presets of the program that builds indexes take; the
     /// name stays, because indexes and scripts hold it.
     pub const NAMES: [&str; 3] = ["default", "upright", "paper"];
 
@@ -113,7 +113,7 @@ impl DescriptorParams {
     }
 
     /// The default's values, of hands turned upright: for views with any roll, of which one then stands for all others that differ
-    /// in nothing else. Where all cameras are level, turning throws away what that tells.
+    /// in nothing else. Where all cameras are level, turning throws away what that shows.
     pub fn upright() -> Self {
         Self { sampling: Sampling::Upright { side: 48 }, ..Self::default() }
     }

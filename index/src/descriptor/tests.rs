@@ -249,7 +249,7 @@ fn an_upright_descriptor_hardly_changes_with_the_roll_of_the_camera() {
     let hand = HandImage::from_segmented(64, 80, hand.pixels(), 0).expect("a wedge is a hand");
     let (upright, level) = (DescriptorParams::upright(), DescriptorParams::default());
     let apart = |params: &DescriptorParams, degrees: f64| {
-        distance(&described(&params, &hand), &described(&params, &hand.rotated(degrees.to_radians())))
+        distance(&described(params, &hand), &described(params, &hand.rotated(degrees.to_radians())))
     };
     for degrees in [-170.0, -95.0, -30.0, 12.0, 77.0, 140.0] {
         let (turned, as_it_is) = (apart(&upright, degrees), apart(&level, degrees));

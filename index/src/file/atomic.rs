@@ -22,7 +22,7 @@ pub struct AtomicFile {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The operating system refused; a full disk is told here.
+    /// The operating system refused; a full disk is reported here.
     #[error("cannot write {}", path.display())]
     Io {
         /// The file that was to be written.

@@ -58,7 +58,7 @@ impl Deref for Bytes {
 impl Bytes {
     /// Maps a file read-only.
     pub(crate) fn map(path: &Path) -> Result<Self, OpenError> {
-        let stamp = Stamp::of(open_regular(path)?)?;
+        let stamp = Stamp::new(open_regular(path)?)?;
         // An empty file cannot be mapped; the header's check says what is wrong with it.
         if stamp.length() == 0 {
             return Ok(Self::copy(&[]));
@@ -77,7 +77,7 @@ impl Bytes {
 
     /// Reads a file into memory.
     pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
-        let stamp = Stamp::of(open_regular(path)?)?;
+        let stamp = Stamp::new(open_regular(path)?)?;
         let mut file = stamp.file();
         let length = usize::try_from(stamp.length())
             .map_err(|_| OpenError::corrupt("it is larger than this machine's memory"))?;

@@ -37,7 +37,7 @@ pub enum OpenError {
         /// The file's length in bytes.
         found: u64,
     },
-    /// There is more than the header tells of.
+    /// There is more than the header states.
     #[error("too long: {} expected, {} found: copy or build the file again", Size(*.expected), Size(*.found))]
     TooLong {
         /// The length that the header states, in bytes.

@@ -22,13 +22,13 @@ pub struct Section {
 pub enum ElementType {
     /// Bytes.
     U8,
-    /// 16-bit whole numbers.
+    /// 16-bit integers.
     U16,
-    /// 16-bit whole numbers with a sign.
+    /// 16-bit integers with a sign.
     I16,
-    /// 32-bit whole numbers.
+    /// 32-bit integers.
     U32,
-    /// 64-bit whole numbers.
+    /// 64-bit integers.
     U64,
     /// 16-bit floating-point numbers.
     F16,

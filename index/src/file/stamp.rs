@@ -27,12 +27,12 @@ type Head = [u8; header::LENGTH];
 
 impl Stamp {
     /// To be taken before the file is read or mapped.
-    pub(crate) fn of(file: File) -> io::Result<Self> {
+    pub(crate) fn new(file: File) -> io::Result<Self> {
         let metadata = file.metadata()?;
         // A clock that is ahead of this one's says nothing of the file's age either.
         let is_old = |modified| SystemTime::now().duration_since(modified).is_ok_and(|age| age > STEP);
         let is_fresh = !metadata.modified().is_ok_and(is_old);
-        Ok(Self { times: Times::of(&metadata), is_fresh, head: head(&file)?, file })
+        Ok(Self { times: Times::new(&metadata), is_fresh, head: head(&file)?, file })
     }
 
     /// The file's length in bytes.
@@ -46,7 +46,7 @@ impl Stamp {
 
     /// Whether the file has the content that it had.
     pub(crate) fn check(&self) -> Result<(), FileChanged> {
-        let now = self.file.metadata().map(|metadata| Times::of(&metadata)).map_err(|_| FileChanged)?;
+        let now = self.file.metadata().map(|metadata| Times::new(&metadata)).map_err(|_| FileChanged)?;
         if now == self.times && !self.is_fresh {
             return Ok(());
         }
@@ -67,7 +67,7 @@ struct Times {
 }
 
 impl Times {
-    fn of(metadata: &Metadata) -> Self {
+    fn new(metadata: &Metadata) -> Self {
         #[cfg(unix)]
         let changed = {
             use std::os::unix::fs::MetadataExt as _;
@@ -99,7 +99,7 @@ mod tests {
     use std::path::Path;
 
     fn stamp(path: &Path) -> Stamp {
-        Stamp::of(File::open(path).unwrap()).unwrap()
+        Stamp::new(File::open(path).unwrap()).unwrap()
     }
 
     #[test]

@@ -19,7 +19,7 @@ const PIECE: usize = 1 << 18;
 pub enum NpyType {
     /// `<f4`: floating point numbers of 4 bytes.
     F32,
-    /// `<u4`: whole numbers of 4 bytes.
+    /// `<u4`: integers of 4 bytes.
     U32,
 }
 

@@ -163,7 +163,7 @@ pub(crate) fn code(coordinate: f32, per_scale: f32) -> i8 {
     round((coordinate * per_scale).clamp(-MAX_CODE as f32, MAX_CODE as f32)) as i8
 }
 
-/// To the nearest whole number, halves upward; faster than `f32::round` where there is no instruction for that, and the
+/// To the nearest integer, halves upward; faster than `f32::round` where there is no instruction for that, and the
 /// same everywhere. For values below 2^15 either way; of others, which only a damaged file brings
 /// about, some number comes out.
 #[inline]

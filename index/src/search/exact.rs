@@ -181,18 +181,19 @@ mod tests {
 
     #[test]
     fn blocks_and_passes_make_one_search() {
-        // More than a block, and not a whole number of tiles.
+        // More than a block, and not an integer number of tiles.
         let (dim, rows) = (1000, BLOCK / 4000 + 77);
         let values: Vec<f32> = (0..rows * dim).map(|at| ((at * 7919) % 1009) as f32).collect();
         let stored = Stored { dim, entries: rows, values: Values::F32(&values) };
         let queries: Vec<f32> = (0..3 * dim).map(|at| ((at * 31) % 1009) as f32).collect();
         let expected = one_by_one(Rows { values: &values, dim }, &queries, 20);
         let (mut found, mut heard) = (Vec::new(), Vec::new());
-        let told = nearest_of_many(stored, &queries, 20, Threads::All, &mut found, &mut |done, to_come| {
-            heard.push((done, to_come.len()));
-            Ok::<(), ()>(())
-        });
-        assert_eq!((told, found), (Ok(()), expected));
+        let searched =
+            nearest_of_many(stored, &queries, 20, Threads::All, &mut found, &mut |done, to_come| {
+                heard.push((done, to_come.len()));
+                Ok::<(), ()>(())
+            });
+        assert_eq!((searched, found), (Ok(()), expected));
         assert_eq!(heard, [(0.0, 2), (0.5, 1)]);
 
         // So many neighbours that each query has a pass of its own.

@@ -48,7 +48,7 @@ impl Nearest {
         }
         // Of the NaNs, which only a damaged file can bring about, some sort before every number.
         let squared = if squared.is_nan() { f32::INFINITY } else { squared };
-        // Compared as it is told: of two squares, one root may come, and what several indexes tell is merged by it.
+        // Compared as it is returned: of two squares, one root may come, and what several indexes return is merged by it.
         let offered = Neighbour { id, distance: squared.sqrt() };
         let is_before = |kept: &Neighbour| kept.by_distance(&offered).is_lt();
         if self.kept.len() >= self.k {

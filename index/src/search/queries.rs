@@ -28,7 +28,7 @@ pub(crate) struct Query {
 }
 
 /// Draws queries from `held_out`, or, where that holds none, from the rows themselves, and finds their `k` nearest. `stream`
-/// tells one set from another. `progress` hears what share of that is done, and stops it by an error.
+/// distinguishes one set from another. `progress` hears what share of that is done, and stops it by an error.
 pub(crate) fn queries<E>(
     source: Source<'_>,
     held_out: Rows<'_>,
@@ -55,7 +55,8 @@ pub(crate) fn queries<E>(
     Ok(moved.into_iter().zip(found.chunks_exact(wanted.max(1))).map(query).collect())
 }
 
-/// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of `sigma`. Each is told with the row that it was made from.
+/// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of `sigma`. Each
+/// is returned with the row that it was made from.
 pub(crate) fn moved(
     from: Rows<'_>,
     count: usize,

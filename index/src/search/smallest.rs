@@ -7,7 +7,7 @@ use super::blocks::{Block, LANES};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Smallest {
     keep: usize,
-    /// Scores and numbers, packed so that they compare as whole numbers.
+    /// Scores and numbers, packed so that they compare as integers.
     keys: Vec<u64>,
     /// No score above is among the smallest.
     bound: f32,
@@ -64,7 +64,7 @@ impl Smallest {
         self.keep
     }
 
-    /// What was kept, in no order: whole numbers that compare as the scores do, and numbers.
+    /// What was kept, in no order: integers that compare as the scores do, and numbers.
     pub(crate) fn keys(&mut self) -> impl ExactSizeIterator<Item = (u32, u32)> + '_ {
         self.shrink();
         self.keys.iter().map(|&key| ((key >> 32) as u32, key as u32))
@@ -77,7 +77,7 @@ impl Smallest {
     }
 }
 
-/// Whole numbers that compare as the scores do.
+/// Integers that compare as the scores do.
 #[inline]
 fn ordered(score: f32) -> u32 {
     let bits = score.to_bits();

@@ -59,7 +59,7 @@ proptest! {
 
     #[test]
     fn equal_distances_are_ordered_by_id(values in rows(), query in prop::array::uniform5(0..4u8), k in 1..70usize) {
-        // On whole numbers distances are exact, so that the order is one of ids wherever they are equal.
+        // On integers distances are exact, so that the order is one of ids wherever they are equal.
         let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
         let mut expected = brute_force(rows, &query);
         expected.truncate(k);

@@ -20,7 +20,7 @@ const POWERS: [f64; 2] = [0.02, 5.0];
 /// Halvings of the interval that the best power lies in.
 const HALVINGS: usize = 12;
 /// The share of right answers that lie beyond each limit.
-const LOST: f64 = 0.005;
+const TAIL: f64 = 0.005;
 /// Fewer hand shapes are a few persons' hands; more are those of people.
 const MANY_HANDS: usize = 10;
 /// How far queries are moved to be as strange to an index of few hands as real ones.
@@ -46,7 +46,7 @@ pub(crate) fn noise_of_the_vote(hand_shapes: usize) -> [f64; 2] {
     if hand_shapes < MANY_HANDS { FAR } else { [0.0, 0.1] }
 }
 
-/// The same for queries that tell how far a known hand may lie: never nearer than real pictures do.
+/// The same for queries that show how far a known hand may lie: never nearer than real pictures do.
 pub(crate) fn noise_of_the_farthest(hand_shapes: usize) -> [f64; 2] {
     if hand_shapes < MANY_HANDS { FAR } else { NOISE }
 }
@@ -73,25 +73,25 @@ pub(crate) fn calibrate(
         tried.par_iter().map(|&(k, scale)| fit(&fitted, classes, sigma, k, scale)).collect();
     let best = fits.into_iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
     let calibration = best.map_or(otherwise, |(_, calibration)| calibration);
-    let answers: Vec<Answer> =
-        measured.iter().map(|example| example.answer(&calibration, classes, sigma)).collect();
-    let right = answers.iter().filter(|answer| answer.is_right);
+    let outcomes: Vec<Outcome> =
+        measured.iter().map(|example| example.outcome(&calibration, classes, sigma)).collect();
+    let right = outcomes.iter().filter(|outcome| outcome.is_right);
     let measured = Calibrated {
         noise,
-        log_likelihood: answers.iter().map(|answer| answer.log_likelihood).sum::<f64>()
-            / answers.len() as f64,
-        reliability: Reliability::of(answers.iter().map(|answer| (answer.probability, answer.is_right))),
+        log_likelihood: outcomes.iter().map(|outcome| outcome.log_likelihood).sum::<f64>()
+            / outcomes.len() as f64,
+        reliability: Reliability::of(outcomes.iter().map(|outcome| (outcome.probability, outcome.is_right))),
     };
     Calibration {
-        farthest: quantile(nearest, 1.0 - LOST).filter(|nearest| *nearest > 0.0),
-        least_probability: quantile(right.map(|answer| answer.probability), LOST).unwrap_or(0.0),
+        farthest: quantile(nearest, 1.0 - TAIL).filter(|nearest| *nearest > 0.0),
+        least_probability: quantile(right.map(|outcome| outcome.probability), TAIL).unwrap_or(0.0),
         measured: Some(measured),
         ..calibration
     }
 }
 
 /// What a calibration makes of an example.
-struct Answer {
+struct Outcome {
     probability: f64,
     is_right: bool,
     /// Of the labelled class.
@@ -103,14 +103,14 @@ impl Example {
         shares(self.voters.iter().take(k).copied(), classes, sigma)
     }
 
-    fn answer(&self, calibration: &Calibration, classes: usize, sigma: f64) -> Answer {
+    fn outcome(&self, calibration: &Calibration, classes: usize, sigma: f64) -> Outcome {
         let shares = self.shares(classes, calibration.k as usize, calibration.sigma_scale * sigma);
         let probabilities = calibration.probabilities(&shares);
         let labelled = probabilities.get(usize::from(self.class)).copied().unwrap_or(0.0);
         // The first of equals, as in a vote.
         let first = (0..).zip(&probabilities).min_by(|(_, a), (_, b)| b.total_cmp(a));
         let (class, probability) = first.map_or((0, 0.0), |(class, probability)| (class, *probability));
-        Answer {
+        Outcome {
             probability,
             is_right: class == self.class,
             log_likelihood: labelled.max(f64::MIN_POSITIVE).ln(),
@@ -211,7 +211,7 @@ mod tests {
         assert!((reliability.accuracy().unwrap() - 0.75).abs() < 0.04, "{reliability:?}");
         assert!(reliability.expected_error().unwrap() < 0.04, "{reliability:?}");
         // The near ones agree, and are right in three cases of four: no better is possible than to say so, and which of the two other
-        // classes it is else, nothing tells.
+        // classes it is else, nothing shows.
         let best = 0.75 * 0.75f64.ln() + 0.25 * 0.125f64.ln();
         assert!((measured.log_likelihood - best).abs() < 0.08, "{} {best}", measured.log_likelihood);
         assert_eq!(calibration.farthest, Some(0.1), "all of them have their nearest there");

@@ -19,7 +19,7 @@ pub struct ReliabilityBin {
 }
 
 impl Reliability {
-    /// Of answers, each told as its probability and whether it is right.
+    /// Of answers, each given as its probability and whether it is right.
     pub fn of(answers: impl IntoIterator<Item = (f64, bool)>) -> Self {
         let mut bins = [ReliabilityBin::default(); 10];
         for (probability, is_right) in answers {

@@ -18,14 +18,14 @@ use std::ops::{ControlFlow, Range};
 const DAMAGED: BuildError =
     BuildError::Params("the index is damaged: run `grasp-builder verify` on it, and build it again");
 
-/// Writes the entries `entries` of `index` to `file` and puts it in its place; tells how many bytes it has. `provenance` is added to
-/// the index's own, and `go_on` may stop the work.
+/// Writes the entries `entries` of `index` to `file` and puts it in its place; returns how many bytes it has. `provenance` is added to
+/// the index's own, and `proceed` may stop the work.
 pub(crate) fn write_segment(
     index: &Opened,
     entries: Range<u32>,
     provenance: Vec<(String, String)>,
     file: AtomicFile,
-    go_on: &dyn Fn() -> ControlFlow<()>,
+    proceed: &dyn Fn() -> ControlFlow<()>,
 ) -> Result<u64, BuildError> {
     if entries.is_empty() {
         return Err(BuildError::Empty);
@@ -35,7 +35,7 @@ pub(crate) fn write_segment(
     }
     let handle = file.handle().map_err(|source| failed(Some(&file), source))?;
     let mut out = Sink::file(handle);
-    let bytes = write(index, entries, provenance, &mut out, go_on).map_err(|failure| match failure {
+    let bytes = write(index, entries, provenance, &mut out, proceed).map_err(|failure| match failure {
         Failure::Io(source) => failed(Some(&file), source),
         Failure::Build(error) => error,
     })?;
@@ -48,7 +48,7 @@ fn write(
     entries: Range<u32>,
     provenance: Vec<(String, String)>,
     out: &mut Sink,
-    go_on: &dyn Fn() -> ControlFlow<()>,
+    proceed: &dyn Fn() -> ControlFlow<()>,
 ) -> Result<u64, Failure> {
     let filled = Filled::new(index, &entries)?;
     out.append(&[0; header::LENGTH])?;
@@ -56,7 +56,7 @@ fn write(
     for kind in SectionKind::ALL {
         out.open()?;
         let bytes = section(index, kind, &entries, &filled).ok_or(DAMAGED)?;
-        out.append_all(&bytes, &mut |_| match go_on() {
+        out.append_all(&bytes, &mut |_| match proceed() {
             ControlFlow::Continue(()) => Ok::<(), Failure>(()),
             ControlFlow::Break(()) => Err(BuildError::Stopped.into()),
         })?;
@@ -157,7 +157,7 @@ impl Filled {
         }
     }
 
-    /// Adds to the blocks those entries of a bucket that are the segment's `own`, and tells how many these are.
+    /// Adds to the blocks those entries of a bucket that are the segment's `own`, and returns how many these are.
     fn put(&mut self, bucket: Blocks<'_>, axes: usize, own: impl Fn(u32) -> Option<u32>) -> usize {
         let stride = blocks::entry_stride(axes);
         let mut entered = 0;

@@ -14,14 +14,14 @@ const PIECE: usize = 1 << 20;
 
 /// Bytes written one after the other, of which a section may be open.
 pub(super) struct Sink {
-    to: To,
+    to: Target,
     length: u64,
     /// Of the open section.
     start: u64,
     hash: Xxh3,
 }
 
-enum To {
+enum Target {
     Memory(AlignedVec<{ ALIGNMENT as usize }>),
     File(BufWriter<File>),
 }
@@ -29,12 +29,12 @@ enum To {
 impl Sink {
     /// Into memory.
     pub(super) fn memory() -> Self {
-        Self::to(To::Memory(AlignedVec::new()))
+        Self::to(Target::Memory(AlignedVec::new()))
     }
 
     /// Into an empty file that nobody else writes.
     pub(super) fn file(file: File) -> Self {
-        Self::to(To::File(BufWriter::with_capacity(PIECE, file)))
+        Self::to(Target::File(BufWriter::with_capacity(PIECE, file)))
     }
 
     /// Into a file without a name in `folder`: the operating system removes it, however the program ends.
@@ -42,7 +42,7 @@ impl Sink {
         Ok(Self::file(tempfile::tempfile_in(folder)?))
     }
 
-    fn to(to: To) -> Self {
+    fn to(to: Target) -> Self {
         Self { to, length: 0, start: 0, hash: Xxh3::new() }
     }
 
@@ -54,8 +54,8 @@ impl Sink {
     /// Writes bytes after the others. They belong to the open section.
     pub(super) fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
         match &mut self.to {
-            To::Memory(held) => held.extend_from_slice(bytes),
-            To::File(file) => file.write_all(bytes)?,
+            Target::Memory(held) => held.extend_from_slice(bytes),
+            Target::File(file) => file.write_all(bytes)?,
         }
         self.hash.update(bytes);
         self.length += bytes.len() as u64;
@@ -98,8 +98,8 @@ impl Sink {
     /// All that was written, to look at. Nothing more is written meanwhile.
     pub(super) fn written(&mut self) -> io::Result<Written<'_>> {
         match &mut self.to {
-            To::Memory(held) => Ok(Written::Held(held)),
-            To::File(file) => {
+            Target::Memory(held) => Ok(Written::Held(held)),
+            Target::File(file) => {
                 file.flush()?;
                 Written::map(file.get_mut())
             }
@@ -109,8 +109,8 @@ impl Sink {
     /// Writes over the first bytes, which were zeros, as the last thing of all.
     pub(super) fn finish(&mut self, first: &[u8]) -> io::Result<()> {
         match &mut self.to {
-            To::Memory(held) => held.iter_mut().zip(first).for_each(|(to, from)| *to = *from),
-            To::File(file) => {
+            Target::Memory(held) => held.iter_mut().zip(first).for_each(|(to, from)| *to = *from),
+            Target::File(file) => {
                 file.flush()?;
                 file.seek(SeekFrom::Start(0))?;
                 file.write_all(first)?;
@@ -124,8 +124,8 @@ impl Sink {
 impl std::fmt::Debug for Sink {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let to = match self.to {
-            To::Memory(_) => "memory",
-            To::File(_) => "a file",
+            Target::Memory(_) => "memory",
+            Target::File(_) => "a file",
         };
         write!(f, "{} bytes in {to}", self.length)
     }

@@ -11,7 +11,7 @@
 //!
 //! `|q - x|^2 = |q - c|^2 + (|r|^2 + 2 <c, r>) - 2 <q, r>`:
 //!
-//! the first term comes from the ranking, the second is the entry's scalar, and the third a dot product of whole numbers. `|q|^2`
+//! the first term comes from the ranking, the second is the entry's scalar, and the third a dot product of integers. `|q|^2`
 //! is left out everywhere, as it is the same for all.
 
 pub(crate) mod axes;

@@ -1,6 +1,6 @@
 //! The inner loops of a search, for the widest vector registers that the machine has.
 //!
-//! Whatever the path, the answers are the same to the last bit: dot products of codes are whole numbers, and all
+//! Whatever the path, the answers are the same to the last bit: dot products of codes are integers, and all
 //! floating-point work is done in one order without fused multiply-adds.
 //!
 //! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because [`Simd::best`] is the
