@@ -1,4 +1,5 @@
-//! What is learned of an index's descriptors once all are in: sigma, the hash, and what the vote is worth.
+//! What is learned of an index's descriptors once all are in: sigma, the hash, and what the vote is
+//! worth.
 
 use crate::phase::Phase;
 use crate::search::build::{BuiltHash, HashParams, build};

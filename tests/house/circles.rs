@@ -52,9 +52,7 @@ fn named(module: &Module, code: &str, all: &BTreeMap<Module, String>) -> BTreeSe
     }
     let is_path = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == ':';
     let words = code.split(|letter: char| !is_path(letter)).filter(|word| !word.ends_with("::"));
-    paths.extend(
-        words.filter(|word| word.starts_with("crate::") || word.starts_with("super::")).map(str::to_owned),
-    );
+    paths.extend(words.filter(|word| word.contains("::")).map(str::to_owned));
     let resolve = |path: &String| {
         let mut place = if path.starts_with("crate") { vec![] } else { module.clone() };
         for part in path.split("::").filter(|part| !["crate", "self"].contains(part)) {

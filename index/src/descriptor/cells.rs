@@ -18,7 +18,8 @@ pub struct Cell<'a> {
 }
 
 impl DescriptorParams {
-    /// The cells of a descriptor, finest level first, each level row by row: what the paper's Figure 4 draws.
+    /// The cells of a descriptor, finest level first, each level row by row: what the paper's
+    /// Figure 4 draws.
     pub fn cells<'a>(&self, descriptor: &'a [f32]) -> impl Iterator<Item = Cell<'a>> {
         // Of parameters out of range there is no descriptor.
         let params = if self.validate().is_ok() { *self } else { Self { levels: 0, bins: 1, ..*self } };

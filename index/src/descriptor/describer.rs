@@ -6,10 +6,12 @@ use super::pyramid;
 use crate::hand_image::HandImage;
 use crate::resample::{Axis, Resampler};
 
-/// The brightness of a mean pixel of the hand after [`Tone::Normalised`]; its scale is arbitrary, as histograms are normalised.
+/// The brightness of a mean pixel of the hand after [`Tone::Normalised`]; its scale is arbitrary,
+/// as histograms are normalised.
 const MEAN_TONE: f32 = 0.6;
 
-/// Computes descriptors and keeps its buffers between calls: worth having where one picture is described many times.
+/// Computes descriptors and keeps its buffers between calls: worth having where one picture is
+/// described many times.
 ///
 /// ```
 /// use grasp_index::{Describer, DescriptorParams, HandImage};
@@ -54,21 +56,23 @@ impl Describer {
         }
     }
 
-    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0; all are where
-    /// [`DescriptorParams::describes_pictures`] is not so.
+    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0; all are
+    /// where [`DescriptorParams::describes_pictures`] is not so.
     pub fn describe(&mut self, hand: &HandImage) -> Vec<f32> {
         let mut descriptor = vec![0.0; self.params.dim()];
         self.describe_into(hand, &mut descriptor);
         descriptor
     }
 
-    /// Writes the descriptor of a hand image into `out`. Where `out` is shorter than [`DescriptorParams::dim`], the
-    /// rest of the descriptor is dropped; where it is longer, its end is left alone.
+    /// Writes the descriptor of a hand image into `out`. Where `out` is shorter than
+    /// [`DescriptorParams::dim`], the rest of the descriptor is dropped; where it is longer, its
+    /// end is left alone.
     pub fn describe_into(&mut self, hand: &HandImage, out: &mut [f32]) {
         self.describe_as_is(&hand.rotated(self.params.turn_deg(hand).to_radians()), out);
     }
 
-    /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or as somebody wants to try.
+    /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or
+    /// as somebody wants to try.
     pub fn describe_turned(&mut self, hand: &HandImage) -> Vec<f32> {
         let mut descriptor = vec![0.0; self.params.dim()];
         self.describe_as_is(hand, &mut descriptor);
@@ -175,8 +179,9 @@ fn tones(hand: &HandImage, tone: Tone) -> [f32; 256] {
 }
 
 impl DescriptorParams {
-    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where [`Self::describes_pictures`] is not so.
-    /// [`Describer`] does the same faster for many pictures.
+    /// The descriptor of a hand image: [`Self::dim`] values, all 0 where
+    /// [`Self::describes_pictures`] is not so. [`Describer`] does the same faster for many
+    /// pictures.
     ///
     /// # Errors
     /// [`ParamsError`], where the parameters are out of range.

@@ -10,13 +10,16 @@ const REVISION: u8 = 1;
 /// How gradients are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DescriptorKind {
-    /// The paper's form: every pixel with a gradient counts 1, in one bin of one cell; each cell's histogram sums to 1.
+    /// The paper's form: every pixel with a gradient counts 1, in one bin of one cell; each cell's
+    /// histogram sums to 1.
     Paper,
-    /// A pixel counts by the magnitude of its gradient, shared linearly between the two nearest bins and the four
-    /// nearest cells; each level sums to 1; then the square root of every value, so that the Euclidean distance
-    /// becomes the Hellinger distance. What `default` and `upright` have in common: they differ in [`Sampling`].
+    /// A pixel counts by the magnitude of its gradient, shared linearly between the two nearest
+    /// bins and the four nearest cells; each level sums to 1; then the square root of every value,
+    /// so that the Euclidean distance becomes the Hellinger distance. What `default` and `upright`
+    /// have in common: they differ in [`Sampling`].
     Default,
-    /// Vectors of `dim` values that came from elsewhere: how to describe a picture likewise is not known.
+    /// Vectors of `dim` values that came from elsewhere: how to describe a picture likewise is not
+    /// known.
     Raw {
         /// Values of a vector, 1 to 65,536.
         dim: u32,
@@ -33,8 +36,8 @@ pub enum Sampling {
         /// Pixels a side, 8 to 1024.
         side: u16,
     },
-    /// As [`Sampling::KeepAspect`], of the hand turned [upright](HandImage::upright_turn_deg): however a camera was rolled,
-    /// the descriptor is about the same.
+    /// As [`Sampling::KeepAspect`], of the hand turned [upright](HandImage::upright_turn_deg):
+    /// however a camera was rolled, the descriptor is about the same.
     Upright {
         /// Pixels a side, 8 to 1024.
         side: u16,
@@ -48,7 +51,8 @@ pub enum Tone {
     AsIs,
     /// Mean and contrast are made the same for every hand, dark or light, dimly or brightly lit.
     Normalised {
-        /// The standard deviation of the grey inside the hand, relative to its mean: 0 leaves the silhouette alone, 0 to 1.
+        /// The standard deviation of the grey inside the hand, relative to its mean: 0 leaves the
+        /// silhouette alone, 0 to 1.
         contrast: f32,
     },
 }
@@ -102,9 +106,9 @@ impl Default for DescriptorParams {
 }
 
 impl DescriptorParams {
-    /// The names of descriptors of pictures, as they stand in files and on command lines. The one called `default` was the
-    /// default before there was `upright`, which most presets of the program that builds indexes take; the
-    /// name stays, because indexes and scripts hold it.
+    /// The names of descriptors of pictures, as they stand in files and on command lines. The one
+    /// called `default` was the default before there was `upright`, which most presets of the
+    /// program that builds indexes take; the name stays, because indexes and scripts hold it.
     pub const NAMES: [&str; 3] = ["default", "upright", "paper"];
 
     /// The paper's descriptor: B = 4, L = 3, D = 84.
@@ -112,8 +116,9 @@ impl DescriptorParams {
         Self { kind: DescriptorKind::Paper, bins: 4, levels: 3, sampling: Sampling::Native, tone: Tone::AsIs }
     }
 
-    /// The default's values, of hands turned upright: for views with any roll, of which one then stands for all others that differ
-    /// in nothing else. Where all cameras are level, turning throws away what that shows.
+    /// The default's values, of hands turned upright: for views with any roll, of which one then
+    /// stands for all others that differ in nothing else. Where all cameras are level, turning
+    /// throws away what that shows.
     pub fn upright() -> Self {
         Self { sampling: Sampling::Upright { side: 48 }, ..Self::default() }
     }
@@ -148,12 +153,14 @@ impl DescriptorParams {
         }
     }
 
-    /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`, 84 for B = 4, L = 3.
+    /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`,
+    /// 84 for B = 4, L = 3.
     pub fn dim(&self) -> usize {
         if let DescriptorKind::Raw { dim } = self.kind {
             return dim as usize;
         }
-        // Parameters may be out of range: such a length is no descriptor's, but it is no overflow either.
+        // Parameters may be out of range: such a length is no descriptor's, but it is no overflow
+        // either.
         let cells = |level: u32| 4usize.saturating_pow(level);
         let all = (0..self.levels.min(usize::BITS)).map(cells).fold(0, usize::saturating_add);
         all.saturating_mul(self.bins as usize)
@@ -190,7 +197,8 @@ impl DescriptorParams {
         }
     }
 
-    /// A number that differs wherever descriptors would: equal fingerprints mean that descriptors can be compared and reused.
+    /// A number that differs wherever descriptors would: equal fingerprints mean that descriptors
+    /// can be compared and reused.
     pub fn fingerprint(&self) -> u64 {
         let (sampling, side) = match self.sampling {
             Sampling::Native => (0u8, 0),
@@ -216,8 +224,9 @@ impl DescriptorParams {
         xxh3_64(&bytes)
     }
 
-    /// By how many degrees, clockwise on the picture, a hand image is turned before it is described: 0 unless [`Self::sampling`] is
-    /// [`Sampling::Upright`]. What an index holds and answers are orientations of turned hands: [`crate::NewEntry::turned`] and
+    /// By how many degrees, clockwise on the picture, a hand image is turned before it is
+    /// described: 0 unless [`Self::sampling`] is [`Sampling::Upright`]. What an index holds and
+    /// answers are orientations of turned hands: [`crate::NewEntry::turned`] and
     /// [`crate::turned_orientation`] go from one to the other.
     #[must_use]
     pub fn turn_deg(&self, hand: &HandImage) -> f64 {

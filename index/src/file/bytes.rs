@@ -18,7 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Files of at least so many bytes are taken to be larger than what memory is left for them.
 const LARGE: usize = 2 << 30;
 
-/// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in place.
+/// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in
+/// place.
 pub(crate) enum Bytes {
     Mapped(Mapping),
     Held(AlignedVec<{ ALIGNMENT as usize }>),
@@ -63,13 +64,14 @@ impl Bytes {
         if stamp.length() == 0 {
             return Ok(Self::copy(&[]));
         }
-        // SAFETY: the mapping is read-only and private to this value. What a map cannot promise is that no other process
-        // changes or truncates the file meanwhile. Index files are never changed in place: this crate writes a new
-        // file and renames it over the old one, whose bytes live on as long as they are mapped (tested in
-        // tests/writing.rs). Every byte pattern is valid for the plain numbers that are read from it, and text is
-        // checked at each use, so bytes changed by a stranger can give wrong answers, but no undefined values: they are
-        // noticed by `check_unchanged`. A file truncated by a stranger ends the process with SIGBUS, unless it is
-        // guarded (`super::fault`). Where neither will do, use `Bytes::read`.
+        // SAFETY: the mapping is read-only and private to this value. What a map cannot promise is
+        // that no other process changes or truncates the file meanwhile. Index files are never
+        // changed in place: this crate writes a new file and renames it over the old one, whose
+        // bytes live on as long as they are mapped (tested in tests/writing.rs). Every byte pattern
+        // is valid for the plain numbers that are read from it, and text is checked at each use, so
+        // bytes changed by a stranger can give wrong answers, but no undefined values: they are
+        // noticed by `check_unchanged`. A file truncated by a stranger ends the process with
+        // SIGBUS, unless it is guarded (`super::fault`). Where neither will do, use `Bytes::read`.
         let map = unsafe { Mmap::map(stamp.file())? };
         let registered = Registered::new(&map);
         Ok(Self::Mapped(Mapping { registered, map, stamp, is_changed: AtomicBool::new(false) }))
@@ -95,7 +97,8 @@ impl Bytes {
         Ok(Self::Held(bytes))
     }
 
-    /// Whether what was read of these bytes until now was of one file: that no other program has changed or truncated it.
+    /// Whether what was read of these bytes until now was of one file: that no other program has
+    /// changed or truncated it.
     pub(crate) fn check_unchanged(&self) -> Result<(), FileChanged> {
         match self {
             Self::Held(_) => Ok(()),
@@ -112,8 +115,8 @@ impl Bytes {
 }
 
 impl ReadAhead for Bytes {
-    /// Asks the operating system to read `part` of these bytes ahead: all of it at once and beside others, instead of page by
-    /// page as it is touched. Of no effect besides time.
+    /// Asks the operating system to read `part` of these bytes ahead: all of it at once and beside
+    /// others, instead of page by page as it is touched. Of no effect besides time.
     fn will_need(&self, part: &[u8]) {
         #[cfg(unix)]
         if let Self::Mapped(Mapping { map, .. }) = self {
@@ -127,11 +130,12 @@ impl ReadAhead for Bytes {
         let _ = part;
     }
 
-    /// Tells the operating system that a large file will be read here and there: that it should not read on beyond each page that is
-    /// touched. Of no effect besides time.
+    /// Tells the operating system that a large file will be read here and there: that it should not
+    /// read on beyond each page that is touched. Of no effect besides time.
     ///
-    /// Of 20 million entries (8.4 GB) in 1 GB of memory, on a disk set to read on by 8 MB, a search read 200 MB, of which it used
-    /// 200 kB. A file that fits into memory is the sooner there if the system reads on.
+    /// Of 20 million entries (8.4 GB) in 1 GB of memory, on a disk set to read on by 8 MB, a search
+    /// read 200 MB, of which it used 200 kB. A file that fits into memory is the sooner there if
+    /// the system reads on.
     fn will_jump(&self) {
         #[cfg(unix)]
         if let Self::Mapped(Mapping { map, .. }) = self
@@ -141,8 +145,8 @@ impl ReadAhead for Bytes {
         }
     }
 
-    /// Asks for `part` of a large file, which will be read next and from front to back, as [`Self::will_need`] does: it may have been
-    /// told that it [`Self::will_jump`].
+    /// Asks for `part` of a large file, which will be read next and from front to back, as
+    /// [`Self::will_need`] does: it may have been told that it [`Self::will_jump`].
     fn will_pass(&self, part: &[u8]) {
         if self.len() >= LARGE {
             self.will_need(part);
@@ -152,7 +156,8 @@ impl ReadAhead for Bytes {
 
 impl Mapping {
     fn check_unchanged(&self) -> Result<(), FileChanged> {
-        // A fault always comes with a length that has changed, unless the file has grown back since, or the disk failed.
+        // A fault always comes with a length that has changed, unless the file has grown back
+        // since, or the disk failed.
         let is_changed = self.is_changed.load(Ordering::Relaxed)
             || self.registered.has_faulted()
             || self.stamp.check().is_err();
@@ -164,7 +169,8 @@ impl Mapping {
     }
 }
 
-/// What a writer has written so far, to look at: mapped, or in its memory. The writer is borrowed meanwhile.
+/// What a writer has written so far, to look at: mapped, or in its memory. The writer is borrowed
+/// meanwhile.
 pub(crate) enum Written<'a> {
     Mapped(Mmap, PhantomData<&'a mut File>),
     Held(&'a [u8]),
@@ -177,9 +183,10 @@ impl<'a> Written<'a> {
         if file.metadata()?.len() == 0 {
             return Ok(Self::Held(&[]));
         }
-        // SAFETY: the mapping is read-only, and `file`, whose only handle the caller lends for as long as the mapping
-        // lives, is not written meanwhile. The file is the locked part of an index or has no name, so no other program
-        // changes or truncates it unless it goes out of its way; then what holds for `Bytes::map` holds here.
+        // SAFETY: the mapping is read-only, and `file`, whose only handle the caller lends for as
+        // long as the mapping lives, is not written meanwhile. The file is the locked part of an
+        // index or has no name, so no other program changes or truncates it unless it goes out of
+        // its way; then what holds for `Bytes::map` holds here.
         let map = unsafe { Mmap::map(&*file)? };
         Ok(Self::Mapped(map, PhantomData))
     }

@@ -78,7 +78,8 @@ arrays! {
 impl Opened {
     fn array<T: Element>(&self, kind: SectionKind) -> &[T] {
         debug_assert_eq!(T::TYPE, kind.element(self.catalogue.originals), "{kind:?}");
-        // Opening has checked that the section starts at a multiple of 64 and is an integer number of elements long.
+        // Opening has checked that the section starts at a multiple of 64 and is an integer number
+        // of elements long.
         bytemuck::try_cast_slice(self.raw(kind)).unwrap_or(&[])
     }
 

@@ -14,8 +14,8 @@ use crate::search::random::{MAX_PLANES, RandomHash};
 use std::ops::Range;
 
 impl SectionKind {
-    /// How many elements the section must have, by the rest of the catalogue. Outer `None`: more than a `u64` counts;
-    /// inner `None`: text, of any length.
+    /// How many elements the section must have, by the rest of the catalogue. Outer `None`: more
+    /// than a `u64` counts; inner `None`: text, of any length.
     fn elements(self, catalogue: &Catalogue) -> Option<Option<u64>> {
         let n = catalogue.entries;
         let dim = u64::from(catalogue.dim);
@@ -76,7 +76,8 @@ impl SectionKind {
     }
 }
 
-/// Where the sections of an opened file lie: every range is inside the file and fits its section's element type.
+/// Where the sections of an opened file lie: every range is inside the file and fits its section's
+/// element type.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     ranges: [Range<usize>; SectionKind::ALL.len()],
@@ -88,7 +89,8 @@ impl Layout {
         self.ranges[kind as usize].clone()
     }
 
-    /// Checks the catalogue against itself and against the file: `sections_end` is where the catalogue starts.
+    /// Checks the catalogue against itself and against the file: `sections_end` is where the
+    /// catalogue starts.
     pub(crate) fn check(catalogue: &Catalogue, sections_end: u64) -> Result<Self, OpenError> {
         check_numbers(catalogue)?;
         let mut ranges = std::array::from_fn(|_| 0..0);
@@ -102,7 +104,8 @@ impl Layout {
             if section.kind != kind || section.element != element {
                 return Err(corrupt("is not where it should be"));
             }
-            // Sections follow each other: none overlaps another, and between them there is padding alone.
+            // Sections follow each other: none overlaps another, and between them there is padding
+            // alone.
             if align(end) != Some(section.offset) {
                 return Err(corrupt("does not start where the one before ends"));
             }

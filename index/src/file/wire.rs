@@ -1,8 +1,10 @@
-//! The catalogue as it lies in the file: forms that never change, converted where a file is read or written.
+//! The catalogue as it lies in the file: forms that never change, converted where a file is read or
+//! written.
 //!
-//! A form has the fields of the domain's type in the order in which the file has them. Should the domain change, the
-//! form stays, and the conversion makes up for the difference. An enum may get more variants at its end, for which
-//! [`least_reader`] names the version; any other change is a new form beside the old one, and a new version.
+//! A form has the fields of the domain's type in the order in which the file has them. Should the
+//! domain change, the form stays, and the conversion makes up for the difference. An enum may get
+//! more variants at its end, for which [`least_reader`] names the version; any other change is a
+//! new form beside the old one, and a new version.
 
 use super::catalogue::{Catalogue, ClassInfo};
 use super::kept::{Kept, Originals};
@@ -17,7 +19,8 @@ use rkyv::rancor::Error;
 use rkyv::util::AlignedVec;
 use rkyv::{Archive, Deserialize, Serialize};
 
-/// The least reader that understands what a catalogue holds: version 4 brought hands that are turned upright.
+/// The least reader that understands what a catalogue holds: version 4 brought hands that are
+/// turned upright.
 pub(crate) fn least_reader(catalogue: &Catalogue) -> u32 {
     match catalogue.descriptor.sampling {
         Sampling::Upright { .. } => 4,
@@ -30,8 +33,8 @@ pub(crate) fn write(catalogue: &Catalogue) -> Result<AlignedVec, Error> {
     rkyv::to_bytes::<Error>(&CatalogueForm::freeze(catalogue))
 }
 
-/// The catalogue that a file of version `version` holds; `None` where the bytes are of no such form, or what they hold is
-/// no longer known. They are validated.
+/// The catalogue that a file of version `version` holds; `None` where the bytes are of no such
+/// form, or what they hold is no longer known. They are validated.
 pub(crate) fn read(bytes: &[u8], version: u32) -> Option<Catalogue> {
     match version {
         2 => rkyv::from_bytes::<CatalogueForm2, Error>(bytes).ok()?.thaw(),
@@ -324,7 +327,6 @@ impl Frozen for DescriptorKindForm {
 enum SamplingForm {
     Native,
     /// Was tried, and is in no index that a program of this project has built.
-    #[allow(dead_code)]
     Stretch {
         side: u16,
     },
@@ -332,7 +334,6 @@ enum SamplingForm {
         side: u16,
     },
     /// As `Stretch`.
-    #[allow(dead_code)]
     Moments {
         side: u16,
     },

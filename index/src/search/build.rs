@@ -29,7 +29,8 @@ pub enum HashParams {
 /// How a random hash is sized.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RandomParams {
-    /// K and T are learned from the data: the cheapest that reach eps-success 0.95 at eps 0.05 on held-out queries.
+    /// K and T are learned from the data: the cheapest that reach eps-success 0.95 at eps 0.05 on
+    /// held-out queries.
     #[default]
     Auto,
     /// K, T and H as given.
@@ -58,8 +59,8 @@ pub(crate) enum OwnedHash {
     Learned(Fitted),
 }
 
-/// Makes the hash that `params` asks for and measures it. `progress` hears what is being done and the share of it that is
-/// done, and stops the work by returning an error.
+/// Makes the hash that `params` asks for and measures it. `progress` hears what is being done and
+/// the share of it that is done, and stops the work by returning an error.
 pub(crate) fn build<E: Send>(
     source: Source<'_>,
     keeps_descriptors: bool,
@@ -124,7 +125,8 @@ impl OwnedHash {
 }
 
 impl BuiltHash {
-    /// Held-out rows, moved by `noise` in units of `sigma`, each with the `k` entries that a search finds by default.
+    /// Held-out rows, moved by `noise` in units of `sigma`, each with the `k` entries that a search
+    /// finds by default.
     pub(crate) fn neighbours_of_held_out(
         &self,
         source: Source<'_>,

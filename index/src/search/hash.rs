@@ -1,5 +1,5 @@
-//! The seam between the hashes and the path that they share: a hash turns a vector into an ordered list of buckets to
-//! probe, and its buckets into candidates.
+//! The seam between the hashes and the path that they share: a hash turns a vector into an ordered
+//! list of buckets to probe, and its buckets into candidates.
 
 use super::learned::lookup::Lookup as LearnedLookup;
 use super::learned::{Learned, LearnedHash};
@@ -50,9 +50,9 @@ impl<'a> Hash<'a> {
         }
     }
 
-    /// Adds the entries of another file, the first of which is number `first`. Both hashes were learned as one, so that a
-    /// bucket holds the entries of the bucket of its number in each file: what is looked at, and what is kept of it,
-    /// is what a single file of all entries would give.
+    /// Adds the entries of another file, the first of which is number `first`. Both hashes were
+    /// learned as one, so that a bucket holds the entries of the bucket of its number in each file:
+    /// what is looked at, and what is kept of it, is what a single file of all entries would give.
     pub(crate) fn join(&mut self, first: u32, other: Hash<'a>) {
         match (self, other) {
             (Self::Random(own), Self::Random(other)) => {
@@ -112,7 +112,8 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Names to `each` the parts of the file that [`Self::gather`] will look at, where these are worth reading ahead.
+    /// Names to `each` the parts of the file that [`Self::gather`] will look at, where these are
+    /// worth reading ahead.
     pub(crate) fn for_each_part(&self, each: impl FnMut(&[u8])) {
         if let Self::Learned(lookup) = self {
             lookup.parts().for_each(each);
@@ -158,7 +159,8 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// How many candidates are kept at most, and the key by which each was kept, by id; `None` where all are kept.
+    /// How many candidates are kept at most, and the key by which each was kept, by id; `None`
+    /// where all are kept.
     pub(crate) fn keys(&mut self) -> Option<(usize, HashMap<u32, u32>)> {
         match self {
             Self::Random(_) => None,
@@ -169,7 +171,8 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of, if it does.
+    /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of,
+    /// if it does.
     pub(crate) fn estimate(&mut self, nearest: &mut Nearest) {
         if let Self::Learned(lookup) = self {
             lookup.estimate(nearest);

@@ -63,7 +63,8 @@ impl<'a> InFlight<'a> {
         Search { neighbours: self.nearest.neighbours().collect(), cost }
     }
 
-    /// Measures the candidates' distances, by their descriptors where these are kept, and keeps the k nearest.
+    /// Measures the candidates' distances, by their descriptors where these are kept, and keeps the
+    /// k nearest.
     pub(crate) fn rerank(&mut self, stored: Stored<'_>, simd: Simd, query: &[f32], k: usize) {
         let Self { lookup, nearest, row } = self;
         nearest.reset(k);
@@ -92,7 +93,8 @@ pub(crate) fn exhaustive(
     Some(Search { neighbours, cost: SearchCost { reranked: stored.entries as u32, ..found_all } })
 }
 
-/// Has the blocks that are to be looked at next read ahead, so that they come while the one before is looked at.
+/// Has the blocks that are to be looked at next read ahead, so that they come while the one before
+/// is looked at.
 pub(crate) fn ahead<'s>(
     files: &[&dyn ReadAhead],
 ) -> impl FnMut(f64, &[(u32, Stored<'s>)]) -> Result<(), Infallible> {

@@ -1,4 +1,5 @@
-//! What searches with more and more effort find of the neighbours of queries that an index has not seen.
+//! What searches with more and more effort find of the neighbours of queries that an index has not
+//! seen.
 
 use super::distance;
 use super::effort::{EPS_GRID, EffortPoint, Measured};
@@ -91,8 +92,8 @@ fn point(rows: Rows<'_>, stored: Stored<'_>, hash: &Hash<'_>, queries: &[Query],
     }
 }
 
-/// Measures a hash, as it searches an index that keeps what `stored` does, on queries that it was not chosen by. `progress` hears what share
-/// of that is done, and stops it by an error.
+/// Measures a hash, as it searches an index that keeps what `stored` does, on queries that it was
+/// not chosen by. `progress` hears what share of that is done, and stops it by an error.
 pub(crate) fn measure<E>(
     source: Source<'_>,
     stored: Stored<'_>,

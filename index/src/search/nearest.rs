@@ -16,7 +16,8 @@ impl Neighbour {
     }
 }
 
-/// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts as infinitely far.
+/// Keeps the k nearest rows that it is offered, nearest first, equal distances by id. A NaN counts
+/// as infinitely far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearest {
     k: usize,
@@ -48,7 +49,8 @@ impl Nearest {
         }
         // Of the NaNs, which only a damaged file can bring about, some sort before every number.
         let squared = if squared.is_nan() { f32::INFINITY } else { squared };
-        // Compared as it is returned: of two squares, one root may come, and what several indexes return is merged by it.
+        // Compared as it is returned: of two squares, one root may come, and what several indexes
+        // return is merged by it.
         let offered = Neighbour { id, distance: squared.sqrt() };
         let is_before = |kept: &Neighbour| kept.by_distance(&offered).is_lt();
         if self.kept.len() >= self.k {

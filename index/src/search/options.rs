@@ -17,13 +17,14 @@ impl Default for SearchOptions {
     }
 }
 
-/// How hard to look for the neighbours: as a wanted success, which the index has measured the effort for, or as the effort.
+/// How hard to look for the neighbours: as a wanted success, which the index has measured the
+/// effort for, or as the effort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// Find this share of the true 10 nearest, on average: above 0, at most 1.
     Recall(f64),
-    /// Find, for the share `success` of all queries (above 0, at most 1), a neighbour at most `1 + eps` times as far as the
-    /// true nearest (`eps` 0 or more).
+    /// Find, for the share `success` of all queries (above 0, at most 1), a neighbour at most `1 +
+    /// eps` times as far as the true nearest (`eps` 0 or more).
     Success {
         /// How much farther than the true nearest is near enough.
         eps: f64,
@@ -32,7 +33,8 @@ pub enum Effort {
     },
     /// Look into this many buckets of each table, at least 1.
     Probes(u32),
-    /// Measure the distance to every entry: the true nearest neighbours, in time linear in the size of the index.
+    /// Measure the distance to every entry: the true nearest neighbours, in time linear in the size
+    /// of the index.
     Exact,
 }
 

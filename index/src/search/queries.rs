@@ -7,11 +7,13 @@ use super::rows::{Rows, Source};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// How far a query is moved from the descriptor that it is made from, in units of sigma: least and most. Descriptors of
-/// hand shapes that an index does not know lie a third as far from their nearest neighbours as those of real pictures do, when both
-/// come from one renderer; moved so, they lie as far (on 468 pictures of a hand of another program, of which the
-/// middle 80 % have their nearest of 540,000 entries at 0.17 to 0.39). A step goes along the difference of two descriptors,
-/// a direction in which the data varies: noise that is even in all directions promised 0.97 where 0.88 came true.
+/// How far a query is moved from the descriptor that it is made from, in units of sigma: least and
+/// most. Descriptors of hand shapes that an index does not know lie a third as far from their
+/// nearest neighbours as those of real pictures do, when both come from one renderer; moved so,
+/// they lie as far (on 468 pictures of a hand of another program, of which the middle 80 % have
+/// their nearest of 540,000 entries at 0.17 to 0.39). A step goes along the difference of two
+/// descriptors, a direction in which the data varies: noise that is even in all directions promised
+/// 0.97 where 0.88 came true.
 pub const NOISE: [f64; 2] = [0.2, 0.5];
 const QUERIES: usize = 800;
 /// Queries that the vote is calibrated by: more, for they cost no exact search.
@@ -27,8 +29,9 @@ pub(crate) struct Query {
     pub(crate) nearest: Vec<Neighbour>,
 }
 
-/// Draws queries from `held_out`, or, where that holds none, from the rows themselves, and finds their `k` nearest. `stream`
-/// distinguishes one set from another. `progress` hears what share of that is done, and stops it by an error.
+/// Draws queries from `held_out`, or, where that holds none, from the rows themselves, and finds
+/// their `k` nearest. `stream` distinguishes one set from another. `progress` hears what share of
+/// that is done, and stops it by an error.
 pub(crate) fn queries<E>(
     source: Source<'_>,
     held_out: Rows<'_>,
@@ -55,8 +58,8 @@ pub(crate) fn queries<E>(
     Ok(moved.into_iter().zip(found.chunks_exact(wanted.max(1))).map(query).collect())
 }
 
-/// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of `sigma`. Each
-/// is returned with the row that it was made from.
+/// Draws `count` rows of `from`, or as many as it has, and moves them by `noise`, in units of
+/// `sigma`. Each is returned with the row that it was made from.
 pub(crate) fn moved(
     from: Rows<'_>,
     count: usize,

@@ -9,24 +9,30 @@ pub struct SearchCost {
     pub tables: u32,
     /// Buckets that were looked into, over all tables.
     pub buckets: u32,
-    /// Entries that the buckets held, each counted once: all distances that were measured, unless `exact`.
+    /// Entries that the buckets held, each counted once: all distances that were measured, unless
+    /// `exact`.
     pub candidates: u32,
     /// The share of the index whose distance was measured, 0 to 1.
     pub share_of_database: f64,
     /// Every entry was measured: the neighbours are the true ones.
     pub exact: bool,
-    /// The buckets held fewer than k entries, so every entry was measured although that was not asked for.
+    /// The buckets held fewer than k entries, so every entry was measured although that was not
+    /// asked for.
     pub fell_back: bool,
-    /// Candidates whose distance was measured by their original descriptors, after a coarser look at all of them.
+    /// Candidates whose distance was measured by their original descriptors, after a coarser look
+    /// at all of them.
     pub reranked: u32,
-    /// The share of the true 10 nearest that such a search found when the index was measured; `None` where that is unknown.
+    /// The share of the true 10 nearest that such a search found when the index was measured;
+    /// `None` where that is unknown.
     pub predicted_recall: Option<f64>,
 }
 
-/// What one segment of an index adds to a search of all: the candidates whose distance would be measured if it were all there is.
+/// What one segment of an index adds to a search of all: the candidates whose distance would be
+/// measured if it were all there is.
 ///
-/// Of the shortlists of all segments, those `keep` with the least (key, id) are the candidates of a search of the whole index; where these are
-/// fewer than the neighbours that are wanted, it searches again with twice the probes, up to `most_probes`, and then exactly.
+/// Of the shortlists of all segments, those `keep` with the least (key, id) are the candidates of a
+/// search of the whole index; where these are fewer than the neighbours that are wanted, it
+/// searches again with twice the probes, up to `most_probes`, and then exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortlist {
     /// Buckets of each table that were looked into.

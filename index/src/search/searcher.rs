@@ -23,7 +23,8 @@ pub struct Searcher<'a> {
     is_cold: bool,
 }
 
-/// Queries of a batch that are under way at once: while one waits for memory, the others are worked on.
+/// Queries of a batch that are under way at once: while one waits for memory, the others are worked
+/// on.
 const STAGES: usize = 3;
 
 impl std::fmt::Debug for Searcher<'_> {
@@ -66,8 +67,9 @@ impl<'a> Searcher<'a> {
         Ok(found)
     }
 
-    /// The candidates of a search of this segment, for one who asks all segments of an index and puts their answers together; `None` where
-    /// the search is exact, whose neighbours can be merged by distance. How much effort is enough is the same in all segments.
+    /// The candidates of a search of this segment, for one who asks all segments of an index and
+    /// puts their answers together; `None` where the search is exact, whose neighbours can be
+    /// merged by distance. How much effort is enough is the same in all segments.
     ///
     /// # Errors
     /// [`SearchError`], when the query does not fit the index.
@@ -94,9 +96,10 @@ impl<'a> Searcher<'a> {
         Ok(Some(Shortlist { probes, most_probes: in_flight.lookup.most_probes(), keep, candidates }))
     }
 
-    /// The nearest neighbours of many descriptors: `queries` holds them in rows of the index's `dim` values. To `found` is
-    /// appended a row of `k` neighbours for each, nearest first; where the index has fewer entries, the rest of the row has
-    /// the id `u32::MAX` and an infinite distance.
+    /// The nearest neighbours of many descriptors: `queries` holds them in rows of the index's
+    /// `dim` values. To `found` is appended a row of `k` neighbours for each, nearest first; where
+    /// the index has fewer entries, the rest of the row has the id `u32::MAX` and an infinite
+    /// distance.
     ///
     /// # Errors
     /// [`SearchError`], when a query does not fit the index; nothing is appended then.
@@ -122,8 +125,8 @@ impl<'a> Searcher<'a> {
             self.warm(first, k, probes);
         }
         let simd = self.simd;
-        // Each turn takes one query a step further at each of three stages, so that what a stage asks the memory for
-        // has a whole turn to arrive.
+        // Each turn takes one query a step further at each of three stages, so that what a stage
+        // asks the memory for has a whole turn to arrive.
         for turn in 0..queries.len() + STAGES - 1 {
             if let Some(query) = queries.get(turn) {
                 let lookup = &mut self.in_flight[turn % STAGES].lookup;
@@ -149,9 +152,9 @@ impl<'a> Searcher<'a> {
         Ok(())
     }
 
-    /// The true nearest neighbours of many descriptors, as [`Self::batch`] with [`Effort::Exact`] finds them, on all threads, which go
-    /// through the index together. `progress` hears what share of the work is done, 0 to 1, and stops it by breaking: then there is
-    /// no answer.
+    /// The true nearest neighbours of many descriptors, as [`Self::batch`] with [`Effort::Exact`]
+    /// finds them, on all threads, which go through the index together. `progress` hears what share
+    /// of the work is done, 0 to 1, and stops it by breaking: then there is no answer.
     ///
     /// # Errors
     /// [`SearchError`], when a query does not fit the index.
@@ -178,8 +181,8 @@ impl<'a> Searcher<'a> {
         Ok(searched.is_ok().then_some(found))
     }
 
-    /// Before the first search of a file: asks for all buckets at once, and then for all descriptors, where one after the
-    /// other would wait for the disk as often.
+    /// Before the first search of a file: asks for all buckets at once, and then for all
+    /// descriptors, where one after the other would wait for the disk as often.
     fn warm(&mut self, query: &[f32], k: usize, probes: u32) {
         if !std::mem::take(&mut self.is_cold) {
             return;

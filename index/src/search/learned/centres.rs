@@ -22,8 +22,8 @@ pub(crate) struct Centres<'a> {
 pub(crate) struct Ranking {
     nearest: Smallest,
     groups: Vec<u32>,
-    /// The nearest first, each with the query's squared distance from its centre, less the query's own square: what
-    /// the bucket adds to the scores of its entries.
+    /// The nearest first, each with the query's squared distance from its centre, less the query's
+    /// own square: what the bucket adds to the scores of its entries.
     pub(crate) buckets: Vec<(f32, u32)>,
 }
 

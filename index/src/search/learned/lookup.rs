@@ -7,16 +7,17 @@ use crate::search::nearest::Nearest;
 use crate::search::simd::{self, Simd};
 use crate::search::smallest::Smallest;
 
-/// Entries that are measured exactly besides the k that are wanted: half as many again, at least this, and one for every
-/// four buckets, because who looks into many does not want to lose a neighbour to the codes' rounding.
+/// Entries that are measured exactly besides the k that are wanted: half as many again, at least
+/// this, and one for every four buckets, because who looks into many does not want to lose a
+/// neighbour to the codes' rounding.
 const MORE: usize = 4;
 /// More are never measured exactly, whatever k is asked for.
 const MOST: usize = 1 << 30;
 /// Bytes of a bucket that are asked for ahead of their use; the processor follows by itself.
 const PREFETCHED: usize = 2048;
 
-/// Looks queries up in a learned hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes the best of what they
-/// hold.
+/// Looks queries up in a learned hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes
+/// the best of what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Lookup<'a> {
     hash: Learned<'a>,
@@ -76,8 +77,8 @@ impl<'a> Lookup<'a> {
         self.parts().for_each(|part| simd::prefetch_all(&part[..part.len().min(PREFETCHED)]));
     }
 
-    /// Scans the chosen buckets and keeps of their entries those that are nearest by their codes: the `k` that are wanted,
-    /// and some more.
+    /// Scans the chosen buckets and keeps of their entries those that are nearest by their codes:
+    /// the `k` that are wanted, and some more.
     pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
         let Self { hash, quantised, ranking, found, candidates, .. } = self;
         let more = (k / 2).max(MORE) + ranking.buckets.len() / 4;

@@ -1,18 +1,20 @@
 //! The learned hash: hyperplanes fitted to the data instead of drawn at random.
 //!
-//! A table of `K` hyperplanes has `2^K` buckets, as in the paper, but each plane depends on the bits before it: it stands
-//! upright on the direction in which the entries that share those bits vary most ([`fit`]). Then every entry moves to the
-//! bucket whose centre is nearest, so that a bucket is the cell of its centre.
+//! A table of `K` hyperplanes has `2^K` buckets, as in the paper, but each plane depends on the
+//! bits before it: it stands upright on the direction in which the entries that share those bits
+//! vary most ([`fit`]). Then every entry moves to the bucket whose centre is nearest, so that a
+//! bucket is the cell of its centre.
 //!
-//! A query is turned into the data's principal axes ([`axes`]) and quantised once. Buckets are ranked by the distance of
-//! their centres, in two levels: the groups of centres first, then the centres of the nearest groups. The first
-//! buckets are scanned: their entries lie in blocks of 8-bit codes ([`super::blocks`]), the difference of each entry from its
-//! bucket's centre. From a query q to an entry x = c + r, with centre c and residual r,
+//! A query is turned into the data's principal axes ([`axes`]) and quantised once. Buckets are
+//! ranked by the distance of their centres, in two levels: the groups of centres first, then the
+//! centres of the nearest groups. The first buckets are scanned: their entries lie in blocks of
+//! 8-bit codes ([`super::blocks`]), the difference of each entry from its bucket's centre. From a
+//! query q to an entry x = c + r, with centre c and residual r,
 //!
 //! `|q - x|^2 = |q - c|^2 + (|r|^2 + 2 <c, r>) - 2 <q, r>`:
 //!
-//! the first term comes from the ranking, the second is the entry's scalar, and the third a dot product of integers. `|q|^2`
-//! is left out everywhere, as it is the same for all.
+//! the first term comes from the ranking, the second is the entry's scalar, and the third a dot
+//! product of integers. `|q|^2` is left out everywhere, as it is the same for all.
 
 pub(crate) mod axes;
 pub(crate) mod centres;
@@ -49,7 +51,8 @@ pub(crate) struct Learned<'a> {
     pub(crate) centres: Centres<'a>,
     /// The unit of the entries' codes.
     pub(crate) residual_scale: f32,
-    /// The buckets' entries, file by file: a bucket holds those of the bucket of its number in each.
+    /// The buckets' entries, file by file: a bucket holds those of the bucket of its number in
+    /// each.
     pub(crate) files: Vec<Entries<'a>>,
 }
 

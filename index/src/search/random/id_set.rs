@@ -1,7 +1,8 @@
 //! A set of ids that is emptied in time linear in what it holds.
 
-/// Ids, each once, in the order in which they came. One bit for each possible id, so that asking whether one is in costs
-/// nothing; those bits alone are cleared that were set, because a query meets a small share of a large index.
+/// Ids, each once, in the order in which they came. One bit for each possible id, so that asking
+/// whether one is in costs nothing; those bits alone are cleared that were set, because a query
+/// meets a small share of a large index.
 #[derive(Clone, Debug, Default)]
 pub(super) struct IdSet {
     bits: Vec<u64>,

@@ -3,7 +3,8 @@
 use super::id_set::IdSet;
 use super::{Random, RandomHyperplanes};
 
-/// Looks queries up in a random hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes what they hold.
+/// Looks queries up in a random hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes
+/// what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Lookup<'a> {
     hash: Random<'a>,
@@ -23,7 +24,8 @@ impl<'a> Lookup<'a> {
         &self.hash
     }
 
-    /// Chooses `probes` buckets a table: its own first; then those across one plane, the nearest plane first.
+    /// Chooses `probes` buckets a table: its own first; then those across one plane, the nearest
+    /// plane first.
     pub(crate) fn probe(&mut self, vector: &[f32], probes: u32) {
         let Self { hash, margins, buckets, .. } = self;
         let RandomHyperplanes { size, .. } = hash.hyperplanes;
@@ -45,7 +47,8 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Takes the union of the chosen buckets. Ids past the last entry, as a damaged file may hold, are left out.
+    /// Takes the union of the chosen buckets. Ids past the last entry, as a damaged file may hold,
+    /// are left out.
     pub(crate) fn gather(&mut self) {
         let ends = self.hash.files.iter().map(|file| (file.first as usize).saturating_add(file.count));
         self.candidates.clear(ends.max().unwrap_or_default());

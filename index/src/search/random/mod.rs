@@ -1,5 +1,5 @@
-//! The paper's hash: `T` tables, each of `K` random hyperplanes through the region where the data lies. The side of each
-//! plane is a bit; the `K` bits are hashed to one of `H` buckets.
+//! The paper's hash: `T` tables, each of `K` random hyperplanes through the region where the data
+//! lies. The side of each plane is a bit; the `K` bits are hashed to one of `H` buckets.
 
 mod id_set;
 pub(crate) mod lookup;
@@ -28,8 +28,8 @@ pub struct RandomHash {
     pub buckets: u32,
 }
 
-/// Hyperplanes as they lie in the file: `normals` holds `T * K` rows of `dim` values, `offsets` their `T * K` offsets. A
-/// vector x is on the upper side of a plane where `normal . x >= offset`.
+/// Hyperplanes as they lie in the file: `normals` holds `T * K` rows of `dim` values, `offsets`
+/// their `T * K` offsets. A vector x is on the upper side of a plane where `normal . x >= offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RandomHyperplanes<'a> {
     pub(crate) size: RandomHash,
@@ -72,7 +72,8 @@ impl RandomHyperplanes<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct Random<'a> {
     pub(crate) hyperplanes: RandomHyperplanes<'a>,
-    /// The buckets' entries, file by file: a bucket holds those of the bucket of its number in each.
+    /// The buckets' entries, file by file: a bucket holds those of the bucket of its number in
+    /// each.
     pub(crate) files: Vec<Entries<'a>>,
 }
 
@@ -96,13 +97,14 @@ impl Random<'_> {
     }
 }
 
-/// Draws `planes` hyperplanes for each of `tables` tables: normals and offsets as [`RandomHyperplanes`] has them. A table's
-/// planes depend on the rows, the seed and its own number alone, and the first planes of a table do not depend on how
-/// many follow.
+/// Draws `planes` hyperplanes for each of `tables` tables: normals and offsets as
+/// [`RandomHyperplanes`] has them. A table's planes depend on the rows, the seed and its own number
+/// alone, and the first planes of a table do not depend on how many follow.
 ///
-/// A plane stands upright on the line between two drawn rows, half-way: so it passes through the region where the data
-/// lies and its direction is one in which the data varies. (A direction drawn evenly from all of space mostly crosses
-/// a cloud that is flat in most of them without telling its points apart.)
+/// A plane stands upright on the line between two drawn rows, half-way: so it passes through the
+/// region where the data lies and its direction is one in which the data varies. (A direction drawn
+/// evenly from all of space mostly crosses a cloud that is flat in most of them without telling its
+/// points apart.)
 pub(crate) fn draw(rows: Rows<'_>, tables: u32, planes: u32, seed: u64) -> (Vec<f32>, Vec<f32>) {
     let drawn: Vec<(Vec<f32>, Vec<f32>)> = (0..tables)
         .into_par_iter()
@@ -117,7 +119,8 @@ pub(crate) fn draw(rows: Rows<'_>, tables: u32, planes: u32, seed: u64) -> (Vec<
                     &rows.values[at..at + rows.dim]
                 };
                 let (a, mut b) = (row(&mut rng), row(&mut rng));
-                // Equal rows have no line between them. Should all rows be equal, any plane will do.
+                // Equal rows have no line between them. Should all rows be equal, any plane will
+                // do.
                 for _ in 0..16 {
                     if a != b {
                         break;
