@@ -4,7 +4,7 @@
 //! floating-point work is done in one order without fused multiply-adds.
 //!
 //! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because [`Simd::best`] is the
-//! only way to get a value other than [`Simd::Portable`] and asks the processor first.
+//! only way to get a value other than [`Level::Portable`] and asks the processor first.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -88,7 +88,7 @@ impl Simd {
         }
     }
 
-    /// The squared distance of `query` from each of the rows that `row` gives: [`distance::squared`], to the bit.
+    /// The squared distance of `query` from each of the rows that `row` gives: [`super::distance::squared`], to the bit.
     pub(crate) fn distances<'a>(
         self,
         query: &[f32],
