@@ -13,9 +13,10 @@ use grasp_renders::RenderPlan;
 use grasp_terminal::Progress;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::build::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::held_out::{Hands, HeldOut};
+use crate::indexing::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::interrupt;
+use crate::plan_spec::PlanSpec;
 
 /// Entries that are handed on at a time.
 const ENTRIES_AT_ONCE: u32 = 1 << 10;
@@ -33,8 +34,8 @@ pub struct Growth {
     pub more: Option<Source>,
     /// What the held-out hands are posed and looked at like, by which the index is measured.
     pub plan: RenderPlan,
-    /// The options that make this plan.
-    pub options: String,
+    /// What the index keeps of this plan.
+    pub spec: PlanSpec,
 }
 
 /// Makes the index `out`, which may be one of those that it is made of.
@@ -183,7 +184,7 @@ fn recipe(first: &Catalogue, growth: &Growth, names: &Names) -> Recipe {
             _ => HashParams::Learned,
         },
         originals: first.originals,
-        seen: matches!(held_out, HeldOut::Rendered(_)).then(|| growth.options.clone()),
+        seen: matches!(held_out, HeldOut::Rendered(_)).then(|| growth.spec.clone()),
         held_out,
         thumbnail_side: first.thumbnail_side,
         seed: first.seed,
@@ -202,7 +203,7 @@ fn origin(indexes: &[Index], growth: &Growth, recipe: &Recipe) -> anyhow::Result
     if let Some(source) = &growth.more {
         origin.extend(source.origin(recipe)?.into_iter().filter(|(key, _)| !own.contains(&key.as_str())));
     }
-    origin.extend(recipe.seen.clone().map(|seen| (OPTIONS.to_owned(), seen)));
+    origin.extend(recipe.seen.as_ref().map(|seen| (OPTIONS.to_owned(), seen.to_string())));
     origin.extend(recipe.held_out.provenance()?.map(|held_out| ("held out".to_owned(), held_out)));
     Ok(origin)
 }

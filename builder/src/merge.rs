@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
 use grasp_terminal::Progress;
 
-use crate::build::{Gathered, Known, Report};
+use crate::indexing::{Gathered, Known, Report};
 use crate::interrupt;
 use crate::shard::{EXTENSION, HeldOutRows, PartReader};
 

@@ -176,7 +176,7 @@ impl HandImage {
         if radians == 0.0 {
             return self.clone();
         }
-        let (sin, cos) = radians.sin_cos();
+        let (sin, cos) = libm::sincos(radians);
         let (w, h) = (self.width as f64, self.height as f64);
         // The last digits of a quarter turn's sine must not add a pixel.
         let pixels_of = |length: f64| (length - 1e-6).ceil().max(1.0) as usize;

@@ -31,6 +31,7 @@ mod scene;
 mod variation;
 mod view;
 
+pub mod canonical;
 pub mod render_set;
 
 pub use grasp::{

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use crate::grasp::{GraspSet, Stage};
 use crate::hand::HandShape;
@@ -23,7 +24,8 @@ const STANDARD: (usize, usize) = (40, 36);
 const WIDE: (usize, usize) = (155, 60);
 
 /// A named plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Preset {
     /// As in the paper: one hand shape, six grasps, 900 views each over the upper half-sphere.
     Paper,

@@ -1,13 +1,12 @@
 //! One hand shape in one grasp at one stage with one object: built once, seen from many sides.
 
-use std::fmt;
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use xxhash_rust::xxh3::xxh3_64;
 
+use crate::canonical::Encoder;
 use crate::grasp::{Example, Grasp, Object, Stage, grip, hold};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
 use crate::hand_model::HandModel;
@@ -16,7 +15,7 @@ use crate::raster::{self, Drawing, Light};
 use crate::view::{View, world_from_hand};
 
 /// Changes whenever the same parameters give other pixels than before.
-pub const RENDERER_VERSION: u32 = 3;
+pub const RENDERER_VERSION: u32 = 4;
 
 /// How a picture is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +55,7 @@ impl Default for Look {
 }
 
 /// What a scene is made of. Cheap to copy; [`SceneSpec::build`] does the work.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct SceneSpec {
     /// Whose hand.
     pub hand_shape: Arc<HandShape>,
@@ -117,25 +116,11 @@ pub struct Render {
     pub view: View,
 }
 
-impl fmt::Debug for SceneSpec {
-    /// All fields, a model only where there is one: pictures of our own hands are the same as before there were models.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let SceneSpec { hand_shape, hand_model, grasp, stage, object, example, held, look, seed } = self;
-        let mut all = f.debug_struct("SceneSpec");
-        all.field("hand_shape", hand_shape);
-        if let Some(model) = hand_model {
-            all.field("hand_model", model);
-        }
-        all.field("grasp", grasp).field("stage", stage).field("object", object);
-        all.field("example", example).field("held", held).field("look", look).field("seed", seed).finish()
-    }
-}
-
 impl SceneSpec {
-    /// A hash of all that the scene's pixels follow from, the renderer's version included.
+    /// A hash of all that the scene's pixels follow from, the renderer's version included: the key by
+    /// which pictures are known again, and the seed of their variations.
     pub fn params_hash(&self) -> u64 {
-        // Debug prints every field, and floats so that they read back exactly.
-        xxh3_64(format!("{RENDERER_VERSION} {self:?}").as_bytes())
+        Encoder::new().u32(RENDERER_VERSION).value(self).hash()
     }
 
     /// Poses the hand, closes it on the object and meshes it.
@@ -254,7 +239,7 @@ fn arm(shape: &HandShape, cut: &Vector3<f64>, length: f64, sleeve: f64) -> Mesh 
     // (distance behind the cut, widening), the ends closed by a ring of no size.
     for (back, wide) in [(0.0, 0.0), (0.0, sleeve), (length, sleeve + length), (length, 0.0)] {
         for side in 0..SIDES {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(side) / f64::from(SIDES));
             let y = 0.5 * shape.wrist_breadth * wide * cos;
             let z = 0.6 * shape.wrist_thickness * wide * sin;
             mesh.vertices.push((cut + Vector3::new(-back, y, z)).cast());
@@ -297,9 +282,7 @@ impl Scene {
         let mut ambient = 0.40;
         let mut distance = self.look.distance;
         if self.look.light_variation > 0.0 || self.look.distance_variation > 0.0 {
-            let angles = [view.azimuth_deg, view.elevation_deg, view.roll_deg];
-            let bytes: Vec<u8> = angles.iter().flat_map(|a| a.to_bits().to_le_bytes()).collect();
-            let mut rng = ChaCha8Rng::seed_from_u64(self.noise ^ xxh3_64(&bytes));
+            let mut rng = ChaCha8Rng::seed_from_u64(self.noise ^ Encoder::new().value(view).hash());
             let mut either = || (rng.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
             distance *= 1.0 + self.look.distance_variation * either();
             let v = self.look.light_variation;

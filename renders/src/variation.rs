@@ -91,7 +91,7 @@ impl Variation {
         }
         if let Some(forearm) = self.forearm {
             let [shortest, longest] = forearm;
-            spec.look.forearm = shortest + (longest - shortest) * unit(rng).powf(SHORT_ARMS);
+            spec.look.forearm = shortest + (longest - shortest) * libm::pow(unit(rng), SHORT_ARMS);
         }
         let examples: Vec<&Example> = spec.grasp.examples.iter().filter(|e| e.stage == spec.stage).collect();
         let posed_like = unit(rng);
@@ -145,7 +145,7 @@ impl Variation {
         add(&mut varied.pose, noise);
         let object = &mut varied.object;
         object.centre += Vector3::from_fn(|_, _| EXAMPLE_PLACE * normal(rng));
-        let ratio = (EXAMPLE_SIZE * normal(rng)).exp();
+        let ratio = libm::exp(EXAMPLE_SIZE * normal(rng));
         object.object = match object.object {
             Object::Sphere { radius } => Object::Sphere { radius: radius * ratio },
             Object::Cylinder { radius, length } => Object::Cylinder { radius: radius * ratio, length },
@@ -184,7 +184,7 @@ impl Variation {
         for stage in &mut varied.stages {
             stage.closure = (stage.closure + self.closure * normal(rng)).clamp(0.0, 0.95);
             if self.closure > 0.0 {
-                stage.away *= (AWAY * normal(rng)).exp();
+                stage.away *= libm::exp(AWAY * normal(rng));
             }
         }
         varied

@@ -26,7 +26,7 @@ impl View {
     pub(crate) fn random(rng: &mut ChaCha8Rng) -> View {
         let tenths = |degrees: f64| (degrees * 10.0).round() / 10.0;
         // Equal heights of a sphere have equal areas.
-        let elevation = between(rng, [-1.0, 1.0]).asin();
+        let elevation = libm::asin(between(rng, [-1.0, 1.0]));
         View {
             azimuth_deg: tenths(between(rng, [0.0, 359.9])),
             elevation_deg: tenths(elevation.to_degrees()),
@@ -36,8 +36,8 @@ impl View {
 
     /// The rotation from `world` into the camera's optical frame (z forward, x right, y down).
     pub fn camera_from_world(&self) -> UnitQuaternion<f64> {
-        let (sin_a, cos_a) = self.azimuth_deg.to_radians().sin_cos();
-        let (sin_e, cos_e) = self.elevation_deg.to_radians().sin_cos();
+        let (sin_a, cos_a) = libm::sincos(self.azimuth_deg.to_radians());
+        let (sin_e, cos_e) = libm::sincos(self.elevation_deg.to_radians());
         let forward = Vector3::new(-cos_e * cos_a, -cos_e * sin_a, -sin_e);
         // `forward` cross `up`, written out so that it also holds straight from above and below.
         let right = Vector3::new(-sin_a, cos_a, 0.0);

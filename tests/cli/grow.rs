@@ -102,7 +102,8 @@ fn an_index_knows_how_its_hands_are_seen() {
     build("mean.idx", &["mean"]);
     build("both.idx", &["mean", "slender"]);
     let inspected = done(folder, &["inspect", "both.idx"]);
-    assert!(inspected.contains("--preset=paper --stage=reach --step=90 --forearm=30"), "{inspected}");
+    let spec = r#"{"version":1,"preset":"paper","stages":["reach"],"step_deg":90.0,"forearm_mm":30.0}"#;
+    assert!(inspected.contains(spec), "{inspected}");
 
     let copied = |name: &str| fs::copy(folder.join(name), folder.join("grown.idx")).unwrap();
     copied("mean.idx");
@@ -115,7 +116,7 @@ fn an_index_knows_how_its_hands_are_seen() {
     assert_eq!((joined.status, joined.stderr.as_str()), (0, ""));
     assert_same(folder, "joined.idx", "both.idx");
     // And says so of what came of it.
-    assert!(done(folder, &["inspect", "joined.idx"]).contains("--stage=reach"));
+    assert!(done(folder, &["inspect", "joined.idx"]).contains(spec));
 }
 
 #[test]

@@ -13,8 +13,8 @@ use grasp_terminal::text::{counted, percent, shown};
 use super::Global;
 use super::form::Form;
 use super::plan::PlanOptions;
-use crate::build::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::held_out::{Hands, HeldOut};
+use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::interrupt;
 
 /// Build an index from render sets, straight from hand shapes, or from vectors that were described elsewhere.
@@ -159,7 +159,7 @@ impl IndexOptions {
                 (descriptor, 0)
             }
         };
-        let seen = matches!(held_out, HeldOut::Rendered(_)).then(|| plan.to_string());
+        let seen = matches!(held_out, HeldOut::Rendered(_)).then(|| plan.spec());
         Ok(Recipe { descriptor, hash, originals, held_out, seen, thumbnail_side, seed })
     }
 }

@@ -2,7 +2,7 @@
 
 use grasp_renders::Preset;
 
-use crate::build::THUMBNAIL_SIDE;
+use crate::indexing::THUMBNAIL_SIDE;
 
 /// Names as in the options of `build`.
 #[derive(Clone, Copy, Debug)]

@@ -11,9 +11,10 @@ use grasp_terminal::text::shown;
 use super::Global;
 use super::build::tell;
 use super::plan::PlanOptions;
-use crate::build::{OPTIONS, RenderSet, Source};
 use crate::grow::{Growth, grow};
+use crate::indexing::{OPTIONS, RenderSet, Source};
 use crate::interrupt;
+use crate::plan_spec::PlanSpec;
 
 /// Add render sets or hand shapes to an index.
 ///
@@ -77,7 +78,7 @@ impl Add {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let seen = seen(self.plan.clone(), std::slice::from_ref(&self.index))?;
-        let options = seen.options.to_string();
+        let spec = seen.options.spec();
         // The seed of the index's own renders.
         let plan = seen.options.plan(seen.seed)?;
         let more = if self.renders.is_empty() {
@@ -93,7 +94,7 @@ impl Add {
             without: Vec::new(),
             more: Some(more),
             plan,
-            options,
+            spec,
         };
         let out = self.segment.as_ref().unwrap_or(&self.index);
         tell(out, &grow(&growth, out, global.progress())?, true)
@@ -110,7 +111,7 @@ impl Remove {
             without: self.hand_shape.clone(),
             more: None,
             plan: seen.options.plan(seen.seed)?,
-            options: seen.options.to_string(),
+            spec: seen.options.spec(),
         };
         tell(&self.index, &grow(&growth, &self.index, global.progress())?, false)
     }
@@ -126,7 +127,7 @@ impl Compact {
             without: Vec::new(),
             more: None,
             plan: seen.options.plan(seen.seed)?,
-            options: seen.options.to_string(),
+            spec: seen.options.spec(),
         };
         tell(&self.out, &grow(&growth, &self.out, global.progress())?, false)
     }
@@ -154,12 +155,11 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
             return Ok(Seen { options: own, seed });
         }
         let text = catalogue.provenance.iter().find(|(key, _)| key == OPTIONS).map(|(_, text)| text);
-        kept.push(text.and_then(|text| PlanOptions::kept(text)));
+        kept.push(text.and_then(|text| text.parse::<PlanSpec>().ok()));
     }
     let mut kept = kept.into_iter();
     let first = kept.next().flatten();
-    let says = |options: &Option<PlanOptions>| options.as_ref().map(ToString::to_string);
-    let differs = kept.any(|other| says(&other) != says(&first));
+    let differs = kept.any(|other| other != first);
     // Nobody may be there to be told.
     let mut stderr = std::io::stderr();
     if first.is_none() {
@@ -176,5 +176,5 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
              another way with --preset"
         );
     }
-    Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanOptions::of(Some(Preset::Paper)))), seed })
+    Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanSpec::of(Preset::Paper))), seed })
 }

@@ -1,12 +1,13 @@
 //! Which hands, objects and views to render: the options that `render` and `build` share, and that an index keeps for what is added to it.
 
-use std::fmt;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
-use clap::Parser;
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
+
+use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, VIEWS, Version, are_elevations};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
@@ -44,10 +45,10 @@ pub(super) struct PlanOptions {
     #[arg(long, value_name = "LOW..HIGH", value_parser = elevations, allow_hyphen_values = true)]
     elevations: Option<[f64; 2]>,
     /// Rolls about the optical axis, evenly spaced over the full turn.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=360))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits(ROLLS)))]
     rolls: Option<u32>,
     /// Instead of a grid, take N views of every scene, other ones for each: any azimuth, elevation and roll.
-    #[arg(long, value_name = "N", conflicts_with_all = ["step", "elevations", "rolls"], value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", conflicts_with_all = ["step", "elevations", "rolls"], value_parser = clap::value_parser!(u32).range(limits(VIEWS)))]
     views: Option<u32>,
     /// Pose this share of the scenes, 0 to 1, like the examples in the grasps' file; the rest close on their objects.
     #[arg(long, value_name = "SHARE", value_parser = share)]
@@ -65,40 +66,6 @@ pub(super) struct PlanOptions {
     /// How far the distance may vary from view to view, 0 to 0.5.
     #[arg(long, value_name = "SHARE")]
     distance_variation: Option<f64>,
-}
-
-/// A line of options, as an index keeps them.
-#[derive(Debug, Parser)]
-#[command(no_binary_name = true)]
-struct Line {
-    #[command(flatten)]
-    options: PlanOptions,
-}
-
-/// The options that say how hands are posed and seen; those that say whose hands they are, and files, are left out.
-impl fmt::Display for PlanOptions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "--preset={}", self.preset())?;
-        self.stage.iter().try_for_each(|stage| write!(f, " --stage={}", stage.name()))?;
-        if let Some([low, high]) = self.elevations {
-            write!(f, " --elevations={low}..{high}")?;
-        }
-        let counts = [("rolls", self.rolls), ("views", self.views)];
-        for (name, count) in counts.into_iter().filter_map(|(name, count)| Some((name, count?))) {
-            write!(f, " --{name}={count}")?;
-        }
-        let numbers = [
-            ("step", self.step),
-            ("examples", self.examples),
-            ("distance", self.distance),
-            ("forearm", self.forearm),
-            ("light-variation", self.light_variation),
-            ("distance-variation", self.distance_variation),
-        ];
-        // Numbers are written so that they read back exactly.
-        let mut numbers = numbers.into_iter().filter_map(|(name, number)| Some((name, number?)));
-        numbers.try_for_each(|(name, number)| write!(f, " --{name}={number}"))
-    }
 }
 
 impl PlanOptions {
@@ -128,29 +95,41 @@ impl PlanOptions {
         self.preset.is_some()
     }
 
-    /// The options that an index keeps; `None` where it is not they that the text says.
-    pub(super) fn kept(text: &str) -> Option<Self> {
-        let options = Line::try_parse_from(text.split(' ')).ok()?.options;
-        // An index may come from anywhere: it says how hands are seen, and names no files.
-        Some(Self { hands: None, hand_shape: Vec::new(), hand_model: Vec::new(), grasps: None, ..options })
+    /// What an index keeps of these options: how hands are posed and seen. Whose hands they are and
+    /// files are left out.
+    pub(super) fn spec(&self) -> PlanSpec {
+        PlanSpec {
+            version: Version,
+            preset: self.preset(),
+            stages: self.stage.clone(),
+            step_deg: self.step,
+            elevations_deg: self.elevations,
+            rolls: self.rolls,
+            views: self.views,
+            examples: self.examples,
+            distance: self.distance,
+            forearm_mm: self.forearm,
+            light_variation: self.light_variation,
+            distance_variation: self.distance_variation,
+        }
     }
 
-    /// These options, and where they say nothing, those.
-    pub(super) fn or(self, those: Self) -> Self {
+    /// These options, and where they say nothing, those of `kept`.
+    pub(super) fn or(self, kept: PlanSpec) -> Self {
         let has_grid = self.has_grid();
         let (is_grid, is_random) = (has_grid || self.views.is_none(), self.views.is_some() || !has_grid);
         Self {
-            preset: self.preset.or(those.preset),
-            stage: if self.stage.is_empty() { those.stage } else { self.stage },
-            step: self.step.or(those.step.filter(|_| is_grid)),
-            elevations: self.elevations.or(those.elevations.filter(|_| is_grid)),
-            rolls: self.rolls.or(those.rolls.filter(|_| is_grid)),
-            views: self.views.or(those.views.filter(|_| is_random)),
-            examples: self.examples.or(those.examples),
-            distance: self.distance.or(those.distance),
-            forearm: self.forearm.or(those.forearm),
-            light_variation: self.light_variation.or(those.light_variation),
-            distance_variation: self.distance_variation.or(those.distance_variation),
+            preset: self.preset.or(Some(kept.preset)),
+            stage: if self.stage.is_empty() { kept.stages } else { self.stage },
+            step: self.step.or(kept.step_deg.filter(|_| is_grid)),
+            elevations: self.elevations.or(kept.elevations_deg.filter(|_| is_grid)),
+            rolls: self.rolls.or(kept.rolls.filter(|_| is_grid)),
+            views: self.views.or(kept.views.filter(|_| is_random)),
+            examples: self.examples.or(kept.examples),
+            distance: self.distance.or(kept.distance),
+            forearm: self.forearm.or(kept.forearm_mm),
+            light_variation: self.light_variation.or(kept.light_variation),
+            distance_variation: self.distance_variation.or(kept.distance_variation),
             ..self
         }
     }
@@ -249,8 +228,13 @@ fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
     HandModel::load(path).with_context(|| format!("cannot use the hand of {}", path.display()))
 }
 
+/// The limits of a count, as clap wants them.
+fn limits(counts: RangeInclusive<u32>) -> RangeInclusive<i64> {
+    i64::from(*counts.start())..=i64::from(*counts.end())
+}
+
 fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
+    let share = text.parse().ok().filter(|share| EXAMPLES.contains(share));
     share.ok_or_else(|| format!("`{text}` is not a number from 0 to 1"))
 }
 
@@ -259,7 +243,7 @@ fn elevations(text: &str) -> Result<[f64; 2], String> {
     let (low, high) = text.split_once("..").ok_or_else(form)?;
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| form());
     let range = [number(low)?, number(high)?];
-    if range[0] < -90.0 || range[1] > 90.0 || range[0] > range[1] {
+    if !are_elevations(range) {
         return Err(format!(
             "`{text}`: elevations lie between -90 and 90 degrees, and LOW is not above HIGH"
         ));
@@ -270,29 +254,37 @@ fn elevations(text: &str) -> Result<[f64; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    #[command(no_binary_name = true)]
+    struct Line {
+        #[command(flatten)]
+        options: PlanOptions,
+    }
 
     fn options(line: &str) -> PlanOptions {
-        PlanOptions::kept(line).expect("these are options")
+        Line::try_parse_from(line.split(' ')).expect("these are options").options
     }
 
     #[test]
-    fn an_index_keeps_options_that_make_the_same_plan() {
+    fn an_index_keeps_what_makes_the_same_plan() {
         for line in [
             "--preset=paper",
             "--preset=wide --stage=reach --stage=grasp",
             "--preset=wide --elevations=-84..84 --rolls=7 --step=51.42857142857143",
             "--preset=paper --views=3 --examples=0.1 --distance=3.7 --forearm=33.3 --light-variation=0.3 --distance-variation=0.07",
         ] {
-            let (kept, again) = (options(line), options(&options(line).to_string()));
-            assert_eq!(kept.to_string(), line);
-            assert_eq!(kept.plan(3).unwrap(), again.plan(3).unwrap());
+            let kept = options(line).spec();
+            let read: PlanSpec = kept.to_string().parse().unwrap();
+            assert_eq!(read, kept);
+            // What earlier builds wrote for the same options.
+            assert_eq!(line.parse::<PlanSpec>().unwrap(), kept);
+            let again = PlanOptions::default().or(read);
+            assert_eq!(options(line).plan(3).unwrap(), again.plan(3).unwrap());
         }
-        assert_eq!(PlanOptions::default().to_string(), "--preset=standard");
-        for odd in ["", "wide", "--preset=huge", "--preset=paper --step", "--preset=paper --seed=3"] {
-            assert!(PlanOptions::kept(odd).is_none_or(|kept| kept.to_string() == "--preset=paper"), "{odd}");
-        }
-        let foreign = options("--preset=paper --grasps=/etc/passwd --hand-model=x.glb --hands=9");
-        assert_eq!(foreign.plan(0).unwrap(), PlanOptions::of(Some(Preset::Paper)).plan(0).unwrap());
+        let foreign = options("--preset=paper --grasps=grasps.toml --hand-model=x.glb --hands=9");
+        assert_eq!(foreign.spec(), PlanOptions::of(Some(Preset::Paper)).spec());
     }
 
     #[test]
@@ -310,12 +302,13 @@ mod tests {
 
     #[test]
     fn what_is_said_now_goes_before_what_was_said_then() {
-        let or = |own: &str, kept: &str| options(own).or(options(kept)).to_string();
+        let or = |own: &str, kept: &str| options(own).or(options(kept).spec()).spec();
+        let is = |line: &str| options(line).spec();
         let kept = "--preset=wide --stage=grasp --views=9 --forearm=20";
-        assert_eq!(or("--forearm=0", kept), "--preset=wide --stage=grasp --views=9 --forearm=0");
-        assert_eq!(or("--step=30", kept), "--preset=wide --stage=grasp --step=30 --forearm=20");
+        assert_eq!(or("--forearm=0", kept), is("--preset=wide --stage=grasp --views=9 --forearm=0"));
+        assert_eq!(or("--step=30", kept), is("--preset=wide --stage=grasp --step=30 --forearm=20"));
         let grid = "--preset=paper --rolls=2 --step=60";
-        assert_eq!(or("--views=4 --stage=reach", grid), "--preset=paper --stage=reach --views=4");
-        assert_eq!(or("--step=30", grid), "--preset=paper --rolls=2 --step=30");
+        assert_eq!(or("--views=4 --stage=reach", grid), is("--preset=paper --stage=reach --views=4"));
+        assert_eq!(or("--step=30", grid), is("--preset=paper --rolls=2 --step=30"));
     }
 }

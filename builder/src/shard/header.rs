@@ -13,7 +13,7 @@ use super::Share;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Header {
     pub(crate) share: Share,
-    /// [`crate::build::Source::digest`] of the part's pieces.
+    /// [`crate::indexing::Source::digest`] of the part's pieces.
     pub(crate) made_from: u64,
     /// Those of the index, but for what is held out.
     pub(crate) params: IndexParams,

@@ -16,7 +16,7 @@ use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
 use grasp_terminal::Progress;
 
-use crate::build::{Described, Known, Recipe, Source};
+use crate::indexing::{Described, Known, Recipe, Source};
 use crate::interrupt;
 
 pub(crate) use header::Header;

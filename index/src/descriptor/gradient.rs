@@ -77,7 +77,7 @@ impl Field {
         // The bin follows from the sides of the bins' borders: exact where the orientation lies on a border, as 45
         // degrees, frequent in pictures of integers, do.
         let borders: Vec<(f32, f32)> = (1..bins)
-            .map(|b| (b as f64 * std::f64::consts::PI / bins as f64).sin_cos())
+            .map(|b| libm::sincos(b as f64 * std::f64::consts::PI / bins as f64))
             .map(|(sin, cos)| (sin as f32, cos as f32))
             .collect();
         self.weights.fill(0.0);

@@ -14,12 +14,14 @@ impl HandImage {
     #[must_use]
     pub fn upright_turn_deg(&self) -> f64 {
         let [xx, xy, yy, xxx, xxy, xyy, yyy] = self.central_moments();
-        let axis = 0.5 * (2.0 * xy).atan2(xx - yy);
-        let (sin, cos) = axis.sin_cos();
-        let skew =
-            xxx * cos.powi(3) + 3.0 * xxy * cos * cos * sin + 3.0 * xyy * cos * sin * sin + yyy * sin.powi(3);
+        let axis = 0.5 * libm::atan2(2.0 * xy, xx - yy);
+        let (sin, cos) = libm::sincos(axis);
+        let skew = xxx * cos * cos * cos
+            + 3.0 * xxy * cos * cos * sin
+            + 3.0 * xyy * cos * sin * sin
+            + yyy * sin * sin * sin;
         let thin_end = if skew < 0.0 { axis + PI } else { axis };
-        // Tenths, so that another machine's sines and arc tangents hardly ever make another descriptor.
+        // Tenths, so that the last bits of the moments hardly ever make another descriptor.
         let turn = ((FRAC_PI_2 - thin_end).to_degrees() * 10.0).round() / 10.0;
         if turn < 180.0 { turn } else { turn - 360.0 }
     }

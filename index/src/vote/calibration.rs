@@ -112,7 +112,7 @@ impl Calibration {
         // Relative to the greatest, so that no power makes nothing of all of them.
         let raised: Vec<f64> = shares
             .iter()
-            .map(|share| ((share + self.floor) / (greatest + self.floor)).powf(self.power))
+            .map(|share| libm::pow((share + self.floor) / (greatest + self.floor), self.power))
             .collect();
         let sum: f64 = raised.iter().sum();
         raised.iter().map(|value| value / sum).collect()

@@ -14,7 +14,7 @@ fn log_weight(distance: f64, sigma: f64) -> f64 {
 pub(super) fn relative_weights(distances: impl Iterator<Item = f64>, sigma: f64) -> Vec<f64> {
     let logs: Vec<f64> = distances.map(|distance| log_weight(distance, sigma)).collect();
     let greatest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    logs.iter().map(|log| if greatest.is_finite() { (log - greatest).exp() } else { 1.0 }).collect()
+    logs.iter().map(|log| if greatest.is_finite() { libm::exp(log - greatest) } else { 1.0 }).collect()
 }
 
 /// Each class's share of the weights of voters, given as class and distance. Without voters every class has the same.
@@ -38,7 +38,7 @@ pub(crate) fn shares(
 
 /// The sum of the weights themselves.
 pub(crate) fn kernel_mass(distances: impl Iterator<Item = f64>, sigma: f64) -> f64 {
-    distances.map(|distance| log_weight(distance, sigma).exp()).sum()
+    distances.map(|distance| libm::exp(log_weight(distance, sigma))).sum()
 }
 
 #[cfg(test)]

@@ -113,7 +113,7 @@ impl Example {
         Outcome {
             probability,
             is_right: class == self.class,
-            log_likelihood: labelled.max(f64::MIN_POSITIVE).ln(),
+            log_likelihood: libm::log(labelled.max(f64::MIN_POSITIVE)),
         }
     }
 }
@@ -135,8 +135,8 @@ fn fit(examples: &[&Example], classes: usize, sigma: f64, k: usize, scale: f64) 
         let logs: Vec<(f64, Vec<f64>)> = shares
             .iter()
             .map(|(class, shares)| {
-                let logs: Vec<f64> = shares.iter().map(|share| (share + floor).ln()).collect();
-                (logs.get(*class).copied().unwrap_or(floor.ln()), logs)
+                let logs: Vec<f64> = shares.iter().map(|share| libm::log(share + floor)).collect();
+                (logs.get(*class).copied().unwrap_or(libm::log(floor)), logs)
             })
             .collect();
         let power = best_power(&logs);
@@ -153,10 +153,10 @@ fn best_power(logs: &[(f64, Vec<f64>)]) -> f64 {
     let [mut low, mut high] = POWERS.map(f64::ln);
     for _ in 0..HALVINGS {
         let middle = (low + high) / 2.0;
-        let (_, slope) = likelihood(logs, middle.exp());
+        let (_, slope) = likelihood(logs, libm::exp(middle));
         *(if slope > 0.0 { &mut low } else { &mut high }) = middle;
     }
-    ((low + high) / 2.0).exp()
+    libm::exp((low + high) / 2.0)
 }
 
 /// The sum of `power * log of the labelled class - log of the sum over all classes`, and its slope in the power.
@@ -165,11 +165,11 @@ fn likelihood(logs: &[(f64, Vec<f64>)], power: f64) -> (f64, f64) {
         let greatest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (mut sum, mut mean) = (0.0, 0.0);
         for log in logs {
-            let weight = (power * (log - greatest)).exp();
+            let weight = libm::exp(power * (log - greatest));
             sum += weight;
             mean += weight * log;
         }
-        (likelihood + power * (labelled - greatest) - sum.ln(), slope + labelled - mean / sum)
+        (likelihood + power * (labelled - greatest) - libm::log(sum), slope + labelled - mean / sum)
     })
 }
 

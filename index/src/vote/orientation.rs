@@ -60,7 +60,7 @@ pub(crate) fn estimate(ballots: &[Ballot], class: u16, sigma: f64, euler_mean: b
 /// The rotations around the one that has the most weight near it; the first of equals.
 fn greatest_cluster(rotations: &[(UnitQuaternion<f64>, f64)]) -> Vec<(UnitQuaternion<f64>, f64)> {
     // Of q and -q, the same rotation, the nearer one counts.
-    let least = (CLUSTER_DEG / 2.0).to_radians().cos();
+    let least = libm::cos((CLUSTER_DEG / 2.0).to_radians());
     let around = |centre: UnitQuaternion<f64>| {
         rotations.iter().filter(move |(other, _)| other.coords.dot(&centre.coords).abs() >= least)
     };
@@ -96,12 +96,12 @@ pub fn cyclic_euler_mean(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<Uni
     let mut circles = [(0.0, 0.0); 3];
     for (rotation, weight) in rotations {
         for (circle, angle) in circles.iter_mut().zip(euler_deg(rotation)) {
-            let (sin, cos) = angle.to_radians().sin_cos();
+            let (sin, cos) = libm::sincos(angle.to_radians());
             circle.0 += weight * sin;
             circle.1 += weight * cos;
         }
     }
-    Some(from_euler_deg(circles.map(|(sin, cos)| sin.atan2(cos).to_degrees())))
+    Some(from_euler_deg(circles.map(|(sin, cos)| libm::atan2(sin, cos).to_degrees())))
 }
 
 #[cfg(test)]

@@ -105,7 +105,7 @@ fn moved(start: &PlacedObject, unknowns: &SVector<f64, UNKNOWNS>) -> PlacedObjec
         Some((axis, angle)) => UnitQuaternion::from_axis_angle(&axis, angle),
         None => UnitQuaternion::identity(),
     };
-    let ratio = unknowns[5].clamp(-MOST_SCALED, MOST_SCALED).exp();
+    let ratio = libm::exp(unknowns[5].clamp(-MOST_SCALED, MOST_SCALED));
     let object = match start.object {
         Object::Sphere { radius } => Object::Sphere { radius: radius * ratio },
         Object::Cylinder { radius, length } => Object::Cylinder { radius: radius * ratio, length },

@@ -68,9 +68,9 @@ impl PlacedObject {
         match self.object {
             Object::Sphere { radius } => local.norm() - radius,
             Object::Cylinder { radius, length } => {
-                let out = local.x.hypot(local.y) - radius;
+                let out = libm::hypot(local.x, local.y) - radius;
                 let over = local.z.abs() - 0.5 * length;
-                out.max(over).min(0.0) + out.max(0.0).hypot(over.max(0.0))
+                out.max(over).min(0.0) + libm::hypot(out.max(0.0), over.max(0.0))
             }
         }
     }
@@ -89,7 +89,7 @@ impl PlacedObject {
             Object::Sphere { radius } => {
                 let belt = (1..16)
                     .map(|i| (f64::from(i) / 16.0 - 0.5) * std::f64::consts::PI)
-                    .map(|a| (radius * a.cos(), radius * a.sin()));
+                    .map(|a| (radius * libm::cos(a), radius * libm::sin(a)));
                 std::iter::once((0.0, -radius)).chain(belt).chain([(0.0, radius)]).collect()
             }
         };
@@ -97,8 +97,8 @@ impl PlacedObject {
         let mut mesh = Mesh::default();
         for &(out, up) in &profile {
             for side in 0..SIDES {
-                let angle = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
-                let local = Vector3::new(out * angle.cos(), out * angle.sin(), up);
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(side) / f64::from(SIDES));
+                let local = Vector3::new(out * cos, out * sin, up);
                 let turned = self.turn * local;
                 mesh.vertices.push((self.centre + turned).cast());
                 mesh.normals.push(turned.try_normalize(1e-12).unwrap_or_else(Vector3::z).cast());

@@ -158,13 +158,15 @@ impl Skeleton {
     pub(crate) fn along(&self, digit: Digit, along: &Vector3<f64>, pronation: f64) -> Chain {
         match digit {
             Digit::Thumb => {
-                let (radial, palmar) = (along.y.atan2(along.x), (-along.z).clamp(-1.0, 1.0).asin());
+                let (radial, palmar) =
+                    (libm::atan2(along.y, along.x), libm::asin((-along.z).clamp(-1.0, 1.0)));
                 self.chain(digit, &[radial, palmar, pronation, 0.0, 0.0])
             }
             _ => {
                 let tilt = KNUCKLES[digit as usize - 1].1.to_radians();
                 let level = Rotation3::from_axis_angle(&Vector3::x_axis(), -tilt) * along;
-                let (spread, knuckle) = (level.y.atan2(level.x), (-level.z).clamp(-1.0, 1.0).asin());
+                let (spread, knuckle) =
+                    (libm::atan2(level.y, level.x), libm::asin((-level.z).clamp(-1.0, 1.0)));
                 self.chain(digit, &[spread, knuckle, 0.0, 0.0, 0.0])
             }
         }
@@ -210,10 +212,12 @@ impl Skeleton {
 
     fn thumb(&self, &[radial, palmar, pronation, knuckle, end]: &Joints) -> Chain {
         let measures = &self.shape.digits[0];
-        let along = Vector3::new(palmar.cos() * radial.cos(), palmar.cos() * radial.sin(), -palmar.sin());
+        let ((sin_p, cos_p), (sin_r, cos_r)) = (libm::sincos(palmar), libm::sincos(radial));
+        let along = Vector3::new(cos_p * cos_r, cos_p * sin_r, -sin_p);
         let dorsal = Vector3::z() - along * along.z;
         let dorsal = dorsal / dorsal.norm();
-        let nail = dorsal * pronation.cos() - along.cross(&dorsal) * pronation.sin();
+        let (sin, cos) = libm::sincos(pronation);
+        let nail = dorsal * cos - along.cross(&dorsal) * sin;
         let axis = Unit::new_normalize(nail.cross(&along));
         let tip_radius = 0.42 * measures.tip_breadth;
         let lengths = [measures.bones[0], measures.bones[1], measures.bones[2] - tip_radius];

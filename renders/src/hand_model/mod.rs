@@ -19,6 +19,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 use xxhash_rust::xxh3::xxh3_64;
 
+use crate::canonical::{Canonical, Encoder};
 use crate::hand::{HandShape, Skeleton};
 use glb::Glb;
 use measure::RestPose;
@@ -79,6 +80,13 @@ impl fmt::Debug for HandModel {
     /// What identifies it: the name and a hash of the file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "HandModel({} {:016x})", self.shape.name, self.hash)
+    }
+}
+
+impl Canonical for HandModel {
+    /// What identifies it: the name and a hash of the file.
+    fn encode(&self, to: &mut Encoder) {
+        to.text(&self.shape.name).u64(self.hash);
     }
 }
 

@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, DescriptorParams};
 use grasp_renders::RENDERER_VERSION;
+use grasp_renders::canonical::Encoder;
 use grasp_terminal::Progress;
-use xxhash_rust::xxh3::xxh3_64;
 
 use crate::interrupt;
 use data::Data;
@@ -120,8 +120,8 @@ struct Work {
 impl Work {
     fn in_folder(settings: &Settings) -> anyhow::Result<Self> {
         // Renders of another seed, or by another version, are not to be taken for these.
-        let made_by = (settings.seed, RENDERER_VERSION, DescriptorParams::default().fingerprint());
-        let key = xxh3_64(format!("{made_by:?}").as_bytes());
+        let fingerprint = DescriptorParams::default().fingerprint();
+        let key = Encoder::new().u64(settings.seed).u32(RENDERER_VERSION).u64(fingerprint).hash();
         let folder = settings.out.join(format!(".scale-{key:016x}"));
         fs::create_dir_all(&folder)
             .with_context(|| format!("cannot make the folder {}", folder.display()))?;

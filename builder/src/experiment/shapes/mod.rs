@@ -12,8 +12,8 @@ use grasp_index::{DescriptorParams, HashParams, Originals};
 use grasp_renders::RenderPlan;
 use grasp_terminal::Progress;
 
-use crate::build::{Recipe, Report, Source, build};
 use crate::held_out::{Hands, HeldOut};
+use crate::indexing::{Recipe, Report, Source, build};
 
 /// What to build.
 #[derive(Clone, Debug)]

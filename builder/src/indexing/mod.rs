@@ -28,6 +28,7 @@ use grasp_terminal::Progress;
 
 use crate::held_out::HeldOut;
 use crate::interrupt;
+use crate::plan_spec::PlanSpec;
 
 pub(crate) use gather::Gathered;
 pub(crate) use inputs::{KEY as INPUTS, OPTIONS, tool};
@@ -62,9 +63,9 @@ pub struct Recipe {
     pub originals: Originals,
     /// What the search is measured by.
     pub held_out: HeldOut,
-    /// The options by which the held-out hands are seen, and the index's own if it renders them: the index says so, for those that are
-    /// added later. `None` where no hand is rendered.
-    pub seen: Option<String>,
+    /// How the held-out hands are seen, and the index's own if it renders them: the index keeps it for
+    /// those that are added later. `None` where no hand is rendered.
+    pub seen: Option<PlanSpec>,
     /// The side of the thumbnails in pixels; 0 keeps none.
     pub thumbnail_side: u32,
     /// What all randomness comes from.
@@ -163,7 +164,7 @@ impl Source {
 
     /// Where an index of this source and recipe comes from, as its provenance says.
     pub(crate) fn origin(&self, recipe: &Recipe) -> anyhow::Result<Vec<(String, String)>> {
-        Ok(inputs::origin(self, recipe.held_out.provenance()?, recipe.seen.as_deref()))
+        Ok(inputs::origin(self, recipe.held_out.provenance()?, recipe.seen.as_ref()))
     }
 
     /// A number for all that some of the [`Self::pieces`] are made from: as long as it is the same, so are their entries.

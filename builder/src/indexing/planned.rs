@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use anyhow::Context as _;
 use grasp_index::{ClassInfo, NewEntry};
+use grasp_renders::canonical::Encoder;
 use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
-use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use super::{Described, Grey, Known, Names, Recipe, Take, complete};
 
@@ -90,10 +90,11 @@ pub(super) fn describe(
 
 /// A number for the plan: all its scenes, and its views of them.
 pub(super) fn digest(plan: &RenderPlan) -> u64 {
-    let mut hash = Xxh3::new();
-    plan.scenes().iter().for_each(|scene| hash.update(&scene.params_hash().to_le_bytes()));
-    hash.update(format!("{:?}", plan.views).as_bytes());
-    hash.digest()
+    let mut to = Encoder::new();
+    plan.scenes().iter().for_each(|scene| {
+        to.u64(scene.params_hash());
+    });
+    to.value(&plan.views).hash()
 }
 
 /// What all entries of a scene share.
@@ -109,9 +110,5 @@ fn template(spec: &SceneSpec, names: &Names) -> anyhow::Result<NewEntry> {
 
 /// What a render's pixels follow from: the scene's parameters and the view.
 fn source_hash(scene: u64, view: &View) -> u64 {
-    let mut bytes = scene.to_le_bytes().to_vec();
-    for angle in [view.azimuth_deg, view.elevation_deg, view.roll_deg] {
-        bytes.extend(angle.to_bits().to_le_bytes());
-    }
-    xxh3_64(&bytes)
+    Encoder::new().u64(scene).value(view).hash()
 }
