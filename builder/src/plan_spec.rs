@@ -1,4 +1,5 @@
-//! How the hands of an index are posed and seen, as the index keeps it for hands that are added later.
+//! How the hands of an index are posed and seen, as the index keeps it for hands that are added
+//! later.
 //!
 //! It is data, a JSON object with a version in the index's provenance, and not a command line: an
 //! option can be renamed without a change of what indexes hold.
@@ -10,8 +11,8 @@ use std::str::FromStr;
 use grasp_renders::{Preset, Stage};
 use serde::{Deserialize, Serialize};
 
-/// The version of the JSON form. Rises when a key changes its meaning or is taken away; a key that is
-/// added and may be missing needs no other version.
+/// The version of the JSON form. It rises with any change of the keys or their meaning: an unknown
+/// key is rejected.
 const VERSION: u32 = 1;
 
 /// How many rolls a grid may have.
@@ -163,8 +164,8 @@ pub fn are_elevations([low, high]: [f64; 2]) -> bool {
     -90.0 <= low && low <= high && high <= 90.0
 }
 
-/// The options that indexes of version 0.1.0 hold: `--preset=wide --stage=reach --views=9`. They are
-/// frozen, whatever the programs' options are called today.
+/// The options that indexes of earlier builds hold: `--preset=wide --stage=reach --views=9`. Their
+/// names are frozen, whatever the program's options are called today.
 fn from_options(text: &str) -> Result<PlanSpec, PlanSpecError> {
     fn set<T: FromStr>(to: &mut Option<T>, value: &str) -> Option<()> {
         *to = Some(value.parse().ok()?);
@@ -201,7 +202,7 @@ fn from_options(text: &str) -> Result<PlanSpec, PlanSpecError> {
 mod tests {
     use super::*;
 
-    /// What an index of version 0.1.0 holds, with every option.
+    /// What an index of an earlier build holds, with every option.
     const OPTIONS: &str = "--preset=wide --stage=reach --stage=grasp --elevations=-84..84 --rolls=7 --views=3 \
                            --step=51.42857142857143 --examples=0.1 --distance=3.7 --forearm=33.3 \
                            --light-variation=0.3 --distance-variation=0.07";

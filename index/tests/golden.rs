@@ -34,8 +34,8 @@ fn descriptors_are_pinned_to_their_fingerprint() {
             "upright 574dc73fef69bc85: 1422a566325ecaa1 [0.0, 0.15968613, 0.44366646]",
             "paper 31918b4e272fe731: df5917f5b4188a5b [0.0, 0.13690476, 0.22862923]",
         ],
-        "the same picture has another descriptor: raise REVISION in index/src/descriptor/params.rs, so that it is \
-         compared with no descriptor of before, and pin these"
+        "the same picture has another descriptor: raise REVISION in index/src/descriptor/params.rs, \
+         so that it is compared with no descriptor of before, and pin these"
     );
 }
 
@@ -45,7 +45,7 @@ fn a_file_is_pinned_to_the_version_of_the_format() {
     assert_eq!(
         (FORMAT_VERSION, bytes.len(), format!("{:016x}", xxh3_64(&bytes)).as_str()),
         (4, 66544, "6e31dfee060116b0"),
-        "the same entries make another file: where an older reader would misread it, raise FORMAT_VERSION and keep a \
-         fixture of the format of before; where only the fit changed, pin these"
+        "the same entries make another file: where an older reader would misread it, raise FORMAT_VERSION \
+         and keep a fixture of the format of before; where only the fit changed, pin these"
     );
 }

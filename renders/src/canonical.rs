@@ -6,8 +6,8 @@
 //! - it begins with the byte [`ENCODING_VERSION`];
 //! - a struct is its fields in the order in which `encode` lists them, without names or padding;
 //! - an integer is little-endian in the width of its method, a length or a count is a `u64`;
-//! - a floating-point number is its IEEE 754 bits, little-endian; -0.0 is written as 0.0 and any NaN
-//!   as the one quiet NaN, so that values that compare equal have the same bytes;
+//! - a floating-point number is its IEEE 754 bits, little-endian; -0.0 is normalised to 0.0 and any
+//!   NaN to one quiet NaN, so that values that compare equal have the same bytes;
 //! - a string is its length in bytes, then UTF-8; a sequence is its length, then its elements; an
 //!   array of fixed length is its elements alone;
 //! - an enum is one byte, a number that a variant keeps for ever, then the variant's fields;
@@ -371,8 +371,8 @@ mod tests {
         ];
         assert_eq!(
             keys, pinned,
-            "the keys and seeds of scenes changed, so that every picture is drawn anew: if that is meant, raise \
-             ENCODING_VERSION (other bytes of the same values) or RENDERER_VERSION (other values), and pin these"
+            "the keys and seeds of scenes changed, so that every picture is drawn anew: if that is \
+             meant, raise ENCODING_VERSION (other bytes of the same values) or RENDERER_VERSION (other values), and pin these"
         );
     }
 }

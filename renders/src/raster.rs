@@ -225,7 +225,7 @@ mod tests {
         let picture = draw(&d, &Matrix3::identity(), 50.0, &FRONT, 48);
         for y in 0..48 {
             for x in 0..48 {
-                let out = (x as f32 - 23.5).hypot(y as f32 - 23.5) / 23.0;
+                let out = libm::hypotf(x as f32 - 23.5, y as f32 - 23.5) / 23.0;
                 let g = picture[y * 48 + x];
                 if out < 0.95 {
                     assert!(g > HAND_FLOOR, "hole at {x} {y}");
@@ -269,7 +269,7 @@ mod tests {
                     .map(|k| {
                         let (p, q) = (corners[k], corners[(k + 1) % 3]);
                         let (dx, dy) = (f64::from(q.x - p.x), f64::from(q.y - p.y));
-                        ((x - f64::from(p.x)) * dy - (y - f64::from(p.y)) * dx) / dx.hypot(dy)
+                        ((x - f64::from(p.x)) * dy - (y - f64::from(p.y)) * dx) / libm::hypot(dx, dy)
                     })
                     .fold(f64::INFINITY, f64::min);
                 if inside > 1e-3 {

@@ -180,7 +180,8 @@ mod tests {
         fn the_camera_looks_at_the_centre(a in 0.0..360.0f64, e in -90.0..90.0f64, r in 0.0..360.0f64) {
             let v = view(a, e, r);
             let (ar, er) = (a.to_radians(), e.to_radians());
-            let stand = Vector3::new(er.cos() * ar.cos(), er.cos() * ar.sin(), er.sin());
+            let ((sin_a, cos_a), (sin_e, cos_e)) = (libm::sincos(ar), libm::sincos(er));
+            let stand = Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e);
             prop_assert!(close(see(v, stand), -Vector3::z()));
             let level = see(view(a, e, 0.0), Vector3::z());
             prop_assert!(level.x.abs() < 1e-12 && level.y <= 0.0, "up is up in the picture");

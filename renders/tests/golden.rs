@@ -10,18 +10,17 @@ fn pixels_are_pinned_to_the_version_of_the_renderer() {
     let pictures = [Preset::Paper, Preset::Standard].map(|preset| {
         let plan = RenderPlan::preset(preset);
         let scenes = plan.scenes();
-        let hashes = [0, scenes.len() / 2].map(|at| {
+        [0, scenes.len() / 2].map(|at| {
             let scene = scenes[at].build().expect("a scene");
             let render = scene.render(&plan.views(&scenes[at])[7]);
             format!("{:016x}", xxh3_64(&render.grey))
-        });
-        hashes
+        })
     });
     let pinned = (4, [["f34052073dbb34dd", "aed23aeda42c2d13"], ["2447cce1e3e3c298", "d63360928ae47ab9"]]);
     assert_eq!(
         (RENDERER_VERSION, pictures.each_ref().map(|hashes| hashes.each_ref().map(String::as_str))),
         pinned,
-        "the same parameters give other pixels: raise RENDERER_VERSION in renders/src/scene.rs, so that no picture of \
-         before is taken for one of now, and pin these"
+        "the same parameters give other pixels: raise RENDERER_VERSION in renders/src/scene.rs, so \
+         that no picture of before is taken for one of now, and pin these"
     );
 }

@@ -25,8 +25,8 @@ fn gradient(hand: &HandImage, x: usize, y: usize) -> (f64, f64) {
     let (x, y) = (x as i64, y as i64);
     let down = at(x, y + 1) - at(x, y - 1);
     let right = at(x + 1, y) - at(x - 1, y);
-    let angle = right.atan2(down).rem_euclid(PI);
-    (down.hypot(right), if angle >= PI { 0.0 } else { angle })
+    let angle = libm::atan2(right, down).rem_euclid(PI);
+    (libm::hypot(down, right), if angle >= PI { 0.0 } else { angle })
 }
 
 /// How much of a pixel falls into a cell or bin that is `apart` cells or bins away.

@@ -56,7 +56,7 @@ mod tests {
     fn equation_3_by_hand() {
         // sigma = 1: weights exp(-0.5), exp(-2), exp(-0.5).
         let ballots = [(0, 1.0), (0, 2.0), (1, 1.0)];
-        let (near, far) = ((-0.5f64).exp(), (-2.0f64).exp());
+        let (near, far) = (libm::exp(-0.5), libm::exp(-2.0));
         let expected = (near + far) / (2.0 * near + far);
         let found = shares(ballots, 2, 1.0);
         assert!((found[0] - expected).abs() < 1e-12, "{found:?}");
