@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 /// key is rejected.
 const VERSION: u32 = 1;
 
+/// How many stages may be named; one that is named twice is rendered twice.
+const MOST_STAGES: usize = 100;
 /// How many rolls a grid may have.
 pub const ROLLS: RangeInclusive<u32> = 1..=360;
 /// How many views may be drawn for a scene.
@@ -35,7 +37,7 @@ pub const EXAMPLES: RangeInclusive<f64> = 0.0..=1.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanSpec {
-    /// The version of the form.
+    /// Which form it is.
     pub version: Version,
     /// The named plan that the other values change.
     pub preset: Preset,
@@ -85,13 +87,13 @@ pub enum PlanSpecError {
     Range(&'static str),
 }
 
-/// [`VERSION`], which is written with every description and the only one that is read.
+/// The version of the form, which every description states; no other one is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "u32", into = "u32")]
 pub struct Version;
 
 impl From<Version> for u32 {
-    fn from(Version: Version) -> u32 {
+    fn from(_: Version) -> u32 {
         VERSION
     }
 }
@@ -152,7 +154,7 @@ impl PlanSpec {
             ("the number of views", self.views.is_none_or(|views| VIEWS.contains(&views))),
             ("the share of examples", self.examples.is_none_or(|share| EXAMPLES.contains(&share))),
             ("the elevation", self.elevations_deg.is_none_or(are_elevations)),
-            ("the number of stages", self.stages.len() <= Stage::ALL.len()),
+            ("the number of stages", self.stages.len() <= MOST_STAGES),
         ];
         fits.iter().find(|(_, fits)| !fits).map_or(Ok(()), |(what, _)| Err(PlanSpecError::Range(what)))
     }
