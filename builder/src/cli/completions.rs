@@ -2,6 +2,7 @@
 
 use clap::CommandFactory as _;
 use clap_complete::Shell;
+use grasp_terminal::completions::with_subcommands;
 
 /// Print a completion script for a shell.
 #[derive(Debug, clap::Args)]
@@ -14,7 +15,8 @@ impl Completions {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::Arguments::command(), "grasp-builder", &mut script);
-        std::io::Write::write_all(&mut std::io::stdout().lock(), &script)?;
+        let script = with_subcommands(&String::from_utf8(script)?, "grasp-builder");
+        std::io::Write::write_all(&mut std::io::stdout().lock(), script.as_bytes())?;
         Ok(())
     }
 }

@@ -13,6 +13,7 @@ use grasp_terminal::text::{counted, percent, shown};
 use super::Global;
 use super::build::ENTRIES;
 use super::form::Form;
+use super::preset::preset;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;
 use crate::experiment::scale::plot::{self, PAPER_EXPONENT};
@@ -90,7 +91,7 @@ struct Shapes {
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100", value_parser = clap::value_parser!(u32).range(1..=9999))]
     counts: Vec<u32>,
     /// What is rendered of each hand shape: `paper`, `standard` or `wide`, as for `build`.
-    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME")]
+    #[arg(long, default_value_t = Preset::Paper, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Preset,
     /// Step between views in degrees, in azimuth and elevation.
     #[arg(long, value_name = "DEG", value_parser = parse_step)]

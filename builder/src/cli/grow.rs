@@ -11,6 +11,7 @@ use grasp_terminal::text::shown;
 use super::Global;
 use super::build::tell;
 use super::plan::PlanOptions;
+use super::preset::preset;
 use crate::grow::{Growth, grow};
 use crate::indexing::{OPTIONS, RenderSet, Source};
 use crate::interrupt;
@@ -55,7 +56,7 @@ pub(crate) struct Remove {
     hand_shape: Vec<String>,
     /// Measure and calibrate it on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as those that it
     /// was built with.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
 }
 
@@ -70,7 +71,7 @@ pub(crate) struct Compact {
     out: PathBuf,
     /// Measure and calibrate what comes of them on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as
     /// those that the first was built with.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
 }
 

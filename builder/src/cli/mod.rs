@@ -10,6 +10,7 @@ mod inspect;
 mod man;
 mod merge;
 mod plan;
+mod preset;
 mod queries;
 mod render;
 mod shard;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, bail};
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
+use super::preset::preset;
 use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, VIEWS, Version, are_elevations};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
@@ -18,7 +19,7 @@ pub(super) struct PlanOptions {
     /// A named plan, which the options below change. `standard`: 40 hand shapes at all stages, in varied poses, with
     /// objects of all sizes, seen from everywhere with any roll. `wide`: the same of 155 hand shapes, six times as many
     /// views. `paper`: one hand shape, 6 grasps, 900 views on a grid; implied by --step, --elevations and --rolls.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
     /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
     /// renders that hand alone.

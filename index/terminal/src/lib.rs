@@ -2,8 +2,10 @@
 //!
 //! - [`Progress`] is a bar on a terminal, and a line every ten seconds in a log;
 //! - [`text`] writes numbers as people do, and names of files so that a terminal is not changed by them;
-//! - [`error`] writes an error and its causes, each once.
+//! - [`error`] writes an error and its causes, each once;
+//! - [`completions`] corrects the scripts by which shells complete.
 
+pub mod completions;
 pub mod error;
 mod progress;
 pub mod text;

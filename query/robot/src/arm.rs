@@ -153,6 +153,11 @@ impl Arm {
         }
     }
 
+    /// The names of the arms that come with the program.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
     /// An arm that this program knows.
     ///
     /// # Errors

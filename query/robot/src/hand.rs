@@ -163,6 +163,11 @@ impl RobotHand {
         }
     }
 
+    /// The names of the hands that come with the program.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
     /// A hand that this program knows.
     ///
     /// # Errors

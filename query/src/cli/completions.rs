@@ -1,6 +1,7 @@
 //! `grasp-query completions`.
 
 use clap::CommandFactory as _;
+use grasp_terminal::completions::with_subcommands;
 
 /// Print a shell's completion script, e.g. `grasp-query completions bash > /etc/bash_completion.d/grasp-query`.
 #[derive(Debug, clap::Args)]
@@ -14,7 +15,8 @@ impl Completions {
         // Into memory first: the generator panics where its writer fails, as a closed pipe does.
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::Arguments::command(), "grasp-query", &mut script);
-        std::io::Write::write_all(&mut std::io::stdout().lock(), &script)?;
+        let script = with_subcommands(&String::from_utf8(script)?, "grasp-query");
+        std::io::Write::write_all(&mut std::io::stdout().lock(), script.as_bytes())?;
         Ok(super::SUCCESS)
     }
 }

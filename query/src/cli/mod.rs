@@ -7,6 +7,7 @@ mod experiment;
 mod figures;
 mod index_file;
 mod man;
+mod name_or_file;
 mod options;
 #[cfg(feature = "serve")]
 mod quiz;

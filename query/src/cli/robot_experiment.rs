@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use super::Global;
 use super::figures::print;
 use super::index_file::IndexFile;
+use super::name_or_file::NameOrFile;
 use super::options::RecogniseArguments;
 use super::selection::Selection;
 use crate::experiment::imitation::Imitation;
@@ -28,10 +31,10 @@ Exit status: 0, or 2 where the sweep could not be run.")]
 pub(super) struct RobustnessArguments {
     /// A built-in object (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
     /// that is meant for it; may be repeated; without it, all.
-    #[arg(long = "object", value_name = "NAME", value_parser = parse_scene)]
+    #[arg(long = "object", value_name = "NAME", value_parser = scene_named(), hide_possible_values = true)]
     objects: Vec<&'static Scene>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: String,
     /// The greatest offset of the position in either direction, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=200))]
@@ -78,9 +81,9 @@ impl RobustnessArguments {
     }
 }
 
-fn parse_scene(name: &str) -> Result<&'static Scene, String> {
-    let known = || SCENES.map(|scene| scene.name).join(", ");
-    Scene::named(name).ok_or_else(|| format!("one of {} is needed", known()))
+fn scene_named() -> impl TypedValueParser<Value = &'static Scene> {
+    let names = PossibleValuesParser::new(SCENES.map(|scene| scene.name));
+    names.try_map(|name| Scene::named(&name).ok_or_else(|| format!("no scene is named {name}")))
 }
 
 /// From pictures to lifted objects: what was recognised, with its real errors, is imitated in the simulation.
@@ -99,7 +102,7 @@ pub(super) struct ImitationArguments {
     #[command(flatten)]
     index: IndexFile,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: String,
     /// Take the labelled masks of camera pictures instead of segmenting by colour.
     #[arg(long)]

@@ -15,6 +15,8 @@ use grasp_robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
 use grasp_robot::{From, Object, RobotHand};
 use strip::strip;
 
+use super::name_or_file::NameOrFile;
+
 /// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
 ///
 /// The hand approaches, closes, lifts by 150 mm and holds. The trial is a success where the object came up by more than 100 mm
@@ -34,13 +36,13 @@ pub(super) struct Simulate {
     #[arg(long, value_name = "NAME")]
     grasp: String,
     /// The object: a built-in one, or an OBJECT.toml; without it, one that the grasp is meant for.
-    #[arg(long, value_name = "OBJECT")]
+    #[arg(long, value_name = "OBJECT", value_parser = NameOrFile::new(SCENES.iter().map(|scene| scene.name)), hide_possible_values = true)]
     object: Option<String>,
     /// From where the hand comes; without it, from the side that a built-in object is meant for, and from above for others.
     #[arg(long, value_enum)]
     from: Option<FromArgument>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett")]
+    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: String,
     /// How far the object lies from where the hand expects it, along the world's x, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
