@@ -8,6 +8,7 @@
 
 mod bad_input;
 mod chain;
+mod completions;
 mod context;
 mod determinism;
 mod experiment;

@@ -5,24 +5,26 @@ use grasp_index::{Effort, SearchOptions};
 /// The success that `--eps` alone asks for, as in the paper.
 const DEFAULT_SUCCESS: f64 = 0.95;
 
+/// The options' heading. Named for each of them: that of a struct would go on behind its last option.
+const HEADING: &str = "How hard to search";
+
 /// A wanted success, which the index looks up in what it has measured, or the effort itself.
 #[derive(Clone, Copy, Debug, clap::Args)]
-#[command(next_help_heading = "How hard to search")]
 pub(super) struct EffortArguments {
     /// Find this share of the true 10 nearest, on average, as measured when the index was built [default: 0.95].
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, conflicts_with_all = ["eps", "probes", "exact"])]
+    #[arg(long, help_heading = HEADING, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, conflicts_with_all = ["eps", "probes", "exact"])]
     recall: Option<f64>,
     /// Find a neighbour at most 1 + E times as far as the true nearest, e.g. 0.05, with --success of the queries.
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse_eps, conflicts_with_all = ["probes", "exact"])]
+    #[arg(long, help_heading = HEADING, value_name = "E", allow_negative_numbers = true, value_parser = parse_eps, conflicts_with_all = ["probes", "exact"])]
     eps: Option<f64>,
     /// The share of queries for which --eps shall be reached; without it, 0.95.
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, requires = "eps")]
+    #[arg(long, help_heading = HEADING, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, requires = "eps")]
     success: Option<f64>,
     /// Look into N buckets of each table, whatever that finds.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "exact")]
+    #[arg(long, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "exact")]
     probes: Option<u32>,
     /// Compare with every entry of the index instead of searching its tables.
-    #[arg(long)]
+    #[arg(long, help_heading = HEADING)]
     exact: bool,
 }
 

@@ -6,39 +6,42 @@ use super::effort::EffortArguments;
 use grasp_recognise::sequence::SequenceParams;
 use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
+/// Under this heading stand options of those who study the method. `-h` leaves them out.
+const RESEARCH: &str = "Research";
+
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
 pub(super) struct RecogniseArguments {
     /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
+    #[command(flatten)]
+    effort: EffortArguments,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it
     /// is, or upright where the index's descriptors are.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
     rolls: usize,
     /// How many neighbours vote; without it, what the index was calibrated with.
-    #[arg(long, value_name = "N", value_parser = parse_k)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "N", value_parser = parse_k)]
     k: Option<usize>,
     /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the index's own.
-    #[arg(long, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
     sigma: Option<f64>,
     /// Width of the vote's kernel as a multiple of the index's measured sigma.
-    #[arg(long, value_name = "X", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "X", value_parser = parse_positive)]
     sigma_scale: Option<f64>,
     /// Take the vote's sigma from Equation 5 as it is printed, instead of from its words.
-    #[arg(long, conflicts_with_all = ["sigma", "sigma_scale"])]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, conflicts_with_all = ["sigma", "sigma_scale"])]
     literal_sigma: bool,
     /// Average Euler angles, as Equation 4 is printed, instead of rotations.
-    #[arg(long)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true)]
     euler_mean: bool,
     /// Whether a hand may be unknown: by the limits that the index was calibrated with, or not at all.
     #[arg(long, value_enum, default_value_t = AcceptChoice::Calibrated)]
     accept: AcceptChoice,
     /// A hand is unknown where its nearest entry lies farther than D, whatever the index was calibrated with.
-    #[arg(long, value_name = "D", conflicts_with = "accept", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "accept", value_parser = parse_positive)]
     unknown_at: Option<f64>,
-    #[command(flatten)]
-    effort: EffortArguments,
 }
 
 /// `--hand`.
@@ -103,10 +106,10 @@ impl RecogniseArguments {
 #[derive(Debug, clap::Args)]
 pub(super) struct FrameArguments {
     /// The probability that the grasp changes from one frame of a sequence to the next.
-    #[arg(long, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share)]
     switch: f64,
     /// How far the hand turns from one frame of a sequence to the next, in degrees.
-    #[arg(long, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees)]
     motion: f64,
 }
 

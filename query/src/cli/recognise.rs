@@ -71,29 +71,27 @@ pub(super) struct Recognise {
     /// The depths that are hand, in the depth picture's unit.
     #[arg(long, value_name = "NEAR..FAR", requires = "depth")]
     depth_range: Option<DepthRange>,
+    /// Print JSON Lines, one record a picture.
+    #[arg(long)]
+    json: bool,
     /// Draw how each answer came about: into the file OUT.png or OUT.jpg, or into files in a folder.
     ///
     /// OUT is a folder where it ends in a slash, where it is a folder already, and where several pictures are given; its files are PNGs
     /// named after the pictures, or after the frames of a stream.
     #[arg(long, value_name = "OUT")]
     explain: Option<PathBuf>,
+    /// Say how long each step took.
+    #[arg(long)]
+    timings: bool,
     /// The pictures are frames of one hand in their order: each is answered by all frames so far.
     #[arg(long)]
     sequence: bool,
-    #[command(flatten)]
-    frames: FrameArguments,
     /// How objects are usually grasped: a table of [objects.NAME] with grasp = probability. Grasps that it does not name share the rest.
     #[arg(long, value_name = "PRIOR.toml", requires = "holding")]
     prior: Option<PathBuf>,
     /// The object that the hand holds, as the --prior names it.
     #[arg(long, value_name = "NAME", requires = "prior")]
     holding: Option<String>,
-    /// Print JSON Lines, one record a picture.
-    #[arg(long)]
-    json: bool,
-    /// Say how long each step took.
-    #[arg(long)]
-    timings: bool,
     #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
@@ -106,6 +104,8 @@ pub(super) struct Recognise {
     robot: RobotArguments,
     #[command(flatten)]
     recognise: RecogniseArguments,
+    #[command(flatten)]
+    frames: FrameArguments,
     /// Some drawing could not be written.
     #[arg(skip)]
     undrawn: AtomicBool,

@@ -8,23 +8,26 @@ use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
 
 use super::name_or_file::NameOrFile;
 
+/// The options' heading.
+const HEADING: &str = "What a robot does";
+
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
 pub(super) struct RobotArguments {
     /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or a HAND.toml that describes another.
-    #[arg(long, value_name = "HAND", requires_all = ["object", "camera"], value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
+    #[arg(long, help_heading = HEADING, value_name = "HAND", requires_all = ["object", "camera"], value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: Option<String>,
     /// The object: shape, size and pose.
-    #[arg(long, value_name = "OBJECT.toml", requires = "robot")]
+    #[arg(long, help_heading = HEADING, value_name = "OBJECT.toml", requires = "robot")]
     object: Option<PathBuf>,
     /// The camera: its pose in the world, and where it saw the hand.
-    #[arg(long, value_name = "CAMERA.toml", requires = "robot")]
+    #[arg(long, help_heading = HEADING, value_name = "CAMERA.toml", requires = "robot")]
     camera: Option<PathBuf>,
     /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or an ARM.toml that describes another and where it stands.
-    #[arg(long, value_name = "ARM", requires = "robot", value_parser = NameOrFile::new(Arm::names()), hide_possible_values = true)]
+    #[arg(long, help_heading = HEADING, value_name = "ARM", requires = "robot", value_parser = NameOrFile::new(Arm::names()), hide_possible_values = true)]
     arm: Option<String>,
     /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message; what is not feasible is no message, and exit status 1.
-    #[arg(long, value_enum, value_name = "FORMAT", requires = "robot", conflicts_with = "json")]
+    #[arg(long, help_heading = HEADING, value_enum, value_name = "FORMAT", requires = "robot", conflicts_with = "json")]
     format: Option<Format>,
 }
 
