@@ -3,6 +3,7 @@
 //! `cargo test --workspace` builds this package, but not the programs of its neighbours; [`program`] asks cargo for
 //! them, so that a test can never run yesterday's binary.
 
+pub mod boxes;
 pub mod browser;
 pub mod service;
 

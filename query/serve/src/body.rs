@@ -35,7 +35,7 @@ pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<I
     let mut form = Form::new(content_type, body).map_err(unreadable)?;
     let mut input = Input::default();
     let mut has_picture = false;
-    while let Some(Part { name, content }) = form.next().map_err(unreadable)? {
+    while let Some(Part { name, content }) = form.next_part().map_err(unreadable)? {
         let is_first = match name.as_str() {
             "picture" => {
                 !std::mem::replace(&mut has_picture, true) && {

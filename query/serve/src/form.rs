@@ -9,7 +9,7 @@ const MOST_HEAD: usize = 4096;
 
 /// What is wrong with a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(super) enum FormError {
+pub enum FormError {
     /// Nothing says where a part ends.
     #[error("the header Content-Type names no boundary: send the form as `curl -F picture=@FILE` does")]
     NoBoundary,
@@ -23,14 +23,16 @@ pub(super) enum FormError {
 
 /// A file of a form.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Part {
-    pub(super) name: String,
-    pub(super) content: Bytes,
+pub struct Part {
+    /// The name that its head gives it.
+    pub name: String,
+    /// What it holds.
+    pub content: Bytes,
 }
 
 /// The parts of a form, in their order.
 #[derive(Debug)]
-pub(super) struct Form {
+pub struct Form {
     /// What stands before each part but the first, and after the last.
     delimiter: Vec<u8>,
     rest: Bytes,
@@ -40,7 +42,10 @@ pub(super) struct Form {
 
 impl Form {
     /// A form of this content type, whose body is there.
-    pub(super) fn new(content_type: &str, body: Bytes) -> Result<Self, FormError> {
+    ///
+    /// # Errors
+    /// [`FormError`], where no part begins.
+    pub fn new(content_type: &str, body: Bytes) -> Result<Self, FormError> {
         let mut parameters = parameters(content_type);
         let boundary = parameters.find(|(name, _)| name.eq_ignore_ascii_case("boundary"));
         let (_, boundary) = boundary.ok_or(FormError::NoBoundary)?;
@@ -57,7 +62,10 @@ impl Form {
     }
 
     /// The next part, or `None` after the last.
-    pub(super) fn next(&mut self) -> Result<Option<Part>, FormError> {
+    ///
+    /// # Errors
+    /// [`FormError`], where the part is malformed or does not end.
+    pub fn next_part(&mut self) -> Result<Option<Part>, FormError> {
         let rest = &self.rest;
         if rest.starts_with(b"--") {
             return Ok(None);
@@ -136,7 +144,7 @@ mod tests {
     fn parts(kind: &str, body: &[u8]) -> Result<Vec<(String, Vec<u8>)>, FormError> {
         let mut form = Form::new(kind, Bytes::copy_from_slice(body))?;
         let mut parts = Vec::new();
-        while let Some(part) = form.next()? {
+        while let Some(part) = form.next_part()? {
             parts.push((part.name, part.content.to_vec()));
         }
         Ok(parts)

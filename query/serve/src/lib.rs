@@ -16,7 +16,7 @@ mod current;
 mod descriptors;
 mod docs;
 mod explained;
-mod form;
+pub mod form;
 mod gate;
 mod guard;
 mod identity;
