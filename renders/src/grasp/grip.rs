@@ -4,8 +4,9 @@
 //! joint before it, while the bones after it go on: so the fingers wrap any size of object. A short
 //! least-squares fit then lays the end bones on the surface and takes every bone out of it.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 
+use super::least_squares::{Damping, LeastSquares};
 use super::{Grasp, Object, PlacedObject, Placement};
 use crate::hand::{Chain, Digit, HandPose, JOINTS, Joints, Skeleton, joint_limits};
 
@@ -20,7 +21,8 @@ const NEAR: f64 = 0.003;
 /// Points looked at along each bone.
 const SAMPLES: usize = 5;
 const CLOSING_STEPS: usize = 90;
-const FIT_STEPS: usize = 30;
+const FIT: LeastSquares =
+    LeastSquares { damping: Damping::Even, start: 1e-2, rejected: 10.0, difference: 1e-4, steps: 30 };
 
 /// A hand that holds an object.
 #[derive(Debug, Clone)]
@@ -208,7 +210,7 @@ fn close(
     joints
 }
 
-/// Levenberg-Marquardt on the digit's joints: end bone on the surface, no bone in it, joints near where they were.
+/// Fits a digit's joints: end bone on the surface, no bone in it, joints near where they were.
 pub(super) fn fit(
     skeleton: &Skeleton,
     digit: Digit,
@@ -220,8 +222,8 @@ pub(super) fn fit(
     const ROWS: usize = 1 + 3 + JOINTS;
     const MILLIMETRE: f64 = 1e-3;
     let limits = joint_limits(digit);
-    let residuals = |joints: &Joints| {
-        let chain = skeleton.chain(digit, joints);
+    let residuals = |joints: &SVector<f64, JOINTS>| {
+        let chain = skeleton.chain(digit, joints.as_ref());
         let mut rows = SVector::<f64, ROWS>::zeros();
         if touch {
             rows[0] = (gap(&chain, 2, |p| object.distance(p)) + PRESS) / MILLIMETRE;
@@ -237,38 +239,10 @@ pub(super) fn fit(
         }
         rows
     };
-    let mut joints = start;
-    let mut damping = 1e-2;
-    let mut here = residuals(&joints);
-    for _ in 0..FIT_STEPS {
-        let mut jacobian = SMatrix::<f64, ROWS, JOINTS>::zeros();
-        for joint in 0..JOINTS {
-            const STEP: f64 = 1e-4;
-            let mut moved = joints;
-            moved[joint] += STEP;
-            jacobian.set_column(joint, &((residuals(&moved) - here) / STEP));
-        }
-        let normal = jacobian.transpose() * jacobian;
-        let slope = jacobian.transpose() * here;
-        let damped = normal + SMatrix::<f64, JOINTS, JOINTS>::identity() * damping;
-        let Some(step) = damped.cholesky().map(|c| c.solve(&slope)) else {
-            break;
-        };
-        let mut next = joints;
-        for joint in 0..JOINTS {
-            let [low, high] = limits[joint];
-            next[joint] = (next[joint] - step[joint]).clamp(low, high);
-        }
-        let there = residuals(&next);
-        if there.norm_squared() < here.norm_squared() {
-            joints = next;
-            here = there;
-            damping = (damping * 0.3).max(1e-6);
-        } else {
-            damping *= 10.0;
-        }
-    }
-    joints
+    let limited = |joints: SVector<f64, JOINTS>| {
+        joints.zip_map(&SVector::from(limits), |joint, [low, high]: [f64; 2]| joint.clamp(low, high))
+    };
+    FIT.fit(SVector::from(start), residuals, limited).into()
 }
 
 #[cfg(test)]

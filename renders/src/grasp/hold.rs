@@ -3,9 +3,10 @@
 //! The object starts where the grasp puts it, and a least-squares fit moves, tilts and scales it until it lies against
 //! the digits that must touch it and in none of the others. The touching digits then close the gap that is left.
 
-use nalgebra::{SMatrix, SVector, Unit, UnitQuaternion, Vector3};
+use nalgebra::{SVector, Unit, UnitQuaternion, Vector3};
 
 use super::grip::{Grip, against_palm, between_tips_of, fit, gap, palm_sheet};
+use super::least_squares::{Damping, LeastSquares};
 use super::{Grasp, Object, PlacedObject, Placement};
 use crate::hand::{Chain, Digit, HandPose, Skeleton};
 
@@ -21,7 +22,8 @@ const INSIDE: f64 = 0.001;
 const PLACE: f64 = 0.020;
 const TILT: f64 = 0.35;
 const SIZE: f64 = 0.25;
-const STEPS: usize = 25;
+const FIT: LeastSquares =
+    LeastSquares { damping: Damping::Scaled, start: 1.0, rejected: 8.0, difference: 1e-5, steps: 25 };
 /// A flat hand would take a ball of any size: the logarithm of the size changes by so much at most.
 const MOST_SCALED: f64 = 0.4;
 /// Residuals: end bone, middle bone and three depths a digit, the depth of the palm, the unknowns themselves.
@@ -69,33 +71,7 @@ fn settle(skeleton: &Skeleton, grasp: &Grasp, start: PlacedObject, chains: &[Cha
         unknowns.iter().zip(scales).for_each(|(unknown, scale)| add(unknown / scale));
         rows
     };
-    let mut unknowns = SVector::<f64, UNKNOWNS>::zeros();
-    let mut here = residuals(&unknowns);
-    let mut damping = 1.0;
-    for _ in 0..STEPS {
-        let mut jacobian = SMatrix::<f64, ROWS, UNKNOWNS>::zeros();
-        for column in 0..UNKNOWNS {
-            const STEP: f64 = 1e-5;
-            let mut there = unknowns;
-            there[column] += STEP;
-            jacobian.set_column(column, &((residuals(&there) - here) / STEP));
-        }
-        let normal = jacobian.transpose() * jacobian;
-        let slope = jacobian.transpose() * here;
-        let damped =
-            normal + SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_diagonal(&(normal.diagonal() * damping));
-        let Some(step) = damped.cholesky().map(|c| c.solve(&slope)) else {
-            break;
-        };
-        let next = unknowns - step;
-        let there = residuals(&next);
-        if there.norm_squared() < here.norm_squared() {
-            (unknowns, here) = (next, there);
-            damping = (damping * 0.3).max(1e-6);
-        } else {
-            damping *= 8.0;
-        }
-    }
+    let unknowns = FIT.fit(SVector::<f64, UNKNOWNS>::zeros(), residuals, |unknowns| unknowns);
     moved(&start, &unknowns)
 }
 

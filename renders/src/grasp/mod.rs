@@ -4,6 +4,7 @@
 mod example;
 mod grip;
 mod hold;
+mod least_squares;
 mod object;
 mod recorded;
 mod set;
