@@ -1,6 +1,5 @@
 //! `grasp-query simulate`.
 
-mod lettering;
 mod strip;
 
 use std::io::{self, Write as _};

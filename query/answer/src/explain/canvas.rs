@@ -2,7 +2,8 @@
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+use crate::lettering::{self, Font};
 
 /// Pixels from one line of text to the next.
 pub(super) const LINE: u32 = 20;
@@ -19,50 +20,6 @@ pub(super) mod colour {
     pub(in crate::explain) const OTHER: [u8; 3] = [240, 160, 105];
     pub(in crate::explain) const FINGERS: [u8; 3] = [90, 190, 255];
     pub(in crate::explain) const BACK: [u8; 3] = [255, 190, 70];
-}
-
-/// How text is set.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Font {
-    weight: FontWeight,
-    height: RasterHeight,
-}
-
-impl Font {
-    pub(super) const BODY: Self = Self { weight: FontWeight::Regular, height: RasterHeight::Size16 };
-    pub(super) const STRONG: Self = Self { weight: FontWeight::Bold, height: RasterHeight::Size16 };
-    pub(super) const HEADLINE: Self = Self { weight: FontWeight::Bold, height: RasterHeight::Size24 };
-
-    /// Pixels from one character to the next.
-    fn advance(self) -> u32 {
-        get_raster_width(self.weight, self.height) as u32
-    }
-
-    /// Characters that fit into `width` pixels.
-    fn room(self, width: u32) -> usize {
-        (width / self.advance()) as usize
-    }
-
-    /// How wide a line is, in pixels.
-    pub(super) fn width_of(self, text: &str) -> u32 {
-        text.chars().count() as u32 * self.advance()
-    }
-
-    /// Breaks text into lines that are at most `width` pixels wide. A word that is wider has a line to itself.
-    pub(super) fn wrap(self, text: &str, width: u32) -> Vec<String> {
-        let room = self.room(width);
-        let mut lines: Vec<String> = Vec::new();
-        for word in text.split_whitespace() {
-            match lines.last_mut() {
-                Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
-                    line.push(' ');
-                    line.push_str(word);
-                }
-                _ => lines.push(word.to_owned()),
-            }
-        }
-        lines
-    }
 }
 
 /// A drawing; all that falls outside is left out.
@@ -100,25 +57,7 @@ impl Canvas {
         } else {
             text.to_owned()
         };
-        for (column, character) in (0u32..).zip(shown.chars()) {
-            let raster = |character| get_raster(character, font.weight, font.height);
-            let Some(glyph) = raster(character).or_else(|| raster('?')) else { continue };
-            for (dy, row) in (0u32..).zip(glyph.rows()) {
-                for (dx, &cover) in (0u32..).zip(row) {
-                    self.blend(x + column * font.advance() + dx, y + dy, colour, cover);
-                }
-            }
-        }
-    }
-
-    fn blend(&mut self, x: u32, y: u32, colour: [u8; 3], cover: u8) {
-        let Some(pixel) = self.image.get_pixel_mut_checked(x, y) else {
-            return;
-        };
-        for (value, ink) in pixel.0.iter_mut().zip(colour) {
-            let (cover, under, ink) = (u32::from(cover), u32::from(*value), u32::from(ink));
-            *value = ((ink * cover + under * (255 - cover)) / 255) as u8;
-        }
+        lettering::write(&mut self.image, (x, y), font, &shown, colour);
     }
 
     /// A straight line of this thickness with round ends, its edges smooth.
@@ -136,7 +75,7 @@ impl Canvas {
                 let share = ((at[0] * along[0] + at[1] * along[1]) / length_squared).clamp(0.0, 1.0);
                 let apart = (at[0] - share * along[0]).hypot(at[1] - share * along[1]);
                 let cover = (thickness / 2.0 + 0.5 - apart).clamp(0.0, 1.0);
-                self.blend(x, y, colour, (255.0 * cover) as u8);
+                lettering::blend(&mut self.image, (x, y), colour, (255.0 * cover) as u8);
             }
         }
     }
@@ -181,29 +120,5 @@ impl Canvas {
             imageops::replace(&mut self.image, &scaled, i64::from(left), i64::from(top));
         }
         ([f64::from(left), f64::from(top)], scale)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_font_has_the_signs_that_the_sheet_needs() {
-        for font in [Font::BODY, Font::STRONG, Font::HEADLINE] {
-            for sign in ['°', '±', '×', '%', 'ä'] {
-                assert!(get_raster(sign, font.weight, font.height).is_some(), "{sign} in {font:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn lines_are_broken_between_words() {
-        let width = Font::BODY.width_of("the thumb");
-        assert_eq!(
-            Font::BODY.wrap("the thumb side, unbreakable", width),
-            ["the thumb", "side,", "unbreakable"]
-        );
-        assert!(Font::BODY.wrap("", width).is_empty());
     }
 }

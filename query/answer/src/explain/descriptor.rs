@@ -2,8 +2,9 @@
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 
-use super::canvas::{Canvas, Font, LINE, colour};
+use super::canvas::{Canvas, LINE, colour};
 use super::measures::{GAP, MARGIN, WIDTH};
+use crate::lettering::Font;
 
 /// Side of a panel's finest level in pixels.
 const FINE: u32 = 168;

@@ -10,8 +10,9 @@ use grasp_index::Index;
 use image::{Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::lettering::Font;
 use crate::record::Answer;
-use canvas::{Canvas, Font, HEADLINE, LINE, colour};
+use canvas::{Canvas, HEADLINE, LINE, colour};
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};
 use grasp_recognise::{Recognition, Side};

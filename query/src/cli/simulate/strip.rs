@@ -1,9 +1,8 @@
 //! A trial's frames side by side, each with its caption below.
 
+use grasp_answer::lettering::{self, Font};
 use grasp_robot::simulation::Film;
 use image::{Rgb, RgbImage};
-
-use super::lettering::{self, Font};
 
 /// The pixels below each frame for its caption.
 const CAPTION: u32 = 26;
