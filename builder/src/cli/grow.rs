@@ -54,8 +54,8 @@ pub(crate) struct Remove {
     /// The hand shape to remove (may be repeated).
     #[arg(long, value_name = "NAME", required = true)]
     hand_shape: Vec<String>,
-    /// Measure and calibrate it on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as those that it
-    /// was built with.
+    /// Measure and calibrate it on held-out hands that are seen as those of this preset, `paper`,
+    /// `standard` or `wide`; by default as those that it was built with.
     #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
 }
@@ -69,8 +69,8 @@ pub(crate) struct Compact {
     /// The index to write, which may be one of them.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
     out: PathBuf,
-    /// Measure and calibrate what comes of them on held-out hands that are seen as those of this preset, `paper` or `wide`; by default as
-    /// those that the first was built with.
+    /// Measure and calibrate what comes of them on held-out hands that are seen as those of this
+    /// preset, `paper`, `standard` or `wide`; by default as those that the first was built with.
     #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
 }
