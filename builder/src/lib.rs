@@ -2,8 +2,8 @@
 //!
 //! `grasp-builder` has a small library so that its parts can be read and tested by themselves:
 //!
-//! - [`indexing`] turns render sets, or hand shapes rendered on the fly, into an index, and takes over
-//!   from an existing index whatever has not changed;
+//! - [`indexing`] turns render sets, or hand shapes rendered on the fly, into an index, and takes
+//!   over from an existing index whatever has not changed;
 //! - [`shard`] makes one part of an index on one of many machines, and [`merge`] the index of all parts;
 //! - [`mod@split`] writes an index as several that are searched as one;
 //! - [`grow`] adds to an index, removes from it, and joins several;

@@ -136,10 +136,11 @@ impl Index {
         self.file.bytes.check_unchanged()
     }
 
-    /// Writes some of the entries as an index of their own, with all that was learned and measured from all of them: the hash, the
-    /// names, the curve of effort and the calibration. Segments of all entries, in order, are searched by [`crate::Segments`] exactly
-    /// as this index is. Each entry is numbered from the first of the range. `provenance` is added to the index's own, and `proceed` may
-    /// stop the work by breaking. Returns how many bytes the file has.
+    /// Writes some of the entries as an index of their own, with all that was learned and measured
+    /// from all of them: the hash, the names, the curve of effort and the calibration. Segments of
+    /// all entries, in order, are searched by [`crate::Segments`] exactly as this index is. Each
+    /// entry is numbered from the first of the range. `provenance` is added to the index's own, and
+    /// `proceed` may stop the work by breaking. Returns how many bytes the file has.
     ///
     /// # Errors
     /// [`BuildError`], where there are no such entries, the index is damaged or the file cannot be written; what was at its place is
@@ -181,8 +182,8 @@ impl Index {
         self.file.bytes.len() as u64
     }
 
-    /// The descriptor of a hand image, made as the index's own were. [`Self::describer`] does the same faster for many
-    /// pictures.
+    /// The descriptor of a hand image, made as the index's own were. [`Self::describer`] does the
+    /// same faster for many pictures.
     ///
     /// # Errors
     /// [`CannotRecognise::RawDescriptors`].
@@ -194,14 +195,15 @@ impl Index {
         Ok(self.describer().describe(hand))
     }
 
-    /// Describes hand images as the index's own were: for many pictures. Where the index holds raw vectors, it describes
-    /// them as zeros.
+    /// Describes hand images as the index's own were: for many pictures. Where the index holds raw
+    /// vectors, it describes them as zeros.
     pub fn describer(&self) -> Describer {
         // An index whose parameters are out of range does not open.
         Describer::of_valid(self.catalogue().descriptor)
     }
 
-    /// Whether the index can recognise what a picture shows. Searching it for descriptors is always possible.
+    /// Whether the index can recognise what a picture shows. Searching it for descriptors is always
+    /// possible.
     ///
     /// # Errors
     /// [`CannotRecognise`] says what it lacks.

@@ -1,4 +1,5 @@
-//! The program `grasp-query`: recognition ([`grasp_recognise`]) with what people and programs ask of it.
+//! The program `grasp-query`: recognition ([`grasp_recognise`]) with what people and programs ask
+//! of it.
 //!
 //! [`grasp_answer`] writes the answer as text or JSON Lines and draws how it came about, and [`evaluate`]
 //! scores labelled pictures, of which [`experiment`] makes the tables and drawings of Section VII, and

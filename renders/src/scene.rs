@@ -117,8 +117,8 @@ pub struct Render {
 }
 
 impl SceneSpec {
-    /// A hash of all that the scene's pixels follow from, the renderer's version included: the key by
-    /// which pictures are known again, and the seed of their variations.
+    /// A hash of all that the scene's pixels follow from, the renderer's version included: the key
+    /// by which pictures are known again, and the seed of their variations.
     pub fn params_hash(&self) -> u64 {
         Encoder::new().u32(RENDERER_VERSION).value(self).hash()
     }

@@ -1,4 +1,5 @@
-//! What a real bash completes by the scripts of both programs. Where no bash is installed, nothing is tested.
+//! What a real bash completes by the scripts of both programs. Where no bash is installed, nothing
+//! is tested.
 
 use std::process::Command;
 

@@ -1,4 +1,5 @@
-//! End-to-end tests over the real programs: a module a subject, and one program that holds them all.
+//! End-to-end tests over the real programs: a module a subject, and one program that holds them
+//! all.
 //!
 //! One program is linked once, and what tests share ([`grasp_tests::small_index`]) is built once.
 //! `cargo test -p grasp-tests --test cli serve::` runs one module.

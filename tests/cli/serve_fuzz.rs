@@ -1,7 +1,8 @@
 //! Requests that no program would send: whatever comes, the service answers with a status of its own choice, panics never, and
 //! answers the next one rightly.
 //!
-//! `PROPTEST_CASES=20000 cargo test --release -p grasp-tests --test cli serve_fuzz` looks for longer.
+//! `PROPTEST_CASES=20000 cargo test --release -p grasp-tests --test cli serve_fuzz` looks for
+//! longer.
 
 use std::sync::OnceLock;
 

@@ -409,8 +409,8 @@ fn the_readme_fits_and_its_lines_do() {
     }
 }
 
-/// Whether a documented command can be run as it stands: it is quick, and needs neither a service, nor a camera, nor a
-/// file of the reader's own, nor an index that a longer command makes.
+/// Whether a documented command can be run as it stands: it is quick, and needs neither a service,
+/// nor a camera, nor a file of the reader's own, nor an index that a longer command makes.
 #[cfg(unix)]
 fn is_quick(line: &str, folder: &Path) -> bool {
     const QUICK: [&str; 9] = [

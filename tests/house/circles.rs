@@ -1,6 +1,8 @@
-//! No circle between the files of a crate, nor between its folders: by the paths that their code names, tests left out.
+//! No circle between the files of a crate, nor between its folders: by the paths that their code
+//! names, tests left out.
 //!
-//! A folder's `mod.rs` may declare and re-export its parts; a part that names its own `mod.rs` is in a circle with it.
+//! A folder's `mod.rs` may declare and re-export its parts; a part that names its own `mod.rs` is
+//! in a circle with it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -67,7 +69,8 @@ fn named(module: &Module, code: &str, all: &BTreeMap<Module, String>) -> BTreeSe
     paths.iter().filter_map(resolve).filter(|other| other != module).collect()
 }
 
-/// What is left when all that names nothing that is left is taken away, again and again, and all that nothing names.
+/// What is left when all that names nothing that is left is taken away, again and again, and all
+/// that nothing names.
 fn circles(mut graph: Graph) -> Graph {
     loop {
         let count = graph.len();

@@ -23,7 +23,8 @@ pub(crate) fn tool() -> (String, String) {
     ("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())
 }
 
-/// Where an index of `source` comes from, measured by what `held_out` tells of, on hands that are seen as `seen` says.
+/// Where an index of `source` comes from, measured by what `held_out` tells of, on hands that are
+/// seen as `seen` says.
 pub(super) fn origin(
     source: &Source,
     held_out: Option<String>,

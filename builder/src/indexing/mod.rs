@@ -63,8 +63,8 @@ pub struct Recipe {
     pub originals: Originals,
     /// What the search is measured by.
     pub held_out: HeldOut,
-    /// How the held-out hands are seen, and the index's own if it renders them: the index keeps it for
-    /// those that are added later. `None` where no hand is rendered.
+    /// How the held-out hands are seen, and the index's own if it renders them: the index keeps it
+    /// for those that are added later. `None` where no hand is rendered.
     pub seen: Option<PlanSpec>,
     /// The side of the thumbnails in pixels; 0 keeps none.
     pub thumbnail_side: u32,

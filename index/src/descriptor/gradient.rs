@@ -74,8 +74,8 @@ impl Field {
     /// Hard counts: a pixel with a gradient has weight 1 in the bin `[b pi/B, (b+1) pi/B)` of its orientation.
     pub(super) fn count(&mut self, picture: &Padded, bins: usize) {
         self.resize(picture, bins);
-        // The bin follows from the sides of the bins' borders: exact where the orientation lies on a border, as 45
-        // degrees, frequent in pictures of integers, do.
+        // The bin follows from the sides of the bins' borders: exact where the orientation lies on
+        // a border, as 45 degrees, frequent in pictures of integers, do.
         let borders: Vec<(f32, f32)> = (1..bins)
             .map(|b| libm::sincos(b as f64 * std::f64::consts::PI / bins as f64))
             .map(|(sin, cos)| (sin as f32, cos as f32))

@@ -163,9 +163,9 @@ pub(crate) fn code(coordinate: f32, per_scale: f32) -> i8 {
     round((coordinate * per_scale).clamp(-MAX_CODE as f32, MAX_CODE as f32)) as i8
 }
 
-/// To the nearest integer, halves upward; faster than `f32::round` where there is no instruction for that, and the
-/// same everywhere. For values below 2^15 either way; of others, which only a damaged file brings
-/// about, some number comes out.
+/// To the nearest integer, halves upward; faster than `f32::round` where there is no instruction
+/// for that, and the same everywhere. For values below 2^15 either way; of others, which only a
+/// damaged file brings about, some number comes out.
 #[inline]
 fn round(value: f32) -> i32 {
     (value + (MAX_VALUE as f32 + 1.5)) as i32 - (MAX_VALUE + 1)

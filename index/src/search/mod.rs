@@ -1,16 +1,18 @@
 //! From a descriptor to its nearest neighbours (the paper's Section V).
 //!
-//! The seam is [`hash`]: a hash turns a vector into an ordered list of buckets to probe, and its buckets give candidates.
-//! What follows is one path for every hash ([`in_flight`]): the candidates' distances are measured by their
-//! descriptors, and the k nearest kept ([`nearest`]). [`searcher`] is the door to it all.
+//! The seam is [`hash`]: a hash turns a vector into an ordered list of buckets to probe, and its
+//! buckets give candidates. What follows is one path for every hash ([`in_flight`]): the
+//! candidates' distances are measured by their descriptors, and the k nearest kept ([`nearest`]).
+//! [`searcher`] is the door to it all.
 //!
 //! - [`random`] is the paper's hash, with K and T learned from the data.
 //! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by 8-bit codes ([`blocks`], [`simd`]).
 //! - [`exact`] measures every row.
-//! - [`build`] makes a hash; [`measure`] finds out how many probes find how much ([`effort`]), so that a search is asked
-//!   for what to find, not how.
+//! - [`build`] makes a hash; [`measure`] finds out how many probes find how much ([`effort`]), so
+//!   that a search is asked for what to find, not how.
 //!
-//! This file declares the parts and names what others use of them; the parts name each other, never this file.
+//! This file declares the parts and names what others use of them; the parts name each other, never
+//! this file.
 
 pub(crate) mod blocks;
 pub(crate) mod build;

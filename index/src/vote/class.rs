@@ -17,7 +17,8 @@ pub(super) fn relative_weights(distances: impl Iterator<Item = f64>, sigma: f64)
     logs.iter().map(|log| if greatest.is_finite() { libm::exp(log - greatest) } else { 1.0 }).collect()
 }
 
-/// Each class's share of the weights of voters, given as class and distance. Without voters every class has the same.
+/// Each class's share of the weights of voters, given as class and distance. Without voters every
+/// class has the same.
 pub(crate) fn shares(
     voters: impl Iterator<Item = (u16, f64)> + Clone,
     classes: usize,

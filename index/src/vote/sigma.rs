@@ -95,7 +95,8 @@ mod tests {
 
     #[test]
     fn of_many_rows_evenly_spaced_ones_are_paired() {
-        // Twice as many as are paired: every second, so that only distances of 2 times an integer are measured.
+        // Twice as many as are paired: every second, so that only distances of 2 times an integer
+        // are measured.
         let (rows, paired): (Vec<f32>, Vec<f32>) =
             (0..2 * MOST_OF_A_CLASS).map(|at| (at as f32, (at / 2 * 2) as f32)).unzip();
         let every_second: Vec<&[f32]> = paired.chunks(2).map(|pair| &pair[..1]).collect();

@@ -65,7 +65,8 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Puts the robot's strategy into the answer, or why there is none. What is unknown is not imitated.
+    /// Puts the robot's strategy into the answer, or why there is none. What is unknown is not
+    /// imitated.
     pub fn imitate(&mut self, found: &Recognition, setting: &Setting) {
         if self.reason.is_some() {
             return;

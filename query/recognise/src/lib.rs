@@ -5,7 +5,8 @@
 //! neighbours vote (Sections IV and V), [`sequence`] and [`prior`] add what earlier frames and the
 //! object say, and [`orientation`] puts the hand's rotation into words.
 //!
-//! The feature `schema` describes the types that stand in records for OpenAPI; it is off by default.
+//! The feature `schema` describes the types that stand in records for OpenAPI; it is off by
+//! default.
 
 mod accept;
 mod belief;

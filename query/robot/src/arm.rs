@@ -196,8 +196,9 @@ impl Arm {
         })
     }
 
-    /// The joint angles along the approach and the retreat of `steps`, whose grasp has the wrist at `wrist` in the world: of the ways that keep every joint within its limits and turn none
-    /// of them over, the one on which the joints turn least.
+    /// The joint angles along the approach and the retreat of `steps`, whose grasp has the wrist at
+    /// `wrist` in the world: of the ways that keep every joint within its limits and turn none of
+    /// them over, the one on which the joints turn least.
     pub fn carry(&self, wrist: &Pose, steps: &[Step]) -> ArmMotion {
         let stations = self.stations(wrist, steps);
         let solver = OPWKinematics::new(self.geometry.parameters());

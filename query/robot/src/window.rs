@@ -1,4 +1,5 @@
-//! What error a grasp tolerated in simulation, and which of the simulated windows counts for an object.
+//! What error a grasp tolerated in simulation, and which of the simulated windows counts for an
+//! object.
 
 use serde::{Deserialize, Serialize};
 

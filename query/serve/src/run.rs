@@ -12,8 +12,8 @@ use crate::router::router;
 use crate::service::{Ended, Event, Service};
 
 impl Service {
-    /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of `quiz`, where there is one, lie
-    /// below `/quiz/`.
+    /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of
+    /// `quiz`, where there is one, lie below `/quiz/`.
     ///
     /// # Errors
     /// Where the first index cannot be opened: what is wrong with it.

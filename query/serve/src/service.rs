@@ -1,4 +1,5 @@
-//! The service between requests: what it allows, holds and counts, and how a request passes through it.
+//! The service between requests: what it allows, holds and counts, and how a request passes through
+//! it.
 
 use std::path::PathBuf;
 use std::sync::Arc;

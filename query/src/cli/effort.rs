@@ -5,7 +5,8 @@ use grasp_index::{Effort, SearchOptions};
 /// The success that `--eps` alone asks for, as in the paper.
 const DEFAULT_SUCCESS: f64 = 0.95;
 
-/// The options' heading. Named for each of them: that of a struct would go on behind its last option.
+/// The options' heading. Named for each of them: that of a struct would go on behind its last
+/// option.
 const HEADING: &str = "How hard to search";
 
 /// A wanted success, which the index looks up in what it has measured, or the effort itself.

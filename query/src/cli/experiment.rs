@@ -139,7 +139,8 @@ struct UnknownArguments {
     recognise: RecogniseArguments,
 }
 
-/// How far to trust an answer whose mask was found by colour: fits the model that the program holds as query/recognise/data/trust.toml.
+/// How far to trust an answer whose mask was found by colour: fits the model that the program holds
+/// as query/recognise/data/trust.toml.
 ///
 /// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are hard to tell from skin, and such
 /// backgrounds are tried alone. The model is fitted to seven tenths of them all and measured on the rest.

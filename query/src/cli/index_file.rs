@@ -44,8 +44,8 @@ impl IndexFile {
 /// What the service and the quiz ask.
 #[cfg(feature = "serve")]
 impl IndexFile {
-    /// An index that can tell what a picture shows, where one is named or lies at the default place;
-    /// `None` is not an error otherwise.
+    /// An index that can tell what a picture shows, where one is named or lies at the default
+    /// place; `None` is not an error otherwise.
     pub(super) fn open_if_there(&self) -> anyhow::Result<Option<Index>> {
         let is_named = self.index.as_ref().is_some_and(|name| !name.is_empty());
         if is_named || self.path().exists() { self.open_for_pictures().map(Some) } else { Ok(None) }

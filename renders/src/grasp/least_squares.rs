@@ -1,4 +1,5 @@
-//! Nonlinear least squares by the method of Levenberg and Marquardt, with derivatives by differences.
+//! Nonlinear least squares by the method of Levenberg and Marquardt, with derivatives by
+//! differences.
 
 use nalgebra::{SMatrix, SVector};
 

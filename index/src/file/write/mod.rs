@@ -1,8 +1,9 @@
 //! Building an index and writing it.
 //!
-//! Descriptors are the bulk of an index. They are written as they come, straight to where they lie in the file
-//! ([`sink`]), and mapped from there when the hash is made of them ([`crate::model`]); of the rest of an entry a few bytes stay
-//! in memory ([`columns`]). The header comes last: until then zeros stand in its place, which make no index.
+//! Descriptors are the bulk of an index. They are written as they come, straight to where they lie
+//! in the file ([`sink`]), and mapped from there when the hash is made of them ([`crate::model`]);
+//! of the rest of an entry a few bytes stay in memory ([`columns`]). The header comes last: until
+//! then zeros stand in its place, which make no index.
 
 mod check;
 mod columns;

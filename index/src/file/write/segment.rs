@@ -18,8 +18,8 @@ use std::ops::{ControlFlow, Range};
 const DAMAGED: BuildError =
     BuildError::Params("the index is damaged: run `grasp-builder verify` on it, and build it again");
 
-/// Writes the entries `entries` of `index` to `file` and puts it in its place; returns how many bytes it has. `provenance` is added to
-/// the index's own, and `proceed` may stop the work.
+/// Writes the entries `entries` of `index` to `file` and puts it in its place; returns how many
+/// bytes it has. `provenance` is added to the index's own, and `proceed` may stop the work.
 pub(crate) fn write_segment(
     index: &Opened,
     entries: Range<u32>,
@@ -157,7 +157,8 @@ impl Filled {
         }
     }
 
-    /// Adds to the blocks those entries of a bucket that are the segment's `own`, and returns how many these are.
+    /// Adds to the blocks those entries of a bucket that are the segment's `own`, and returns how
+    /// many these are.
     fn put(&mut self, bucket: Blocks<'_>, axes: usize, own: impl Fn(u32) -> Option<u32>) -> usize {
         let stride = blocks::entry_stride(axes);
         let mut entered = 0;

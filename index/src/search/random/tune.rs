@@ -22,8 +22,8 @@ fn buckets_for(rows: usize) -> u32 {
     (rows.min(1 << 20) as u32).next_power_of_two().max(16)
 }
 
-/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest distances and products. `progress` stops the
-/// work by an error.
+/// Chooses K and T: of all that reach the wanted success, the pair that measures the fewest
+/// distances and products. `progress` stops the work by an error.
 pub(crate) fn choose<E>(
     source: Source<'_>,
     held_out: Rows<'_>,

@@ -1,7 +1,7 @@
 //! The inner loops of a search, for the widest vector registers that the machine has.
 //!
-//! Whatever the path, the answers are the same to the last bit: dot products of codes are integers, and all
-//! floating-point work is done in one order without fused multiply-adds.
+//! Whatever the path, the answers are the same to the last bit: dot products of codes are integers,
+//! and all floating-point work is done in one order without fused multiply-adds.
 //!
 //! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because [`Simd::best`] is the
 //! only way to get a value other than [`Level::Portable`] and asks the processor first.
@@ -88,7 +88,8 @@ impl Simd {
         }
     }
 
-    /// The squared distance of `query` from each of the rows that `row` gives: [`super::distance::squared`], to the bit.
+    /// The squared distance of `query` from each of the rows that `row` gives:
+    /// [`super::distance::squared`], to the bit.
     pub(crate) fn distances<'a>(
         self,
         query: &[f32],

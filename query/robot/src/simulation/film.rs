@@ -29,7 +29,8 @@ const THING: [f32; 3] = [230.0, 120.0, 50.0];
 /// Five moments of a trial: settled, about to close, closed, half way up, held.
 #[derive(Clone, Debug)]
 pub struct Film {
-    /// What was seen, each [`Self::SIDE`] wide and high; fewer than captions where the trial ended before.
+    /// What was seen, each [`Self::SIDE`] wide and high; fewer than captions where the trial ended
+    /// before.
     pub frames: Vec<RgbImage>,
     /// What each frame shows, and what became of it.
     pub captions: [String; FRAMES],

@@ -1,4 +1,5 @@
-//! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service, which answers in the words of this program.
+//! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service,
+//! which answers in the words of this program.
 //!
 //! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them to threads.
 

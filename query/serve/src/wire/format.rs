@@ -24,7 +24,8 @@ impl Format {
         }
     }
 
-    /// The format that the first media type of a header `Accept` names; a record where it names none.
+    /// The format that the first media type of a header `Accept` names; a record where it names
+    /// none.
     pub(crate) fn of_accept(accept: &str) -> Self {
         let first = accept.split([',', ';']).next().unwrap_or_default().trim();
         let others = [Self::Text, Self::Drawing, Self::Moveit];

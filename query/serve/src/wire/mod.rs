@@ -10,7 +10,8 @@ use axum::http::HeaderName;
 pub use format::Format;
 pub use token::Token;
 
-/// The header of the exit status that the command line would have had: 0 recognised, 1 rejected, 2 an error.
+/// The header of the exit status that the command line would have had: 0 recognised, 1 rejected, 2
+/// an error.
 pub(crate) const STATUS: HeaderName = HeaderName::from_static("grasp-status");
 /// The header that says which index answered, counted from 1.
 pub(crate) const GENERATION: HeaderName = HeaderName::from_static("grasp-index-generation");

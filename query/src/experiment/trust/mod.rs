@@ -1,5 +1,6 @@
-//! How far answers are to be trusted whose mask was found by colour: the model of [`grasp_recognise::Trust`], fitted to labelled
-//! camera pictures, to segmented ones put before backgrounds that are hard to tell from skin, and to such backgrounds alone.
+//! How far answers are to be trusted whose mask was found by colour: the model of
+//! [`grasp_recognise::Trust`], fitted to labelled camera pictures, to segmented ones put before
+//! backgrounds that are hard to tell from skin, and to such backgrounds alone.
 
 mod compose;
 mod draws;

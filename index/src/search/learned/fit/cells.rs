@@ -162,7 +162,8 @@ fn nearest(centres: Centres<'_>, axes: usize, codes: &[i8], groups: u32, simd: S
     homes
 }
 
-/// The mean of some rows of codes, to the nearest code; `None` of no rows. Sums of integers do not depend on their order.
+/// The mean of some rows of codes, to the nearest code; `None` of no rows. Sums of integers do not
+/// depend on their order.
 fn middle(codes: &[i8], axes: usize, ids: impl ExactSizeIterator<Item = u32>) -> Option<Vec<i8>> {
     let count = ids.len() as i64;
     if count == 0 {

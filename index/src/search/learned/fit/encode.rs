@@ -71,7 +71,8 @@ pub(super) fn residuals(
     Residuals { scale, scalars }
 }
 
-/// Lays the entries out in blocks, bucket by bucket, and returns where each bucket's blocks start and end. Within a bucket ids ascend.
+/// Lays the entries out in blocks, bucket by bucket, and returns where each bucket's blocks start
+/// and end. Within a bucket ids ascend.
 pub(super) fn blocks(
     codes: &[i8],
     axes: usize,

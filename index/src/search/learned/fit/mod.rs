@@ -67,8 +67,8 @@ fn planes(rows: usize) -> u32 {
     planes
 }
 
-/// Learns a hash for the rows: the same one at any number of threads and on any machine's instructions. `progress` hears
-/// the share that is done, and stops the work by returning an error.
+/// Learns a hash for the rows: the same one at any number of threads and on any machine's
+/// instructions. `progress` hears the share that is done, and stops the work by returning an error.
 pub(crate) fn fit<E: Send>(
     rows: Rows<'_>,
     simd: Simd,
