@@ -6,10 +6,12 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use grasp_index::AtomicFile;
 
-use super::Global;
+use super::global::Global;
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
+use super::overwriting::refuse_overwriting;
 use super::selection::Selection;
+use super::status::{ERROR, SUCCESS};
 use crate::evaluate::Outcome;
 use crate::evaluate::report::{self, Report};
 use grasp_recognise::orientation::xyzw;
@@ -49,7 +51,7 @@ pub(super) struct Evaluate {
 impl Evaluate {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
         if let Some(out) = &self.predictions {
-            super::refuse_overwriting(out, [self.selection.path(), self.index.path().as_path()])?;
+            refuse_overwriting(out, [self.selection.path(), self.index.path().as_path()])?;
         }
         let index = self.index.open_for_pictures()?;
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
@@ -67,7 +69,7 @@ impl Evaluate {
         } else {
             write!(out, "{}", report::text(&report))?;
         }
-        Ok(if report.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+        Ok(if report.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
 

@@ -8,13 +8,15 @@ use clap::Subcommand;
 use grasp_index::Index;
 use rayon::prelude::*;
 
-use super::Global;
 use super::figures::print;
+use super::global::Global;
 use super::index_file::{self, IndexFile};
 use super::options::{FrameArguments, RecogniseArguments, parse_share};
+use super::overwriting::refuse_overwriting;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
+use super::status::{ERROR, SUCCESS};
 use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
@@ -232,7 +234,7 @@ impl PaperArguments {
             paper.write(folder)?;
         }
         print(self.json, &paper, || paper.text())?;
-        Ok(if paper.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+        Ok(if paper.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
 
@@ -270,7 +272,7 @@ impl ShapesArguments {
             shapes.write(folder)?;
         }
         print(self.json, &shapes, || shapes.text())?;
-        Ok(if shapes.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+        Ok(if shapes.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
 
@@ -296,7 +298,7 @@ impl UnknownArguments {
             unknown.write(folder)?;
         }
         print(self.json, &unknown, || unknown.text())?;
-        Ok(if unknown.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+        Ok(if unknown.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
 
@@ -304,14 +306,14 @@ impl TrustArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
         if let Some(out) = &self.out {
             let read = self.labels.iter().map(PathBuf::as_path);
-            super::refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
+            refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
         }
         let index = self.index.open_for_pictures()?;
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
         let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
         let recognisers = Recognisers::new(&index);
-        let (mut samples, mut segmented, mut status) = (Vec::new(), 0, super::SUCCESS);
+        let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
             let bar = global.progress().bar(table.labels.len() as u64, "recognising", "pictures");
@@ -330,7 +332,7 @@ impl TrustArguments {
                 match found {
                     Ok(found) => samples.extend(found),
                     Err(message) => {
-                        status = super::ERROR;
+                        status = ERROR;
                         let _ = writeln!(io::stderr(), "{message}");
                     }
                 }
@@ -373,6 +375,6 @@ impl SequenceArguments {
             sequences.write(folder)?;
         }
         print(self.json, &sequences, || sequences.text())?;
-        Ok(if sequences.errors.is_empty() { super::SUCCESS } else { super::ERROR })
+        Ok(if sequences.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }

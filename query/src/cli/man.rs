@@ -1,7 +1,8 @@
 //! `grasp-query man`.
 
 use anyhow::Context as _;
-use clap::CommandFactory as _;
+
+use super::status::SUCCESS;
 
 /// Print a manual page, e.g. `grasp-query man | man -l -`.
 #[derive(Debug, clap::Args)]
@@ -11,8 +12,7 @@ pub(super) struct Man {
 }
 
 impl Man {
-    pub(super) fn run(&self) -> anyhow::Result<u8> {
-        let mut program = super::Arguments::command();
+    pub(super) fn run(&self, mut program: clap::Command) -> anyhow::Result<u8> {
         // Makes the global options known to the subcommands.
         program.build();
         let command = match &self.subcommand {
@@ -25,6 +25,6 @@ impl Man {
         let mut page = Vec::new();
         clap_mangen::Man::new(command).render(&mut page)?;
         std::io::Write::write_all(&mut std::io::stdout().lock(), &page)?;
-        Ok(super::SUCCESS)
+        Ok(SUCCESS)
     }
 }

@@ -1,14 +1,16 @@
-//! The command line: one file a subcommand, shared options and exit status here.
+//! The command line: one file a subcommand, and what several share in files of their own.
 
 mod completions;
 mod effort;
 mod evaluate;
 mod experiment;
 mod figures;
+mod global;
 mod index_file;
 mod man;
 mod name_or_file;
 mod options;
+mod overwriting;
 #[cfg(feature = "serve")]
 mod quiz;
 mod recognise;
@@ -21,23 +23,20 @@ mod selection;
 mod serve;
 #[cfg(feature = "simulate")]
 mod simulate;
+mod status;
 #[cfg(feature = "serve")]
 mod token;
 
 use std::io::{self, Write as _};
-use std::path::Path;
 use std::process::ExitCode;
 
-use anyhow::{Context as _, bail};
-use clap::{Parser, Subcommand};
-use grasp_terminal::Progress;
+use anyhow::Context as _;
+use clap::{CommandFactory as _, Parser, Subcommand};
 use grasp_terminal::error::message;
 use grasp_terminal::text::printable_lines;
 
-/// Every input was recognised.
-const SUCCESS: u8 = 0;
-/// Something failed; the message says what and what to do.
-const ERROR: u8 = 2;
+use global::Global;
+use status::{ERROR, SUCCESS};
 
 /// Recognises which of six grasps a hand in a picture makes, and how the hand is turned toward the camera.
 #[derive(Debug, Parser)]
@@ -74,24 +73,6 @@ Examples:
 The files are those of the source code; with your own, it is the same.
 
 Exit status: 0 all recognised, 1 in some picture no hand was found or the grasp is unknown, 2 an error.";
-
-/// Options that every subcommand understands.
-#[derive(Debug, clap::Args)]
-struct Global {
-    /// Worker threads; 0 takes one per core. The answers are the same for any number.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
-    threads: u16,
-    /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error elsewhere.
-    #[arg(long, global = true)]
-    no_progress: bool,
-}
-
-impl Global {
-    /// How far long work has come.
-    fn progress(&self) -> Progress {
-        Progress::new("grasp-query", !self.no_progress)
-    }
-}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -161,20 +142,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Simulate(command) => command.run(),
         #[cfg(feature = "serve")]
         Command::Serve(command) => command.run(&arguments.global),
-        Command::Completions(command) => command.run(),
-        Command::Man(command) => command.run(),
+        Command::Completions(command) => command.run(Arguments::command()),
+        Command::Man(command) => command.run(Arguments::command()),
     }
-}
-
-/// Refuses an output that is one of the inputs: writing it would destroy what it was made from.
-fn refuse_overwriting<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> anyhow::Result<()> {
-    let Ok(out_file) = out.canonicalize() else {
-        return Ok(());
-    };
-    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == out_file)) {
-        bail!("{} is an input as well: name another file to write", out.display());
-    }
-    Ok(())
 }
 
 /// A reader that has seen enough (`| head`) is no failure of ours.

@@ -10,7 +10,9 @@ use tokio::net::TcpListener;
 
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
+use super::overwriting::refuse_overwriting;
 use super::selection::{Selected, Selection};
+use super::status::{ERROR, SUCCESS};
 use crate::evaluate::labels::OTHER;
 use crate::quiz::answers::AnswerFile;
 use crate::quiz::pictures::{self, Shown};
@@ -68,7 +70,7 @@ pub(super) struct Quizzing {
 
 impl Quizzing {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        super::refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
+        refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_if_there()?;
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
         let recogniser = index.as_ref().map(|index| Recogniser::new(index, self.recognise.options()));
@@ -86,9 +88,9 @@ impl Quizzing {
             write!(out, "{}", quiz.result().text())?;
         }
         Ok(match (errors, quiz.is_complete()) {
-            (1.., _) => super::ERROR,
+            (1.., _) => ERROR,
             (0, false) => INTERRUPTED,
-            (0, true) => super::SUCCESS,
+            (0, true) => SUCCESS,
         })
     }
 

@@ -16,7 +16,9 @@ use rayon::prelude::*;
 
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
+use super::overwriting::refuse_overwriting;
 use super::robot::RobotArguments;
+use super::status::{ERROR, SUCCESS};
 use drawings::Drawings;
 use grasp_answer::explain;
 use grasp_answer::record::{Record, SingleRecord};
@@ -144,7 +146,7 @@ impl Recognise {
         let means = Means { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(means.prior.clone()));
 
-        let mut output = Output { form: self.form(), status: super::SUCCESS, out: io::stdout().lock() };
+        let mut output = Output { form: self.form(), status: SUCCESS, out: io::stdout().lock() };
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
         for group in groups(&images) {
@@ -193,7 +195,7 @@ impl Recognise {
         let drawings = Drawings::new(out, images.len())?;
         if let Drawings::File(file) = &drawings {
             let pictures = images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
-            super::refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
+            refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
         }
         drawings.prepare()?;
         Ok(Some(drawings))
@@ -229,7 +231,7 @@ impl Recognise {
     }
 
     fn status_of<W>(&self, output: &Output<W>) -> u8 {
-        if self.undrawn.load(Ordering::Relaxed) { super::ERROR } else { output.status }
+        if self.undrawn.load(Ordering::Relaxed) { ERROR } else { output.status }
     }
 
     fn run_stream(

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::Global;
 use super::figures::print;
+use super::global::Global;
 use super::index_file::IndexFile;
 use super::name_or_file::NameOrFile;
 use super::options::RecogniseArguments;
 use super::selection::Selection;
+use super::status::{ERROR, SUCCESS};
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
 use grasp_recognise::Recogniser;
@@ -77,7 +78,7 @@ impl RobustnessArguments {
             robustness.write(folder)?;
         }
         print(self.json, &robustness, || robustness.text())?;
-        Ok(super::SUCCESS)
+        Ok(SUCCESS)
     }
 }
 
@@ -128,6 +129,6 @@ impl ImitationArguments {
         print(self.json, &imitation, || imitation.text())?;
         let failed =
             outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));
-        Ok(if failed || !selected.broken.is_empty() { super::ERROR } else { super::SUCCESS })
+        Ok(if failed || !selected.broken.is_empty() { ERROR } else { SUCCESS })
     }
 }

@@ -14,9 +14,11 @@ use grasp_index::{AtomicFile, Neighbour, SearchOptions};
 use grasp_terminal::text::{counted, percent, printable};
 use serde::Serialize;
 
-use super::Global;
 use super::effort::EffortArguments;
+use super::global::Global;
 use super::index_file::IndexFiles;
+use super::overwriting::refuse_overwriting;
+use super::status::SUCCESS;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
 #[cfg(feature = "serve")]
@@ -159,7 +161,7 @@ impl Search {
         if self.out.is_none() && self.distances.is_none() && !self.json {
             show(names, batch.found(), count, check)?;
         }
-        Ok(super::SUCCESS)
+        Ok(SUCCESS)
     }
 
     fn options(&self) -> SearchOptions {
@@ -183,7 +185,7 @@ impl Search {
         if self.out.is_none() && self.distances.is_none() {
             show(names, rows(), count, || Ok(()))?;
         }
-        Ok(super::SUCCESS)
+        Ok(SUCCESS)
     }
 
     /// The queries, at least one, and how many values each has: `dim`, if that is known.
@@ -230,7 +232,7 @@ impl Search {
                 printed += 1;
             } else {
                 let inputs = indexes.iter().map(PathBuf::as_path).chain([self.queries.as_path()]);
-                super::refuse_overwriting(out, inputs)?;
+                refuse_overwriting(out, inputs)?;
             }
         }
         if printed > 1 {
@@ -350,7 +352,7 @@ fn print_neighbours<'f, 'n>(
         out.write_all(b"\n")?;
     }
     out.flush()?;
-    Ok(super::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// The neighbours of the first queries, for a person.

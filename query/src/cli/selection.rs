@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use rayon::prelude::*;
 
-use super::Global;
+use super::global::Global;
 use crate::evaluate::labels::{self, Label, OTHER, Part, RowError};
 use crate::evaluate::{Outcome, folder_of, score};
 use grasp_recognise::Recogniser;

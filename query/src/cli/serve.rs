@@ -11,10 +11,12 @@ use anyhow::{Context as _, bail};
 use grasp_terminal::text::{counted, printable};
 use tokio::net::TcpListener;
 
-use super::Global;
+use super::global::Global;
 use super::index_file::IndexFile;
+use super::overwriting::refuse_overwriting;
 use super::quiz::{Means, make};
 use super::selection::Selection;
+use super::status::{ERROR, SUCCESS};
 use crate::quiz::server::{Table, router};
 use grasp_recognise::{RecogniseOptions, Recogniser};
 use grasp_serve::{Ended, Event, Listener, Service, Settings};
@@ -185,16 +187,16 @@ impl Serve {
                     counted(count, ["request was", "requests were"]),
                     self.drain
                 );
-                super::ERROR
+                ERROR
             }
             Ended::Drained if interrupted.load(Ordering::SeqCst) => INTERRUPTED,
-            Ended::Drained => super::SUCCESS,
+            Ended::Drained => SUCCESS,
         })
     }
 
     /// The quiz's pictures and the program's own answers to them, by the index that lies at the path now.
     fn quiz_table(&self, labels: &Path) -> anyhow::Result<Table> {
-        super::refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
+        refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Some(Recogniser::new(&index, RecogniseOptions::default()));
         let means = Means { seed: DEFAULT_SEED, limit: usize::MAX, labelled_masks: false, recogniser };

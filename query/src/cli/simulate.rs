@@ -15,6 +15,7 @@ use grasp_robot::{From, Object, RobotHand};
 use strip::strip;
 
 use super::name_or_file::NameOrFile;
+use super::status::SUCCESS;
 
 /// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
 ///
@@ -120,7 +121,7 @@ impl Simulate {
         } else {
             write!(out, "{}", text(&record))?;
         }
-        Ok(if outcome.success { super::SUCCESS } else { 1 })
+        Ok(if outcome.success { SUCCESS } else { 1 })
     }
 
     fn setting(&self, grasp: &str) -> anyhow::Result<(Object, From)> {

@@ -34,7 +34,8 @@ impl Recognise {
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let clients = Clients::new(address.clone(), token);
-        let mut output = Output { form: self.form(), status: crate::cli::SUCCESS, out: io::stdout().lock() };
+        let mut output =
+            Output { form: self.form(), status: crate::cli::status::SUCCESS, out: io::stdout().lock() };
         let at_once = 4 * rayon::current_num_threads();
         for group in super::groups(images) {
             if group == [Path::new(STANDARD_INPUT)] {

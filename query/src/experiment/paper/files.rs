@@ -7,7 +7,8 @@ use anyhow::Context as _;
 use serde::Serialize;
 
 use super::super::{csv_of, write_file};
-use super::{KindResult, Paper, SetResult, plot};
+use super::figures::{KindResult, Paper, SetResult};
+use super::plot;
 use crate::evaluate::labels::Kind;
 use grasp_answer::record::UNKNOWN;
 

@@ -1,7 +1,7 @@
 //! The paper's Figures 7 and 8 over one's own pictures, as SVG.
 
 use super::super::svg::{Anchor, Axes, Axis, COLOURS, FAINT, GREY, Svg, WIDTH};
-use super::{Class, KindResult, Paper, SetResult};
+use super::figures::{Class, KindResult, Paper, SetResult};
 
 /// Above the panels: title, the line below it, and a legend.
 const HEAD: f64 = 88.0;
@@ -192,7 +192,7 @@ fn angles(svg: &mut Svg, kind: &KindResult, top: f64) {
 #[cfg(test)]
 mod tests {
     use super::super::super::svg::tests::assert_inside;
-    use super::super::tests::some;
+    use super::super::figures::tests::some;
     use super::*;
 
     #[test]

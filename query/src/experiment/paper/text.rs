@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Paper, SetResult};
+use super::figures::{Paper, SetResult};
 use crate::evaluate::report::errors_text;
 
 pub(super) fn text(paper: &Paper) -> String {

@@ -1,7 +1,8 @@
 //! Heat maps of the trials, as SVG.
 
 use super::super::svg::{Anchor, FAINT, Svg, WIDTH};
-use super::{ENGINE, Robustness, Row, Tolerance};
+use super::sweep::{ENGINE, Robustness, Tolerance};
+use super::table::Row;
 
 /// Above the panels, a panel's height and breadth, and how large its map is.
 const HEAD: f64 = 92.0;

@@ -6,9 +6,43 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context as _, bail};
+use serde::{Deserialize, Serialize};
 
-use super::Row;
 use crate::experiment::{csv_of, write_file};
+
+/// A line of `robustness.csv`. Columns are an interface: they may be added to, never renamed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The object.
+    pub object: String,
+    /// The robot's grasp.
+    pub grasp: String,
+    /// The object's displacement, in millimetres.
+    pub x_mm: i32,
+    /// The same.
+    pub y_mm: i32,
+    /// The hand's turn, in degrees.
+    pub yaw_deg: i32,
+    /// Whether it was lifted and held.
+    pub success: bool,
+    /// Whether it was lifted.
+    pub lifted: bool,
+    /// Millimetres.
+    pub rise_mm: f64,
+    /// Millimetres.
+    pub slip_mm: f64,
+    /// Newtons.
+    pub contact_force_n: f64,
+    /// What the row was made with: the hand and the engine. Another's rows are not taken over.
+    pub made_with: String,
+}
+
+impl Row {
+    /// Which trial it is.
+    pub(super) fn key(&self) -> (&str, i32, i32, i32) {
+        (&self.object, self.x_mm, self.y_mm, self.yaw_deg)
+    }
+}
 
 /// Rows, and where they are written to.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use super::super::KINDS;
 use super::super::svg::{Axes, Axis, COLOURS, GREY, Svg};
-use super::{Point, STAGES, Shapes};
+use super::figures::{Point, STAGES, Shapes};
 use crate::evaluate::labels::Kind;
 
 /// Above the panels: title, the line below it, and a legend.

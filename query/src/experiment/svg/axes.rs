@@ -1,30 +1,30 @@
 //! A panel's axes.
 
-use super::{Anchor, FAINT, Svg};
+use super::drawing::{Anchor, FAINT, Svg};
 
 /// The axes of a panel.
 #[derive(Debug)]
-pub(in super::super) struct Axes {
-    pub(in super::super) x: Axis,
-    pub(in super::super) y: Axis,
+pub(in crate::experiment) struct Axes {
+    pub(in crate::experiment) x: Axis,
+    pub(in crate::experiment) y: Axis,
 }
 
 /// One axis: its values, and where they lie in the drawing.
 #[derive(Debug)]
-pub(in super::super) struct Axis {
+pub(in crate::experiment) struct Axis {
     /// The values at its ends.
-    pub(in super::super) values: [f64; 2],
+    pub(in crate::experiment) values: [f64; 2],
     /// Where these lie, in the drawing's units.
-    pub(in super::super) places: [f64; 2],
+    pub(in crate::experiment) places: [f64; 2],
     /// Whether equal factors take equal room.
-    pub(in super::super) logarithmic: bool,
+    pub(in crate::experiment) logarithmic: bool,
     /// The values that are written beside it, and how.
-    pub(in super::super) ticks: Vec<(f64, String)>,
+    pub(in crate::experiment) ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
     /// Where a value lies; one outside the axis, at its end.
-    pub(in super::super) fn place(&self, value: f64) -> f64 {
+    pub(in crate::experiment) fn place(&self, value: f64) -> f64 {
         let scale = |value: f64| if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value };
         let [low, high] = self.values.map(scale);
         let share = if high > low { (scale(value) - low) / (high - low) } else { 0.5 };
@@ -33,7 +33,7 @@ impl Axis {
     }
 
     /// A linear axis from 0 with a tick at every `step`, written with `unit`.
-    pub(in super::super) fn from_zero(high: f64, step: f64, unit: &str, places: [f64; 2]) -> Self {
+    pub(in crate::experiment) fn from_zero(high: f64, step: f64, unit: &str, places: [f64; 2]) -> Self {
         let count = (high / step + 1e-9).floor() as u32;
         let ticks = (0..=count).map(|n| f64::from(n) * step).map(|tick| (tick, format!("{tick}{unit}")));
         Self { values: [0.0, high], places, logarithmic: false, ticks: ticks.collect() }
@@ -42,7 +42,7 @@ impl Axis {
 
 impl Axes {
     /// Draws lines, ticks, the panel's title above and the name of the x axis below.
-    pub(in super::super) fn draw(&self, svg: &mut Svg, title: &str, below: &str) {
+    pub(in crate::experiment) fn draw(&self, svg: &mut Svg, title: &str, below: &str) {
         let ([left, right], [bottom, top]) = (self.x.places, self.y.places);
         svg.heading([left, top - 14.0], title);
         for (tick, text) in &self.y.ticks {

@@ -1,80 +1,16 @@
 //! How well hands in one of the grasps are told from all else: pictures of no grasp, open hands, things that are no hand.
 
+mod figures;
 mod plot;
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
-use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{csv_of, write_file};
-use crate::evaluate::labels::{OTHER, RowError};
-use crate::evaluate::report::{Report, RowReport, errors_text};
-use crate::evaluate::{Guess, Outcome};
-use grasp_recognise::Trust;
-
-/// The figures. JSON keys are an interface: they may be added to, never renamed.
-#[derive(Clone, Debug, Serialize)]
-pub struct Unknown {
-    /// The table of labels.
-    pub labels: String,
-    /// Pictures of the index's grasps in which a hand was found.
-    pub known: usize,
-    /// Of these, how many were classed rightly, known or not.
-    pub right: usize,
-    /// Pictures of something else in which a hand was found.
-    pub others: usize,
-    /// Pictures of something else in which none was found: they are told already.
-    pub no_hand: usize,
-    /// What the index's own limits make of them; null where it has none.
-    pub at_limits: Option<AtLimits>,
-    /// The curves, one for each measure.
-    pub curves: Vec<Curve>,
-    /// Rows and pictures that could not be used.
-    pub errors: Vec<RowReport>,
-}
-
-/// The shares beyond the index's limits, 0..=1 each.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AtLimits {
-    /// The farthest distance of the nearest entry.
-    pub farthest: f64,
-    /// The least probability, as the neighbours say it.
-    pub least_probability: f64,
-    /// The least trust in a mask that was found by colour.
-    pub least_trust: f64,
-    /// The share of known hands that become unknown.
-    pub known_lost: f64,
-    /// The same of those that are classed rightly.
-    pub right_lost: f64,
-    /// The share of others that become unknown.
-    pub others_told: f64,
-}
-
-/// What a measure tells, at every limit.
-#[derive(Clone, Debug, Serialize)]
-pub struct Curve {
-    /// `nearest`, `probability` or `trust`.
-    pub measure: &'static str,
-    /// The area under the curve: 0.5 tells nothing, 1 tells all. Null without known hands or others.
-    pub area: Option<f64>,
-    /// From the strictest limit to the most lenient.
-    pub points: Vec<Point>,
-}
-
-/// A limit, and who keeps it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Point {
-    /// The limit on the measure.
-    pub limit: f64,
-    /// The share of known hands within it, 0..=1.
-    pub known_kept: f64,
-    /// The share of others within it, 0..=1.
-    pub others_kept: f64,
-}
+pub use figures::{AtLimits, Curve, Point, Unknown};
 
 /// A row of `unknown.csv`. Columns are an interface, like keys.
 #[derive(Serialize)]
@@ -86,93 +22,6 @@ struct Row {
 }
 
 impl Unknown {
-    /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could not be read. The outcomes must
-    /// not have been told from one another yet. `limits` are the index's own: the farthest distance and the least probability.
-    pub fn new(
-        labels: String,
-        outcomes: &[Outcome],
-        broken: &[RowError],
-        limits: Option<(f64, f64)>,
-    ) -> Self {
-        let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
-        let (others, known): (Vec<&Outcome>, Vec<&Outcome>) =
-            outcomes.iter().partition(|outcome| outcome.label.grasp == OTHER);
-        let no_hand =
-            others.iter().filter(|o| o.result.as_ref().is_err_and(|miss| miss.is_rejection)).count();
-        let right: Vec<&Guess> =
-            known.iter().filter(|o| o.is_right()).filter_map(|o| o.result.as_ref().ok()).collect();
-        let [known, others] =
-            [known, others].map(|all| all.iter().filter_map(|o| o.result.as_ref().ok()).collect::<Vec<_>>());
-        let curve = |measure, value: &dyn Fn(&Guess) -> f64, sign: f64| {
-            let values = |guesses: &[&Guess]| guesses.iter().map(|guess| sign * value(guess)).collect();
-            Curve::new(measure, values(&known), values(&others), sign)
-        };
-        let curves = vec![
-            curve("nearest", &|guess| guess.nearest, 1.0),
-            curve("probability", &|guess| guess.probability, -1.0),
-            curve("trust", &|guess| guess.trust.unwrap_or(1.0), -1.0),
-        ];
-        let least_trust = Trust::built_in().least;
-        let at_limits = limits.map(|(farthest, least_probability)| {
-            let beyond = |guesses: &[&Guess]| {
-                let is_beyond = |guess: &&&Guess| {
-                    guess.nearest > farthest
-                        || guess.probability < least_probability
-                        || guess.trust.is_some_and(|trust| trust < least_trust)
-                };
-                guesses.iter().filter(is_beyond).count() as f64 / guesses.len().max(1) as f64
-            };
-            let (known_lost, right_lost, others_told) = (beyond(&known), beyond(&right), beyond(&others));
-            AtLimits { farthest, least_probability, least_trust, known_lost, right_lost, others_told }
-        });
-        Self {
-            labels,
-            known: known.len(),
-            right: right.len(),
-            others: others.len(),
-            no_hand,
-            at_limits,
-            curves,
-            errors,
-        }
-    }
-
-    /// The figures for a person.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String cannot fail.
-        let _ = self.write_text(&mut text);
-        text
-    }
-
-    fn write_text(&self, text: &mut String) -> std::fmt::Result {
-        let Self { known, right, others, no_hand, .. } = self;
-        writeln!(
-            text,
-            "{} ({right} classified correctly), {}; in {no_hand} more of the others no hand was found",
-            counted(*known, ["known hand", "known hands"]),
-            counted(*others, ["other", "others"])
-        )?;
-        for Curve { measure, area, .. } in &self.curves {
-            let area = area.map_or_else(|| "-".to_owned(), |area| format!("{area:.3}"));
-            writeln!(text, "{measure:<12} area under the curve {area}")?;
-        }
-        if let Some(at) = &self.at_limits {
-            writeln!(
-                text,
-                "farther than {:.3}, less probable than {:.2} or less trusted than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classified correctly",
-                at.farthest,
-                at.least_probability,
-                at.least_trust,
-                100.0 * at.others_told,
-                100.0 * at.known_lost,
-                100.0 * at.right_lost
-            )?;
-        }
-        text.push_str(&errors_text(&self.errors));
-        Ok(())
-    }
-
     /// Writes `unknown.csv`, `unknown.json` and `unknown.svg` into a folder, which is made where there is none.
     ///
     /// # Errors
@@ -192,54 +41,5 @@ impl Unknown {
         write_file(&folder.join("unknown.csv"), &csv_of(rows)?)?;
         write_file(&folder.join("unknown.json"), &json)?;
         write_file(&folder.join("unknown.svg"), plot::svg(self).as_bytes())
-    }
-}
-
-impl Curve {
-    /// Of values of which small ones speak for a known hand; `sign` makes limits of them.
-    fn new(measure: &'static str, mut known: Vec<f64>, mut others: Vec<f64>, sign: f64) -> Self {
-        known.sort_by(f64::total_cmp);
-        others.sort_by(f64::total_cmp);
-        let mut limits: Vec<f64> = known.iter().chain(&others).copied().collect();
-        limits.sort_by(f64::total_cmp);
-        limits.dedup();
-        let kept = |values: &[f64], limit: f64| {
-            values.partition_point(|value| *value <= limit) as f64 / values.len().max(1) as f64
-        };
-        let points = limits.iter().map(|&limit| Point {
-            limit: sign * limit,
-            known_kept: kept(&known, limit),
-            others_kept: kept(&others, limit),
-        });
-        // Of all pairs, how often the known hand speaks more for itself; equals count a half.
-        let wins: f64 = known
-            .iter()
-            .map(|value| {
-                let [less, no_more] = [
-                    others.partition_point(|other| other < value),
-                    others.partition_point(|other| other <= value),
-                ];
-                (others.len() - no_more) as f64 + (no_more - less) as f64 / 2.0
-            })
-            .sum();
-        let pairs = known.len() as f64 * others.len() as f64;
-        Self { measure, area: (pairs > 0.0).then(|| wins / pairs), points: points.collect() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn areas_by_hand() {
-        let area =
-            |known: &[f64], others: &[f64]| Curve::new("nearest", known.into(), others.into(), 1.0).area;
-        assert_eq!(area(&[0.1, 0.2], &[0.3, 0.4]), Some(1.0));
-        assert_eq!(area(&[0.1, 0.3], &[0.2, 0.3]), Some(2.5 / 4.0));
-        assert_eq!(area(&[0.1], &[]), None);
-        let curve = Curve::new("probability", vec![-0.9, -0.5], vec![-0.5], -1.0);
-        assert_eq!(curve.points[0], Point { limit: 0.9, known_kept: 0.5, others_kept: 0.0 });
-        assert_eq!(curve.points[1], Point { limit: 0.5, known_kept: 1.0, others_kept: 1.0 });
     }
 }

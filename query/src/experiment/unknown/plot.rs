@@ -1,7 +1,7 @@
 //! Known hands kept over others kept, as SVG.
 
 use super::super::svg::{Axes, Axis, COLOURS, GREY, Svg};
-use super::Unknown;
+use super::figures::Unknown;
 
 const HEIGHT: f64 = 620.0;
 
@@ -36,7 +36,7 @@ pub(super) fn svg(unknown: &Unknown) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::super::svg::tests::assert_inside;
-    use super::super::{AtLimits, Curve};
+    use super::super::figures::{AtLimits, Curve};
     use super::*;
 
     #[test]
