@@ -10,8 +10,8 @@ use grasp_index::{DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::text::{counted, percent, shown};
 
-use super::Global;
 use super::form::Form;
+use super::global::Global;
 use super::plan::PlanOptions;
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};

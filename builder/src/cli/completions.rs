@@ -1,6 +1,5 @@
 //! `grasp-builder completions SHELL`.
 
-use clap::CommandFactory as _;
 use clap_complete::Shell;
 use grasp_terminal::completions::with_subcommands;
 
@@ -12,9 +11,9 @@ pub(crate) struct Completions {
 }
 
 impl Completions {
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
+    pub(crate) fn run(&self, mut program: clap::Command) -> anyhow::Result<()> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut super::Arguments::command(), "grasp-builder", &mut script);
+        clap_complete::generate(self.shell, &mut program, "grasp-builder", &mut script);
         let script = with_subcommands(&String::from_utf8(script)?, "grasp-builder");
         std::io::Write::write_all(&mut std::io::stdout().lock(), script.as_bytes())?;
         Ok(())

@@ -10,9 +10,9 @@ use grasp_index::DescriptorParams;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
 
-use super::Global;
 use super::build::ENTRIES;
 use super::form::Form;
+use super::global::Global;
 use super::preset::preset;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;

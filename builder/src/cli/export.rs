@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail};
 use grasp_index::Index;
 use grasp_terminal::text::{counted, shown};
 
-use super::Global;
 use super::build::ENTRIES;
+use super::global::Global;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 

@@ -8,8 +8,8 @@ use grasp_index::Index;
 use grasp_renders::Preset;
 use grasp_terminal::text::shown;
 
-use super::Global;
 use super::build::tell;
+use super::global::Global;
 use super::plan::PlanOptions;
 use super::preset::preset;
 use crate::grow::{Growth, grow};

@@ -1,7 +1,6 @@
 //! `grasp-builder man`.
 
 use anyhow::Context as _;
-use clap::CommandFactory as _;
 
 /// Print a manual page, e.g. `grasp-builder man | man -l -`.
 #[derive(Debug, clap::Args)]
@@ -11,8 +10,7 @@ pub(crate) struct Man {
 }
 
 impl Man {
-    pub(crate) fn run(&self) -> anyhow::Result<()> {
-        let mut program = super::Arguments::command();
+    pub(crate) fn run(&self, mut program: clap::Command) -> anyhow::Result<()> {
         // Makes the global options known to the subcommands.
         program.build();
         let command = match &self.subcommand {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
-use super::Global;
 use super::build::tell;
+use super::global::Global;
 use super::split::{parse_count, tell_segments};
 use crate::interrupt;
 use crate::merge::merge;

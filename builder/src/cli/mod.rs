@@ -1,10 +1,11 @@
-//! The command line: one file a subcommand, global options and exit status here.
+//! The command line: one file a subcommand, and what several share in files of their own.
 
 mod build;
 mod completions;
 mod experiment;
 mod export;
 mod form;
+mod global;
 mod grow;
 mod inspect;
 mod man;
@@ -21,12 +22,12 @@ use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{Parser, Subcommand};
-use grasp_terminal::Progress;
+use clap::{CommandFactory as _, Parser, Subcommand};
 use grasp_terminal::error::message;
 use grasp_terminal::text::printable_lines;
 
 use crate::interrupt::{self, Interrupted};
+use global::Global;
 
 /// Everything went well.
 const SUCCESS: u8 = 0;
@@ -63,23 +64,6 @@ Examples:
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left, and the
 message says what is kept).";
-
-/// Options that every subcommand understands.
-#[derive(Debug, clap::Args)]
-pub(crate) struct Global {
-    /// Worker threads; 0 takes one per core. The result is the same for any number.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
-    threads: u16,
-    /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error elsewhere.
-    #[arg(long, global = true)]
-    no_progress: bool,
-}
-
-impl Global {
-    pub(crate) fn progress(&self) -> Progress {
-        Progress::new("grasp-builder", !self.no_progress)
-    }
-}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -149,8 +133,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Verify(command) => command.run(),
         Command::Export(command) => command.run(&arguments.global),
         Command::Queries(command) => command.run(&arguments.global),
-        Command::Completions(command) => command.run(),
-        Command::Man(command) => command.run(),
+        Command::Completions(command) => command.run(Arguments::command()),
+        Command::Man(command) => command.run(Arguments::command()),
     }
 }
 

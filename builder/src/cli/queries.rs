@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail};
 use grasp_index::DescriptorParams;
 use grasp_terminal::text::{counted, shown};
 
-use super::Global;
 use super::form::Form;
+use super::global::Global;
 use super::plan::PlanOptions;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};

@@ -10,7 +10,7 @@ use grasp_renders::render_set::{RenderSetError, write_set};
 
 use grasp_terminal::text::{counted, shown};
 
-use super::Global;
+use super::global::Global;
 use super::plan::PlanOptions;
 use crate::interrupt::{self, Interrupted};
 

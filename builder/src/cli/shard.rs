@@ -3,8 +3,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use super::Global;
 use super::build::WorkOptions;
+use super::global::Global;
 use crate::interrupt;
 use crate::shard::{Share, shard};
 

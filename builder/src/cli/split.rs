@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use grasp_terminal::text::shown;
 
-use super::Global;
+use super::global::Global;
 use crate::interrupt;
 use crate::split::{Segment, split};
 

@@ -1,6 +1,7 @@
 //! What an index holds, written as other programs read it.
 
 mod parquet;
+mod pause;
 
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -10,10 +11,8 @@ use grasp_index::{AtomicFile, Catalogue, Entry, Index, Originals};
 
 pub use self::parquet::index_as_parquet;
 pub(crate) use self::parquet::part_as_parquet;
-use crate::{array, interrupt};
-
-/// Entries between two calls of the callback.
-const STEP: u64 = 1 << 12;
+use crate::array;
+use pause::pause;
 
 /// Writes the descriptors as an array in `.npy` format, a row an entry. `wrote` hears how many entries were written.
 ///
@@ -90,12 +89,4 @@ fn fields(catalogue: &Catalogue, entry: &Entry<'_>) -> Vec<String> {
         entry.orientation.iter().flat_map(|rotation| rotation.coords.iter()).map(|part| format!("{part:.7}")),
     );
     fields
-}
-
-fn pause(at: u64, wrote: &dyn Fn(u64)) -> anyhow::Result<()> {
-    if at.is_multiple_of(STEP) {
-        wrote(at);
-        interrupt::check()?;
-    }
-    Ok(())
 }

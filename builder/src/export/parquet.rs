@@ -12,7 +12,7 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter, Serial
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::ColumnPath;
 
-use super::pause;
+use super::pause::pause;
 use crate::shard::PartReader;
 
 /// Bytes of descriptors in a row group, of which one is held at a time: enough for readers to work on, little beside an index.

@@ -8,8 +8,10 @@ use grasp_index::{AtomicFile, BuildError, IndexParams, IndexWriter, Phase};
 use grasp_terminal::Progress;
 use grasp_terminal::text::{counted, percent};
 
+use super::described::Described;
 use super::inputs::Inputs;
-use super::{Described, Known, Report};
+use super::known::Known;
+use super::report::Report;
 use crate::interrupt::{self, Interrupted};
 
 /// An index on its way: entries go in, in the order of the source, and [`Self::finish`] makes the file of them.

@@ -4,12 +4,9 @@ use grasp_index::{Calibration, ClassInfo, HashParams, IndexParams, Kept, NewEntr
 use grasp_renders::canonical::Encoder;
 use xxhash_rust::xxh3::Xxh3;
 
-use super::Source;
-use crate::plan_spec::PlanSpec;
-
 /// Where the number stands in the provenance.
 pub(crate) const KEY: &str = "inputs";
-/// Where the provenance keeps how hands are seen, a [`PlanSpec`] as text.
+/// Where the provenance keeps how hands are seen, a [`PlanSpec`](crate::plan_spec::PlanSpec) as text.
 pub(crate) const OPTIONS: &str = "options";
 
 /// The running hash of the parameters and entries of an index.
@@ -21,37 +18,6 @@ pub(super) struct Inputs {
 /// Which program makes the index.
 pub(crate) fn tool() -> (String, String) {
     ("tool".to_owned(), concat!("grasp-builder ", env!("CARGO_PKG_VERSION")).to_owned())
-}
-
-/// Where an index of `source` comes from, measured by what `held_out` tells of, on hands that are
-/// seen as `seen` says.
-pub(super) fn origin(
-    source: &Source,
-    held_out: Option<String>,
-    seen: Option<&PlanSpec>,
-) -> Vec<(String, String)> {
-    let mut provenance = vec![tool()];
-    match source {
-        Source::Plan(plan) => {
-            let hands = plan.hand_shapes.len() + plan.hand_models.len();
-            let (grasps, views) = (plan.grasps.len(), plan.views.count());
-            let scenes = plan.renders() / views.max(1);
-            let text = format!(
-                "rendered: {scenes} scenes (hand shapes: {hands}, grasps: {grasps}) of {views} views, seed {}",
-                plan.seed
-            );
-            provenance.push(("source".to_owned(), text));
-        }
-        Source::Sets(sets) => provenance.extend(sets.iter().map(|set| {
-            let text =
-                format!("{}, {} pictures, manifest xxh3 {:016x}", set.name(), set.len(), set.manifest_hash());
-            ("render set".to_owned(), text)
-        })),
-        Source::Vectors(vectors) => provenance.push(("vectors".to_owned(), vectors.provenance())),
-    }
-    provenance.extend(seen.map(|seen| (OPTIONS.to_owned(), seen.to_string())));
-    provenance.extend(held_out.map(|held_out| ("held out".to_owned(), held_out)));
-    provenance
 }
 
 impl Inputs {

@@ -10,7 +10,7 @@ use grasp_index::{ClassInfo, Kept, NewEntry};
 use grasp_renders::GraspSet;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use super::Names;
+use super::names::Names;
 
 /// How far a quaternion's length may be from 1: three decimals are enough.
 const UNIT_TOLERANCE: f64 = 1e-2;

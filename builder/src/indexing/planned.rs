@@ -9,7 +9,10 @@ use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
 
-use super::{Described, Grey, Known, Names, Recipe, Take, complete};
+use super::described::{Described, Grey, Take, complete};
+use super::known::Known;
+use super::names::Names;
+use super::recipe::Recipe;
 
 /// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
 const SCENES_AT_ONCE: usize = 16;

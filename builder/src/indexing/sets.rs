@@ -12,7 +12,10 @@ use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-use super::{Described, Grey, Known, Names, Recipe, Take, complete};
+use super::described::{Described, Grey, Take, complete};
+use super::known::Known;
+use super::names::Names;
+use super::recipe::Recipe;
 
 /// Pictures that are read and held at a time.
 const PICTURES_AT_ONCE: usize = 1024;

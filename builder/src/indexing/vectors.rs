@@ -9,8 +9,9 @@ use grasp_index::{Kept, NewEntry};
 use grasp_renders::GraspSet;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
+use super::described::Take;
 use super::labels::Labels;
-use super::{Names, Take};
+use super::names::Names;
 use crate::array::Rows;
 
 /// An array of descriptors, and what is known of each, whose headers and labels have been read and checked.

@@ -6,7 +6,7 @@ use grasp_index::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::Share;
+use super::share::Share;
 
 /// Which part it is, and of which index. Equal headers mean equal parts; the headers of parts of one index differ in the first
 /// two fields.

@@ -25,7 +25,7 @@ use grasp_index::{AtomicFile, NewEntry};
 use nalgebra::{Quaternion, UnitQuaternion};
 use xxhash_rust::xxh3::Xxh3;
 
-use super::Header;
+use super::header::Header;
 
 /// No text, and broken by transfers that rewrite line ends.
 const MAGIC: [u8; 8] = *b"\x89GPRT\r\n\x1a";

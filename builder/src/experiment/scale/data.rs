@@ -9,7 +9,6 @@ use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::Progress;
 use rayon::prelude::*;
 
-use super::Settings;
 use crate::array::{self, Rows};
 use crate::held_out::{self, Hands};
 use crate::interrupt;
@@ -104,13 +103,14 @@ impl Base {
 
 /// The first `size` descriptors, as near as whole hand shapes come to that, and the queries.
 pub(super) fn prepare(
-    settings: &Settings,
+    data: &Data,
+    seed: u64,
     size: u64,
     work: &Path,
     progress: Progress,
 ) -> anyhow::Result<Prepared> {
-    match &settings.data {
-        Data::Rendered => rendered(settings, size, work, progress),
+    match data {
+        Data::Rendered => rendered(seed, size, work, progress),
         Data::Files { descriptors, queries } => given(descriptors, queries, size),
     }
 }
@@ -143,10 +143,10 @@ fn cannot_use(path: &Path) -> String {
     format!("cannot use {}", path.display())
 }
 
-fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> anyhow::Result<Prepared> {
+fn rendered(seed: u64, size: u64, work: &Path, progress: Progress) -> anyhow::Result<Prepared> {
     let hands = (size as f64 / VIEWS as f64).round().max(1.0) as usize;
     let params = DescriptorParams::default();
-    let plan = RenderPlan { seed: settings.seed, ..RenderPlan::preset(Preset::Paper).with_hands(hands) };
+    let plan = RenderPlan { seed, ..RenderPlan::preset(Preset::Paper).with_hands(hands) };
     // Files are written whole or not at all: one that is there is of an earlier, stopped run.
     let kept = |name: &str, make: &dyn Fn() -> anyhow::Result<Vec<f32>>| -> anyhow::Result<(PathBuf, Rows)> {
         let path = work.join(name);
@@ -166,7 +166,6 @@ fn rendered(settings: &Settings, size: u64, work: &Path, progress: Progress) -> 
         bar.inc(1);
     }
     drop(bar);
-    let seed = settings.seed;
     let tuned_by = Hands::beside(&plan, &[], held_out::HANDS, held_out::VIEWS, seed);
     let asked = Hands::beside(&plan, &tuned_by.names(), ASKED, QUERIES, seed);
     let (_, tuned_by) = kept("held-out.npy", &|| Ok(tuned_by.describe(&params)?.descriptors))?;

@@ -80,7 +80,7 @@ pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) 
         if missing.is_empty() {
             continue;
         }
-        let prepared = data::prepare(settings, size, &work.folder, progress)?;
+        let prepared = data::prepare(&settings.data, settings.seed, size, &work.folder, progress)?;
         let mut truth: Option<Truth> = None;
         for hash in missing {
             let index = work.folder.join("scale.idx");
