@@ -26,6 +26,7 @@
 mod grasp;
 mod hand;
 mod hand_model;
+mod keys;
 mod mesh;
 mod plan;
 mod random;

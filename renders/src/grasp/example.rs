@@ -6,8 +6,9 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::set::{RawPose, unit};
-use super::{Object, ObjectKind, PlacedObject, Stage};
+use super::object::{Object, ObjectKind, PlacedObject};
+use super::posture::{RawPose, unit};
+use super::stage::Stage;
 use crate::hand::HandPose;
 
 /// One hand in one grasp at one stage.

@@ -6,8 +6,9 @@
 
 use nalgebra::{SVector, Vector3};
 
+use super::definition::{Grasp, Placement};
 use super::least_squares::{Damping, LeastSquares};
-use super::{Grasp, Object, PlacedObject, Placement};
+use super::object::{Object, PlacedObject};
 use crate::hand::{Chain, Digit, HandPose, JOINTS, Joints, Skeleton, joint_limits};
 
 type V = Vector3<f64>;

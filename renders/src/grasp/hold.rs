@@ -5,9 +5,10 @@
 
 use nalgebra::{SVector, Unit, UnitQuaternion, Vector3};
 
+use super::definition::{Grasp, Placement};
 use super::grip::{Grip, against_palm, between_tips_of, fit, gap, palm_sheet};
 use super::least_squares::{Damping, LeastSquares};
-use super::{Grasp, Object, PlacedObject, Placement};
+use super::object::{Object, PlacedObject};
 use crate::hand::{Chain, Digit, HandPose, Skeleton};
 
 type V = Vector3<f64>;

@@ -1,177 +1,22 @@
 //! The grasps: data, not code. A grasp says how the hand opens and closes, what it holds, where, and how it
 //! is held in the world; the fingers then close on the object by themselves until they touch.
 
+mod definition;
 mod example;
 mod grip;
 mod hold;
 mod least_squares;
 mod object;
+mod posture;
 mod recorded;
 mod set;
+mod stage;
 
+pub use definition::{Grasp, ObjectRange, Placement, StagePose};
 pub use example::Example;
 pub(crate) use grip::grip;
 pub(crate) use hold::hold;
-pub use object::{Object, PlacedObject};
+pub use object::{Object, ObjectKind, PlacedObject};
 pub use recorded::RecordedPose;
 pub use set::{GraspSet, GraspSetError};
-
-use std::fmt;
-use std::str::FromStr;
-
-use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
-
-use crate::hand::{Digit, HandPose};
-
-/// How far a grasp is closed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Stage {
-    /// The hand is on its way.
-    Reach,
-    /// About to grasp.
-    Close,
-    /// The fingers lie on the object.
-    Grasp,
-}
-
-impl Stage {
-    /// All stages in the order of time.
-    pub const ALL: [Stage; 3] = [Stage::Reach, Stage::Close, Stage::Grasp];
-
-    /// The stage's name: `reach`, `close` or `grasp`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Stage::Reach => "reach",
-            Stage::Close => "close",
-            Stage::Grasp => "grasp",
-        }
-    }
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// A word that names no stage.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no stage `{0}`: the stages are reach, close and grasp")]
-pub struct UnknownStage(pub String);
-
-impl FromStr for Stage {
-    type Err = UnknownStage;
-
-    fn from_str(word: &str) -> Result<Stage, UnknownStage> {
-        Stage::ALL.into_iter().find(|stage| stage.name() == word).ok_or_else(|| UnknownStage(word.to_owned()))
-    }
-}
-
-/// Kind of an object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ObjectKind {
-    /// A long cylinder.
-    Cylinder,
-    /// A flat cylinder.
-    Disc,
-    /// A ball.
-    Sphere,
-}
-
-/// Where an object sits in the hand.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Placement {
-    /// Pushed against the palm.
-    Palm {
-        /// The point of the palm that it is pushed toward: shares of the palm's length and breadth.
-        anchor: [f64; 2],
-        /// The direction out of the hand from which it comes, in the hand frame (unit length).
-        push: Vector3<f64>,
-    },
-    /// Held between the tips of the thumb and these fingers.
-    Tips {
-        /// The fingers opposite to the thumb.
-        between: Vec<Digit>,
-    },
-}
-
-/// The objects that a grasp is used for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ObjectRange {
-    /// Kind.
-    pub kind: ObjectKind,
-    /// Smallest and largest radius in metres.
-    pub radius: [f64; 2],
-    /// Shortest and longest length in metres; 0 for a sphere.
-    pub length: [f64; 2],
-    /// The axis in the hand frame (unit length).
-    pub axis: Vector3<f64>,
-    /// Where it sits.
-    pub placement: Placement,
-}
-
-impl ObjectRange {
-    /// The object a share `size` (0 to 1) of the way from the smallest to the largest.
-    pub fn object(&self, size: f64) -> Object {
-        let between = |[low, high]: [f64; 2]| low + (high - low) * size.clamp(0.0, 1.0);
-        match self.kind {
-            ObjectKind::Sphere => Object::Sphere { radius: between(self.radius) },
-            ObjectKind::Cylinder | ObjectKind::Disc => {
-                Object::Cylinder { radius: between(self.radius), length: between(self.length) }
-            }
-        }
-    }
-}
-
-/// How far the fingers have gone at a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StagePose {
-    /// Share of the way from the relaxed hand to the grasp, 0 to 1.
-    pub closure: f64,
-    /// How far the object is still away, in metres.
-    pub away: f64,
-}
-
-/// One grasp.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Grasp {
-    /// Its name, as in labels and file names.
-    pub name: String,
-    /// Its number in Cutkosky's taxonomy.
-    pub cutkosky: u8,
-    /// What it is, in words.
-    pub about: String,
-    /// The direction of the hand frame that points up in the world (unit length).
-    pub up: Vector3<f64>,
-    /// The digits that must reach the object.
-    pub touch: Vec<Digit>,
-    /// The digits that do as their neighbour on the thumb's side does when they miss the object.
-    pub follow: Vec<Digit>,
-    /// What it holds.
-    pub object: ObjectRange,
-    /// The hand on its way to any grasp.
-    pub relaxed: HandPose,
-    /// The hand before it closes.
-    pub open: HandPose,
-    /// Where the digits would end with nothing in their way.
-    pub closed: HandPose,
-    /// The stages `reach` and `close`.
-    pub(crate) stages: [StagePose; 2],
-    /// Hands of this grasp as they were seen; may be none.
-    pub examples: Vec<Example>,
-}
-
-impl Grasp {
-    /// How far the fingers have gone at a stage; at [`Stage::Grasp`] all the way.
-    pub fn stage(&self, stage: Stage) -> StagePose {
-        match stage {
-            Stage::Reach => self.stages[0],
-            Stage::Close => self.stages[1],
-            Stage::Grasp => StagePose { closure: 1.0, away: 0.0 },
-        }
-    }
-}
+pub use stage::{Stage, UnknownStage};

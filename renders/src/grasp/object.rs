@@ -1,8 +1,21 @@
 //! What the hand holds.
 
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::Deserialize;
 
 use crate::mesh::Mesh;
+
+/// Kind of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ObjectKind {
+    /// A long cylinder.
+    Cylinder,
+    /// A flat cylinder.
+    Disc,
+    /// A ball.
+    Sphere,
+}
 
 /// The body of an object, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]

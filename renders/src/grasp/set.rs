@@ -4,12 +4,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nalgebra::Vector3;
 use serde::Deserialize;
 
+use super::definition::{Grasp, ObjectRange, Placement, StagePose};
 use super::example::RawExample;
-use super::{Grasp, ObjectKind, ObjectRange, Placement, StagePose};
-use crate::hand::{Digit, HandPose, JOINT_NAMES, Joints, joint_limits};
+use super::object::ObjectKind;
+use super::posture::{RawPose, unit};
+use crate::hand::Digit;
 
 const BUILTIN: &str = include_str!("../../data/grasps.toml");
 
@@ -169,16 +170,6 @@ enum RawPlace {
     Tips,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawPose {
-    pub(super) thumb: [f64; 5],
-    pub(super) index: [f64; 4],
-    pub(super) middle: [f64; 4],
-    pub(super) ring: [f64; 4],
-    pub(super) little: [f64; 4],
-}
-
 impl RawGrasp {
     fn check(&self, stages: Stages, relaxed: &RawPose) -> Result<Grasp, String> {
         let fit = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
@@ -249,41 +240,6 @@ impl RawObject {
             placement,
         })
     }
-}
-
-impl RawPose {
-    pub(super) fn check(&self, pose: &str) -> Result<HandPose, String> {
-        let four = |[a, b, c, d]: [f64; 4]| [a, b, c, d, 0.0];
-        let raw = [self.thumb, four(self.index), four(self.middle), four(self.ring), four(self.little)];
-        let mut digits: [Joints; 5] = [[0.0; 5]; 5];
-        for (digit, (degrees, radians)) in Digit::ALL.into_iter().zip(raw.iter().zip(&mut digits)) {
-            let names = JOINT_NAMES[usize::from(digit == Digit::Thumb)];
-            let limits = joint_limits(digit);
-            for joint in 0..names.len() {
-                let [low, high] = limits[joint];
-                let angle = degrees[joint].to_radians();
-                if !(low - 1e-9..=high + 1e-9).contains(&angle) {
-                    return Err(format!(
-                        "{pose}.{}: {} is {} degrees, but that joint goes from {:.0} to {:.0}",
-                        digit.name(),
-                        names[joint],
-                        degrees[joint],
-                        low.to_degrees(),
-                        high.to_degrees(),
-                    ));
-                }
-                radians[joint] = angle;
-            }
-        }
-        Ok(HandPose { digits })
-    }
-}
-
-pub(super) fn unit(key: &str, v: [f64; 3]) -> Result<Vector3<f64>, String> {
-    Vector3::from(v)
-        .try_normalize(1e-6)
-        .filter(|v| v.iter().all(|x| x.is_finite()))
-        .ok_or_else(|| format!("{key} has no direction: it needs three numbers that are not all 0"))
 }
 
 fn range(key: &str, [low, high]: [f64; 2]) -> Result<[f64; 2], String> {

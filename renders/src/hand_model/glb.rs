@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 
-use super::HandModelError;
+use super::error::HandModelError;
 
 /// Rows that one accessor may have: more than the largest mesh taken has corners.
 const MOST_ROWS: usize = 4_000_000;

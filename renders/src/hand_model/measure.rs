@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::HandModelError;
+use super::error::HandModelError;
 use super::rig::{Joint, PALM, Rig, Skin, bone};
 use crate::hand::{Chain, Digit, FingerMeasures, HandShape, Skeleton, WRIST_CUT};
 

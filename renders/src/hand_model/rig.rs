@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::HandModelError;
+use super::error::HandModelError;
 use super::glb::{Document, Glb, Node, Primitive, broken};
 use crate::hand::Digit;
 

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::Mesh;
+use super::triangles::Mesh;
 
 /// Grid points along the side of the blocks that are looked at first, a power of 2.
 const BLOCK: usize = 16;

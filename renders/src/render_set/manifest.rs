@@ -9,6 +9,9 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use crate::grasp::{GraspSet, Stage};
 use crate::view::View;
 
+/// Name of the manifest in a render set's folder.
+pub const MANIFEST: &str = "manifest.csv";
+
 /// All columns in the order in which they are written.
 const COLUMNS: [&str; 14] = [
     "file",
@@ -168,7 +171,7 @@ impl Manifest {
     pub fn read_with(path: impl AsRef<Path>, grasps: &GraspSet) -> Result<Manifest, ManifestError> {
         let mut path = path.as_ref().to_owned();
         if path.is_dir() {
-            path.push(super::MANIFEST);
+            path.push(MANIFEST);
         }
         let bytes = fs::read(&path).map_err(|source| ManifestError::Read { path: path.clone(), source })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();

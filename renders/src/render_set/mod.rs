@@ -23,5 +23,5 @@ mod manifest;
 mod picture;
 mod write;
 
-pub use manifest::{Manifest, ManifestError, ManifestRow, Problem};
-pub use write::{MANIFEST, RenderSetError, Summary, render_file, write_set};
+pub use manifest::{MANIFEST, Manifest, ManifestError, ManifestRow, Problem};
+pub use write::{RenderSetError, Summary, render_file, write_set};

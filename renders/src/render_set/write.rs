@@ -7,14 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::manifest::{self, ManifestRow};
+use super::manifest::{self, MANIFEST, ManifestRow};
 use super::picture;
 use crate::plan::RenderPlan;
 use crate::scene::{SceneError, SceneSpec};
 use crate::view::{View, world_from_hand};
-
-/// Name of the manifest in a render set's folder.
-pub const MANIFEST: &str = "manifest.csv";
 
 /// Why a render set was not written.
 #[derive(Debug, thiserror::Error)]
