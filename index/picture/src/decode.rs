@@ -5,10 +5,12 @@ use std::io::Cursor;
 use image::codecs::{
     bmp::BmpDecoder, gif::GifDecoder, jpeg::JpegDecoder, png::PngDecoder, pnm::PnmDecoder, webp::WebPDecoder,
 };
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, Limits};
 
-use crate::limits::{MAX_BYTES_A_PIXEL, MAX_SIDE, check_size, max_bytes};
-use crate::{DecodeError, DecodeWarning, Format, Orientation, jpeg, png, webp};
+use crate::limits::{MAX_BYTES_A_PIXEL, MAX_SIDE};
+use crate::size::{check_size, max_bytes};
+use crate::{DecodeError, DecodeWarning, Format, jpeg, png, webp};
 
 /// A decoded picture.
 #[derive(Clone, Debug)]

@@ -2,9 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::format::FORMATS;
-use crate::jpeg::MAX_SCANS;
-use crate::limits::{MAX_PIXELS, MAX_SIDE};
+use crate::limits::{FORMATS, MAX_PIXELS, MAX_SCANS, MAX_SIDE};
 
 /// Why bytes are no picture that can be used.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::limits::{MAX_OVERHEAD, check_size, max_bytes};
+use crate::limits::MAX_OVERHEAD;
+use crate::size::{check_size, max_bytes};
 use crate::{DecodeError, Format, dimensions};
 
 /// The bytes of a picture's file.

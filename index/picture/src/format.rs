@@ -4,13 +4,6 @@ use image::ImageFormat;
 
 use crate::DecodeError;
 
-/// The formats that are read, as messages name them.
-///
-/// Left out is what has no bound on memory: in a TIFF a strip may be a JPEG of any size, and a
-/// lossless WebP may ask for 65,536 groups of decoding tables, some 20 kB each, in two megabytes,
-/// whatever its pixels.
-pub const FORMATS: &str = "PNG, JPEG, WebP (lossy, without transparency), GIF (its first frame), BMP, PNM";
-
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {

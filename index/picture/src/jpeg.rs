@@ -3,14 +3,9 @@
 
 use image::DynamicImage;
 
+use crate::limits::MAX_SCANS;
 use crate::pieces::Pieces;
 use crate::{DecodeError, DecodeWarning};
-
-/// The most scans a JPEG may have. Each is a pass over all pixels that may take no more than a
-/// hundred bytes.
-///
-/// libjpeg's own progressive script has 10 and mozjpeg's longest 11; this is twice that.
-pub const MAX_SCANS: usize = 22;
 
 /// The most rows, in percent, that a JPEG without its end marker may lack to be decoded with a
 /// warning. Cameras and cut connections lose the marker, or the last rows; a picture that lacks

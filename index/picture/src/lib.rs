@@ -26,14 +26,17 @@ mod jpeg;
 mod limits;
 mod pieces;
 mod png;
+mod size;
 mod stream;
 mod webp;
 
 pub use decode::{Decoded, decode, dimensions};
 pub use error::{DecodeError, DecodeWarning};
 pub use file::read;
-pub use format::{FORMATS, Format};
+pub use format::Format;
 pub use image::metadata::Orientation;
-pub use jpeg::{MAX_MISSING_PERCENT, MAX_SCANS};
-pub use limits::{MAX_BYTES_A_PIXEL, MAX_COMPRESSED_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SIDE};
+pub use jpeg::MAX_MISSING_PERCENT;
+pub use limits::{
+    FORMATS, MAX_BYTES_A_PIXEL, MAX_COMPRESSED_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SCANS, MAX_SIDE,
+};
 pub use stream::{Frame, Frames, StreamError};

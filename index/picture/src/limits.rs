@@ -1,6 +1,4 @@
-//! How large a picture may be, encoded and decoded.
-
-use crate::{DecodeError, Format};
+//! What is read: how large a picture may be, encoded and decoded, and in which formats.
 
 /// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged
 /// header does not.
@@ -21,23 +19,15 @@ pub const MAX_COMPRESSED_BYTES_A_PIXEL: u64 = 4;
 /// The bytes that an encoded picture may have besides: headers, colour profile, text, thumbnails.
 pub const MAX_OVERHEAD: u64 = 32 << 20;
 
-/// The most bytes that an encoded picture of so many pixels may have.
-pub(crate) fn max_bytes(format: Format, pixels: u64) -> u64 {
-    let a_pixel = match format {
-        Format::Png | Format::Bmp | Format::Pnm => MAX_BYTES_A_PIXEL,
-        Format::Jpeg | Format::WebP | Format::Gif => MAX_COMPRESSED_BYTES_A_PIXEL,
-    };
-    pixels.saturating_mul(a_pixel).saturating_add(MAX_OVERHEAD)
-}
+/// The most scans a JPEG may have. Each is a pass over all pixels that may take no more than a
+/// hundred bytes.
+///
+/// libjpeg's own progressive script has 10 and mozjpeg's longest 11; this is twice that.
+pub const MAX_SCANS: usize = 22;
 
-/// Checks what a header says against the limits, and returns the number of pixels.
-pub(crate) fn check_size(width: u32, height: u32) -> Result<u64, DecodeError> {
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MAX_PIXELS || width > MAX_SIDE || height > MAX_SIDE {
-        return Err(DecodeError::TooLarge { width, height });
-    }
-    if pixels == 0 {
-        return Err(DecodeError::Damaged(format!("the header says {width} x {height} pixels")));
-    }
-    Ok(pixels)
-}
+/// The formats that are read, as messages name them.
+///
+/// Left out is what has no bound on memory: in a TIFF a strip may be a JPEG of any size, and a
+/// lossless WebP may ask for 65,536 groups of decoding tables, some 20 kB each, in two megabytes,
+/// whatever its pixels.
+pub const FORMATS: &str = "PNG, JPEG, WebP (lossy, without transparency), GIF (its first frame), BMP, PNM";

@@ -1,8 +1,8 @@
 //! Where an encoded picture ends, by its format alone.
 
-use super::MAX_FRAME_BYTES;
-use crate::MAX_PIXELS;
+use super::error::MAX_FRAME_BYTES;
 use crate::jpeg::EndScan;
+use crate::limits::MAX_PIXELS;
 use crate::png;
 
 /// The longest PNM header that is searched for its numbers.

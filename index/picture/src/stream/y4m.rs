@@ -1,9 +1,9 @@
 //! YUV4MPEG2: raw video, its frames' size and sampling told once in a header. A frame becomes a
 //! PNM.
 
-use super::StreamError;
 use super::end::End;
-use crate::limits::check_size;
+use super::error::StreamError;
+use crate::size::check_size;
 
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
 const FRAME: &[u8] = b"FRAME";
