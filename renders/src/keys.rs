@@ -1,6 +1,7 @@
 //! The encodings of all that a picture follows from: its key and its seeds are hashes of them.
 
-use crate::canonical::{Canonical, Encoder};
+use grasp_canonical::{Canonical, Encoder};
+
 use crate::grasp::{
     Example, Grasp, Object, ObjectKind, ObjectRange, PlacedObject, Placement, Stage, StagePose,
 };

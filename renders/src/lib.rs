@@ -17,7 +17,8 @@
 //! ```
 //!
 //! The same parameters give the same pixels on every machine: arithmetic is IEEE 754 in a fixed
-//! order, elementary functions are `libm`'s, and keys and seeds are hashes of [`canonical`] bytes.
+//! order, elementary functions are `libm`'s, and keys and seeds are hashes of canonical bytes
+//! ([`grasp_canonical`]).
 //!
 //! Frames, for all parts of the project: `hand` has its origin at the wrist's centre, x toward the middle
 //! knuckle, z out of the back of the hand, y toward the thumb; `camera` is an optical frame with z forward,
@@ -35,7 +36,6 @@ mod scene;
 mod variation;
 mod view;
 
-pub mod canonical;
 pub mod render_set;
 
 pub use grasp::{

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use grasp_canonical::Encoder;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::canonical::Encoder;
 use crate::grasp::{Example, Grasp, Object, Stage, grip, hold};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
 use crate::hand_model::HandModel;

@@ -8,9 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "builder",
     "index",
+    "index/canonical",
     "index/picture",
     "index/terminal",
     "query",

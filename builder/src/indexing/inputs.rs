@@ -1,7 +1,7 @@
 //! One number for all that an index is made from, kept in its provenance: equal numbers mean equal bytes.
 
+use grasp_canonical::Encoder;
 use grasp_index::{Calibration, ClassInfo, HashParams, IndexParams, Kept, NewEntry, Originals, RandomParams};
-use grasp_renders::canonical::Encoder;
 use xxhash_rust::xxh3::Xxh3;
 
 /// Where the number stands in the provenance.

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use anyhow::Context as _;
+use grasp_canonical::Encoder;
 use grasp_index::{ClassInfo, NewEntry};
-use grasp_renders::canonical::Encoder;
 use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;

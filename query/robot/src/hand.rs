@@ -257,14 +257,6 @@ impl RobotHand {
         fingers.reduce(f64::max).unwrap_or(ORDINARY_REACH)
     }
 
-    /// A number that differs where two hands do, but for the windows that were measured with them and what is only drawn.
-    pub fn fingerprint(&self) -> u64 {
-        let mut bare = self.clone();
-        bare.finger.clear();
-        bare.grasp.values_mut().for_each(|grasp| grasp.window.clear());
-        xxhash_rust::xxh3::xxh3_64(format!("{bare:?}").as_bytes())
-    }
-
     fn grasp_names(&self) -> String {
         self.grasp.keys().map(String::as_str).collect::<Vec<_>>().join(", ")
     }

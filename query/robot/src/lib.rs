@@ -19,6 +19,7 @@ mod camera;
 mod error;
 mod feasible;
 mod finger;
+mod fingerprint;
 mod from;
 mod hand;
 mod human;

@@ -17,10 +17,10 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use grasp_canonical::{Canonical, Encoder};
 use nalgebra::Vector3;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::canonical::{Canonical, Encoder};
 use crate::hand::{HandShape, Skeleton};
 pub use error::HandModelError;
 use error::LONGEST;

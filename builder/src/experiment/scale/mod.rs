@@ -17,9 +17,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use grasp_canonical::Encoder;
 use grasp_index::{AtomicFile, DescriptorParams};
 use grasp_renders::RENDERER_VERSION;
-use grasp_renders::canonical::Encoder;
 use grasp_terminal::Progress;
 
 use crate::interrupt;
