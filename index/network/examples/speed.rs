@@ -1,0 +1,55 @@
+//! How long a picture takes, on each path that this machine has:
+//! `cargo run -p grasp-network --example speed`.
+
+use grasp_network::{Architecture, Convolution, Layer, Network, Path, Scratch};
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+/// Pictures that are timed, one by one.
+const PICTURES: usize = 1001;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
+    let architecture = Architecture {
+        side: 48,
+        planes: 2,
+        convolutions: vec![
+            convolution(5, 2, 16),
+            convolution(3, 2, 32),
+            convolution(3, 1, 48),
+            convolution(3, 2, 96),
+            convolution(3, 1, 96),
+        ],
+        embedding: 128,
+        heads: 15,
+    };
+    let multiply_adds: u64 = architecture.layers()?.iter().map(Layer::multiply_adds).sum();
+    println!("{} weights, {multiply_adds} multiply-adds a picture\n", architecture.parameters()?);
+    let weights = (0..architecture.parameters()?).map(|at| wave(at) * 0.1).collect();
+    let network = Network::from_weights(architecture, weights)?;
+    let input: Vec<f32> = (0..48 * 48 * 2).map(|at| wave(at).max(0.0)).collect();
+
+    println!("| path     | median us a picture | fastest |");
+    println!("|----------|---------------------|---------|");
+    for path in Path::available() {
+        let network = network.clone().with_path(path);
+        let mut scratch = Scratch::default();
+        let mut times: Vec<Duration> = (0..PICTURES)
+            .map(|_| {
+                let start = Instant::now();
+                std::hint::black_box(network.run(&mut scratch, std::hint::black_box(&input)));
+                start.elapsed()
+            })
+            .collect();
+        times.sort_unstable();
+        let micros = |time: Duration| time.as_secs_f64() * 1e6;
+        let (median, fastest) = (micros(times[PICTURES / 2]), micros(times[0]));
+        println!("| {:8} | {median:19.0} | {fastest:7.0} |", path.name());
+    }
+    Ok(())
+}
+
+/// Numbers from -1 to 1 without a pattern that matters.
+fn wave(at: usize) -> f32 {
+    (at as f32 * 12.9898).sin()
+}

@@ -1,0 +1,159 @@
+//! The file of a network, little-endian.
+//!
+//! | bytes | |
+//! |---|---|
+//! | 0..8 | magic |
+//! | 8..12 | version |
+//! | 12..16 | convolutions, n |
+//! | 16..24 | the file's length in bytes |
+//! | 24..40 | side, planes, embedding, heads: 4 bytes each |
+//! | 40..40 + 12 n | kernel, stride, outputs of each convolution: 4 bytes each |
+//! | to 8 before the end | the weights in [`Architecture`]'s order, `f16` |
+//! | the last 8 | xxh3 of all before |
+//!
+//! The magic, the version, the length and the hash stay where they are in every version.
+
+use crate::architecture::{Architecture, Convolution};
+use crate::layer::Layer;
+use crate::weights::WeightsError;
+use half::f16;
+use thiserror::Error;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// No text, and broken by transfers that rewrite line ends.
+const MAGIC: [u8; 8] = *b"\x89GRNN\r\n\x1a";
+/// What this crate reads and writes.
+const VERSION: u32 = 1;
+/// The bytes before the convolutions.
+const HEADER: usize = 40;
+/// The bytes of one convolution.
+const CONVOLUTION: usize = 12;
+/// The bytes of the hash.
+const HASH: usize = 8;
+
+/// Bytes that are not the file of a network.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ReadError {
+    /// They start otherwise.
+    #[error("not the weights of a network: the first bytes are others")]
+    NotANetwork,
+    /// The end is missing.
+    #[error("truncated: {expected} bytes expected, {found} found")]
+    Truncated {
+        /// The length of the whole file, or of the part that says it.
+        expected: u64,
+        /// The bytes that are there.
+        found: u64,
+    },
+    /// Something follows.
+    #[error("too long: {expected} bytes expected, {found} found")]
+    TooLong {
+        /// The length of the file.
+        expected: u64,
+        /// The bytes that are there.
+        found: u64,
+    },
+    /// Some bytes have changed.
+    #[error("damaged: the bytes do not match their hash")]
+    Damaged,
+    /// Another version of this crate wrote it.
+    #[error("written in version {found} of the format, where this program reads version {VERSION}")]
+    Version {
+        /// The file's version.
+        found: u32,
+    },
+    /// The parts have other lengths than the header says.
+    #[error("malformed: the architecture takes {expected} bytes, and the file has {found}")]
+    Malformed {
+        /// What the architecture takes.
+        expected: u64,
+        /// What the file has.
+        found: u64,
+    },
+    /// The network cannot be.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+}
+
+/// The bytes of a file, for an architecture that has been validated.
+pub(crate) fn encode(architecture: &Architecture, weights: &[f16]) -> Vec<u8> {
+    let length = length(architecture, weights.len());
+    let mut bytes = Vec::with_capacity(length);
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((architecture.convolutions.len() as u32).to_le_bytes());
+    bytes.extend((length as u64).to_le_bytes());
+    let Architecture { side, planes, convolutions, embedding, heads } = architecture;
+    for value in [side, planes, embedding, heads] {
+        bytes.extend(value.to_le_bytes());
+    }
+    for Convolution { kernel, stride, outputs } in convolutions {
+        for value in [kernel, stride, outputs] {
+            bytes.extend(value.to_le_bytes());
+        }
+    }
+    bytes.extend(weights.iter().flat_map(|weight| weight.to_le_bytes()));
+    let hash = xxh3_64(&bytes);
+    bytes.extend(hash.to_le_bytes());
+    bytes
+}
+
+/// The architecture, its layers and the weights, of which the number is right; their values have
+/// not been checked.
+pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, Vec<f16>), ReadError> {
+    check_whole(bytes)?;
+    let malformed =
+        |expected: usize| ReadError::Malformed { expected: expected as u64, found: bytes.len() as u64 };
+    let mut numbers = bytes.as_chunks::<4>().0.iter().map(|number| u32::from_le_bytes(*number));
+    let mut next = || numbers.next().ok_or_else(|| malformed(HEADER + HASH));
+    let (_magic, version) = ([next()?, next()?], next()?);
+    if version != VERSION {
+        return Err(ReadError::Version { found: version });
+    }
+    let (count, _length) = (next()? as usize, [next()?, next()?]);
+    let (side, planes, embedding, heads) = (next()?, next()?, next()?, next()?);
+    Architecture::check_convolutions(count).map_err(WeightsError::from)?;
+    let mut convolutions = Vec::with_capacity(count);
+    for _ in 0..count {
+        convolutions.push(Convolution { kernel: next()?, stride: next()?, outputs: next()? });
+    }
+    let architecture = Architecture { side, planes, convolutions, embedding, heads };
+    let layers = architecture.layers().map_err(WeightsError::from)?;
+    let expected = length(&architecture, layers.iter().map(Layer::parameters).sum());
+    let start = HEADER + count * CONVOLUTION;
+    let weights = bytes
+        .get(start..bytes.len() - HASH)
+        .filter(|_| bytes.len() == expected)
+        .ok_or_else(|| malformed(expected))?;
+    let weights = weights.as_chunks::<2>().0.iter().map(|weight| f16::from_le_bytes(*weight));
+    Ok((architecture, layers, weights.collect()))
+}
+
+/// Checks what holds in every version: the magic, the length and the hash.
+fn check_whole(bytes: &[u8]) -> Result<(), ReadError> {
+    let found = bytes.len() as u64;
+    if !bytes.starts_with(&MAGIC) {
+        let is_start = !bytes.is_empty() && MAGIC.starts_with(bytes);
+        let expected = HEADER as u64;
+        return Err(if is_start { ReadError::Truncated { expected, found } } else { ReadError::NotANetwork });
+    }
+    let Some(length) = bytes.get(16..).and_then(<[u8]>::first_chunk) else {
+        return Err(ReadError::Truncated { expected: HEADER as u64, found });
+    };
+    let expected = u64::from_le_bytes(*length);
+    if found < expected {
+        return Err(ReadError::Truncated { expected, found });
+    }
+    if found > expected {
+        return Err(ReadError::TooLong { expected, found });
+    }
+    match bytes.split_last_chunk::<HASH>() {
+        Some((before, hash)) if xxh3_64(before) == u64::from_le_bytes(*hash) => Ok(()),
+        _ => Err(ReadError::Damaged),
+    }
+}
+
+/// The length of a file in bytes.
+fn length(architecture: &Architecture, weights: usize) -> usize {
+    HEADER + architecture.convolutions.len() * CONVOLUTION + weights * size_of::<f16>() + HASH
+}

@@ -1,0 +1,68 @@
+//! The inner loops: plain Rust in one fixed order of summation, compiled once for each path.
+//!
+//! An output is its bias plus its products in the order y, x, input, each product rounded before it
+//! is added. Vectors lie across outputs, so that their width does not touch that order, and Rust
+//! never contracts a multiplication and an addition into one: all paths return the same bits.
+
+use crate::architecture::Architecture;
+use crate::layer::Rectifier;
+use crate::packed::{LANES, Lanes, Packed};
+
+/// Computes a layer, `PIXELS` of its pixels at a time: their sums, [`LANES`] a pixel, should fit
+/// into the registers of the path.
+///
+/// `input` is padded as the layer says, and `output` as the next one does; only the pixels inside
+/// the padding are written.
+#[inline(always)]
+pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output: &mut [f32]) {
+    for (block, first) in layer.blocks().zip((0..).step_by(LANES)) {
+        let width = LANES.min(layer.outputs - first);
+        for group in layer.pixels.chunks(PIXELS) {
+            // A last group that is smaller computes its last pixel several times.
+            let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
+            let sums = sums::<PIXELS>(layer, block, input, starts);
+            for (pixel, sums) in group.iter().zip(sums) {
+                let values = rectify(sums, layer.rectifier);
+                output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
+            }
+        }
+    }
+}
+
+/// The sums of one block of outputs, for the windows that start at `starts` in `input`.
+#[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "iterators become scalar instructions here")]
+fn sums<const PIXELS: usize>(
+    layer: &Packed,
+    block: &[Lanes],
+    input: &[f32],
+    starts: [usize; PIXELS],
+) -> [[f32; LANES]; PIXELS] {
+    let mut sums = [block[0].0; PIXELS];
+    for (y, weights) in block[1..].chunks_exact(layer.row_length).enumerate() {
+        let windows: [&[f32]; PIXELS] =
+            std::array::from_fn(|pixel| &input[starts[pixel] + y * layer.row_step..][..weights.len()]);
+        for (at, weights) in weights.iter().enumerate() {
+            for pixel in 0..PIXELS {
+                let value = windows[pixel][at];
+                // An indexed loop of this length becomes vector instructions that keep the sums in
+                // registers. A zip or 16 lanes became scalar ones, up to nine times slower: run
+                // examples/speed.rs after a change.
+                for lane in 0..LANES {
+                    sums[pixel][lane] += value * weights.0[lane];
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// What follows the sums. Comparisons, because the sign of a zero from `max` is unspecified.
+#[inline(always)]
+fn rectify(sums: [f32; LANES], rectifier: Rectifier) -> [f32; LANES] {
+    match rectifier {
+        Rectifier::Zero => sums.map(|sum| if sum > 0.0 { sum } else { 0.0 }),
+        Rectifier::Leaky => sums.map(|sum| if sum > 0.0 { sum } else { sum * Architecture::LEAK }),
+        Rectifier::None => sums,
+    }
+}

@@ -1,0 +1,193 @@
+//! A network that is ready to run, and the memory that it runs in.
+
+use crate::architecture::Architecture;
+use crate::layer::Layer;
+use crate::packed::Packed;
+use crate::path::Path;
+use crate::weights::{self, WeightsError};
+use crate::{ReadError, file};
+use half::f16;
+use std::fmt;
+use xxhash_rust::xxh3::xxh3_64;
+
+/// A network with its weights.
+///
+/// One input has one output, to the last bit: on every processor, whichever [`Path`] computes it,
+/// and whether the network was made from an array or read from its file.
+#[derive(Clone)]
+pub struct Network {
+    architecture: Architecture,
+    layers: Vec<Layer>,
+    /// The same layers with their weights.
+    packed: Vec<Packed>,
+    path: Path,
+    file: Vec<u8>,
+    fingerprint: u64,
+}
+
+/// The memory that a network runs in: one for each thread, used again for each picture.
+///
+/// It fits itself to the network that it is used with.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// What the buffers fit.
+    layers: Vec<Layer>,
+    /// The input of each layer with its padding, which stays 0, and the output of the last one.
+    buffers: Vec<Vec<f32>>,
+}
+
+/// What a network returns for one picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output<'a> {
+    /// [`Architecture::embedding`] values.
+    pub embedding: &'a [f32],
+    /// [`Architecture::heads`] values.
+    pub heads: &'a [f32],
+}
+
+impl Network {
+    /// The largest input, up or down. For inputs to here, [`Self::from_weights`] has made sure that
+    /// no sum overflows: outputs are finite.
+    pub const MAX_INPUT: f32 = 1024.0;
+
+    /// A network of `weights` in the order that [`Architecture`] describes, which are rounded to
+    /// `f16`, as a file holds them.
+    ///
+    /// # Errors
+    /// An architecture that is not supported, another number of weights than
+    /// [`Architecture::parameters`], and weights that are not finite as `f16` or so large that
+    /// outputs might not be finite.
+    pub fn from_weights(architecture: Architecture, weights: Vec<f32>) -> Result<Self, WeightsError> {
+        let layers = architecture.layers()?;
+        let rounded: Vec<f16> = weights.iter().copied().map(f16::from_f32).collect();
+        drop(weights);
+        let file = file::encode(&architecture, &rounded);
+        Self::new(architecture, layers, &rounded, file)
+    }
+
+    /// Reads what [`Self::to_bytes`] has written. Everything is checked: bytes from anywhere return
+    /// a network or an error, in bounded time and memory.
+    ///
+    /// # Errors
+    /// Bytes that are no network's, of another version, cut short, or damaged, and networks that
+    /// [`Self::from_weights`] rejects.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        let (architecture, layers, weights) = file::decode(bytes)?;
+        Ok(Self::new(architecture, layers, &weights, bytes.to_vec())?)
+    }
+
+    fn new(
+        architecture: Architecture,
+        layers: Vec<Layer>,
+        weights: &[f16],
+        file: Vec<u8>,
+    ) -> Result<Self, WeightsError> {
+        let weights = weights::check(&layers, weights)?;
+        let mut rest = weights.as_slice();
+        let mut packed = Vec::with_capacity(layers.len());
+        for (at, layer) in layers.iter().enumerate() {
+            let (parameters, after) = rest.split_at(layer.parameters());
+            let output_padding = layers.get(at + 1).map_or(0, |next| next.padding);
+            packed.push(Packed::new(layer, parameters, output_padding));
+            rest = after;
+        }
+        let fingerprint = xxh3_64(&file);
+        Ok(Self { architecture, layers, packed, path: Path::best(), file, fingerprint })
+    }
+
+    /// The bytes of a file: see [`Self::from_bytes`].
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.file.clone()
+    }
+
+    /// The same, borrowed.
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.file
+    }
+
+    /// XXH3 of [`Self::to_bytes`]: networks of the same fingerprint have the same outputs.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// The network's shape.
+    pub fn architecture(&self) -> &Architecture {
+        &self.architecture
+    }
+
+    /// The same network, computed by other instructions than the fastest.
+    #[must_use]
+    pub fn with_path(mut self, path: Path) -> Self {
+        self.path = path;
+        self
+    }
+
+    /// The instructions that compute it.
+    pub fn path(&self) -> Path {
+        self.path
+    }
+
+    /// Computes one picture: `side * side * planes` values, row by row, the planes of a pixel
+    /// together, each from `-`[`Self::MAX_INPUT`] to [`Self::MAX_INPUT`].
+    ///
+    /// # Panics
+    /// Where `input` has another length.
+    pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
+        scratch.fit(&self.layers);
+        scratch.set_input(input);
+        for (layer, at) in self.packed.iter().zip(0..) {
+            if let [input, output, ..] = &mut scratch.buffers[at..] {
+                self.path.compute(layer, input, output);
+            }
+        }
+        match scratch.buffers.as_slice() {
+            [.., embedding, heads] => Output { embedding, heads },
+            _ => Output { embedding: &[], heads: &[] },
+        }
+    }
+}
+
+/// Without its weights, which nobody can read.
+impl fmt::Debug for Network {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Network")
+            .field("architecture", &self.architecture)
+            .field("fingerprint", &format_args!("{:016x}", self.fingerprint))
+            .field("path", &self.path)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Scratch {
+    /// Makes the buffers of these layers, unless they are there.
+    fn fit(&mut self, layers: &[Layer]) {
+        // Buffers of the same sizes do not suffice: the zeros of the padding lie elsewhere.
+        if self.layers == layers {
+            return;
+        }
+        let inputs = layers.iter().map(Layer::padded_values);
+        let output = layers.last().map(Layer::output_values);
+        self.buffers = inputs.chain(output).map(|values| vec![0.0; values]).collect();
+        self.layers = layers.to_vec();
+    }
+
+    /// Copies a picture into the first layer's padded input.
+    fn set_input(&mut self, input: &[f32]) {
+        let (Some(layer), Some(buffer)) = (self.layers.first(), self.buffers.first_mut()) else { return };
+        assert_eq!(input.len(), layer.input_values(), "the values of a picture");
+        let padding = layer.padding * layer.input_planes;
+        let row = layer.input_side * layer.input_planes;
+        let rows = buffer.chunks_exact_mut(row + 2 * padding).skip(layer.padding);
+        for (padded, values) in rows.zip(input.chunks_exact(row)) {
+            padded[padding..][..row].copy_from_slice(values);
+        }
+    }
+}
+
+/// Networks with the same bytes.
+impl PartialEq for Network {
+    fn eq(&self, other: &Self) -> bool {
+        self.file == other.file
+    }
+}

@@ -1,0 +1,49 @@
+//! Networks and pictures without a pattern, the same on every machine.
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+use grasp_network::{Architecture, Convolution};
+
+/// Numbers from -1 to 1 by a linear congruential generator.
+pub(crate) struct Numbers(pub(crate) u64);
+
+impl Iterator for Numbers {
+    type Item = f32;
+
+    fn next(&mut self) -> Option<f32> {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        Some((self.0 >> 40) as f32 / (1 << 23) as f32 - 1.0)
+    }
+}
+
+/// A network's shape of each kind of layer, with outputs of more and less than one block.
+pub(crate) fn small() -> Architecture {
+    Architecture {
+        side: 9,
+        planes: 2,
+        convolutions: vec![
+            Convolution { kernel: 5, stride: 2, outputs: 7 },
+            Convolution { kernel: 3, stride: 1, outputs: 33 },
+        ],
+        embedding: 20,
+        heads: 5,
+    }
+}
+
+/// Weights of a size that keeps activations near 1.
+pub(crate) fn weights(architecture: &Architecture, seed: u64) -> Vec<f32> {
+    let mut numbers = Numbers(seed);
+    let layers = architecture.layers().expect("a supported shape");
+    let mut weights = Vec::new();
+    for layer in layers {
+        let scale = (3.0 / layer.inputs() as f32).sqrt();
+        weights.extend(numbers.by_ref().take(layer.parameters()).map(|number| number * scale));
+    }
+    weights
+}
+
+/// A picture, of which many values are 0 as outside of a hand, and some are -0.
+pub(crate) fn picture(architecture: &Architecture, seed: u64) -> Vec<f32> {
+    let values = (architecture.side * architecture.side * architecture.planes) as usize;
+    let blank = |number: f32| if number < -0.5 { number * 0.0 } else { number };
+    Numbers(seed).take(values).map(blank).collect()
+}
