@@ -1,0 +1,112 @@
+//! What one step of training learns from.
+
+use crate::plan::{Plan, STAGES};
+use thiserror::Error;
+
+/// How much a sample counts in each of the three losses; 0 leaves it out of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LossWeights {
+    /// In the loss of the class.
+    pub class: f32,
+    /// In the loss of the stage.
+    pub stage: f32,
+    /// In the loss of the rotation.
+    pub rotation: f32,
+}
+
+impl LossWeights {
+    /// The sample counts in full in every loss.
+    pub const ALL: Self = Self { class: 1.0, stage: 1.0, rotation: 1.0 };
+}
+
+impl Default for LossWeights {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// What the network shall answer for one sample. What has no weight is not read, but must be in
+/// range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// The class, counted from 0.
+    pub class: u32,
+    /// The stage, counted from 0.
+    pub stage: u32,
+    /// The rotation matrix, row by row.
+    pub rotation: [[f32; 3]; 3],
+    /// How much the sample counts.
+    pub weights: LossWeights,
+}
+
+/// The samples of one step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    /// The samples' inputs one after another, each row by row, the planes of a pixel together.
+    pub inputs: Vec<f32>,
+    /// What the network shall answer, a target a sample.
+    pub targets: Vec<Target>,
+}
+
+/// A batch that nothing can be learned from. The trainer is left as it was.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BatchError {
+    /// There are too few samples to normalise over.
+    #[error("a batch of {samples} samples: at least 2 are needed to normalise over")]
+    TooSmall {
+        /// The number of targets.
+        samples: usize,
+    },
+    /// The inputs do not fit the targets, or are no multiple of a sample's.
+    #[error("{found} input values where {expected} were expected: a sample has {sample}")]
+    Length {
+        /// Values in the inputs.
+        found: usize,
+        /// What the number of samples asks for.
+        expected: usize,
+        /// The values of one sample.
+        sample: usize,
+    },
+    /// An input, a rotation or a weight is infinite or not a number, or a weight is negative.
+    #[error("sample {sample}: {what}")]
+    Value {
+        /// The sample, counted from 0.
+        sample: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+}
+
+impl Batch {
+    pub(crate) fn check(&self, plan: &Plan) -> Result<(), BatchError> {
+        let (samples, sample) = (self.targets.len(), plan.inputs());
+        if samples < 2 {
+            return Err(BatchError::TooSmall { samples });
+        }
+        let (found, expected) = (self.inputs.len(), samples.saturating_mul(sample));
+        if found != expected {
+            return Err(BatchError::Length { found, expected, sample });
+        }
+        for (sample, (target, inputs)) in self.targets.iter().zip(self.inputs.chunks(sample)).enumerate() {
+            let fault = |what| Err(BatchError::Value { sample, what });
+            if target.class as usize >= plan.classes() {
+                return fault("the network has no such class");
+            }
+            if target.stage as usize >= STAGES {
+                return fault("there is no such stage");
+            }
+            if !target.rotation.as_flattened().iter().all(|value| value.is_finite()) {
+                return fault("its rotation is not finite");
+            }
+            let LossWeights { class, stage, rotation } = target.weights;
+            if ![class, stage, rotation].iter().all(|weight| (0.0..=f32::MAX).contains(weight)) {
+                return fault("its weights are not finite or negative");
+            }
+            if !inputs.iter().all(|value| value.is_finite()) {
+                return fault("its inputs are not finite");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,60 @@
+//! Trains the network that [`grasp_network::Architecture`] describes.
+//!
+//! Each convolution and the embedding's dense layer are followed by batch normalisation; values are
+//! dropped before the embedding. The heads are, in this order, the logits of the classes, those of
+//! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of. Adam
+//! makes the sum of three [`Losses`] small.
+//!
+//! ```
+//! use grasp_network::{Architecture, Convolution};
+//! use grasp_train::{Batch, LossWeights, Target, Trainer, learning_rate};
+//!
+//! let convolutions = vec![Convolution { kernel: 3, stride: 2, outputs: 4 }];
+//! let architecture = Architecture { side: 8, planes: 1, convolutions, embedding: 5, heads: 15 };
+//! let mut trainer = Trainer::new(&architecture, 1)?;
+//! let target = Target {
+//!     class: 3,
+//!     stage: 2,
+//!     rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+//!     weights: LossWeights { class: 0.0, ..LossWeights::ALL },
+//! };
+//! let steps = 10;
+//! while trainer.steps() < steps {
+//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32] };
+//!     let losses = trainer.step(&batch, learning_rate(2e-3, trainer.steps(), steps))?;
+//!     assert!(losses.total().is_finite());
+//! }
+//! let resumed = Trainer::load(&trainer.save())?;
+//! assert_eq!(resumed.weights(), trainer.weights());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Work is done on the threads of the rayon pool that calls ([`rayon::ThreadPool::install`]).
+
+mod batch;
+mod checkpoint;
+mod columns;
+mod convolution;
+mod dense;
+mod dropout;
+mod losses;
+mod matrix;
+mod network;
+mod normalisation;
+mod optimiser;
+mod parameters;
+mod plan;
+mod random;
+mod rotation;
+mod trainer;
+
+pub use batch::{Batch, BatchError, LossWeights, Target};
+pub use checkpoint::CheckpointError;
+pub use losses::Losses;
+pub use optimiser::learning_rate;
+pub use plan::{ROTATION, STAGES};
+pub use rotation::rotation_of;
+pub use trainer::Trainer;
+
+#[cfg(test)]
+mod tests;

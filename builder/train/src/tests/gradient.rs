@@ -1,0 +1,78 @@
+//! Gradients against central differences of the reference.
+
+use super::reference::forward;
+use super::{batch, trainer};
+use crate::Trainer;
+use crate::network::{Activations, Mode};
+
+/// A forward and a backward pass with the loss `sum(outputs * weights)`, which is smooth wherever
+/// no rectifier switches: the outputs, and the gradient of every parameter.
+fn gradients(trainer: &Trainer, inputs: &[f32], dropout: u64, weights: &[f32]) -> (Vec<f32>, Vec<f32>) {
+    let plan = &trainer.state.plan;
+    let mut activations = Activations::default();
+    let mut gradients = vec![f32::NAN; plan.parameters];
+    let parameters = &trainer.state.parameters;
+    activations.forward(plan, parameters, inputs, Mode::Training { dropout });
+    activations.backward(plan, parameters, inputs, dropout, weights, &mut gradients);
+    (activations.outputs, gradients)
+}
+
+#[test]
+fn every_parameter_has_the_gradient_of_the_reference() {
+    const DROPOUT: u64 = 9;
+    // More than one slice, the last one incomplete.
+    let samples = 19;
+    let mut trainer = trainer(3);
+    let inputs = batch(samples, 4).inputs;
+    // Scales and shifts that differ, so that none is taken for another.
+    let noise = crate::random::symmetric;
+    for (index, value) in trainer.state.parameters.iter_mut().enumerate() {
+        *value += 0.2 * noise(5, index as u64);
+    }
+    let plan = &trainer.state.plan;
+    let weights: Vec<_> = (0..samples * plan.heads()).map(|i| noise(6, i as u64)).collect();
+    let (outputs, gradients) = gradients(&trainer, &inputs, DROPOUT, &weights);
+
+    let mut parameters: Vec<_> = trainer.state.parameters.iter().map(|&v| f64::from(v)).collect();
+    let expected = forward(plan, &parameters, &inputs, DROPOUT);
+    for (output, expected) in outputs.iter().zip(&expected) {
+        assert!((f64::from(*output) - expected).abs() < 1e-4, "{output} {expected}");
+    }
+    let loss = |parameters: &[f64]| {
+        let outputs = forward(plan, parameters, &inputs, DROPOUT);
+        outputs.iter().zip(&weights).map(|(v, weight)| v * f64::from(*weight)).sum::<f64>()
+    };
+    for (index, gradient) in gradients.iter().enumerate() {
+        const STEP: f64 = 1e-6;
+        let value = parameters[index];
+        parameters[index] = value + STEP;
+        let above = loss(&parameters);
+        parameters[index] = value - STEP;
+        let below = loss(&parameters);
+        parameters[index] = value;
+        let expected = (above - below) / (2.0 * STEP);
+        let error = (f64::from(*gradient) - expected).abs();
+        assert!(error < 1e-3 * (1.0 + expected.abs()), "parameter {index}: {gradient} {expected}");
+    }
+}
+
+#[test]
+fn the_gradient_of_a_step_is_that_of_its_losses() {
+    let batch = batch(19, 8);
+    let mut trainer = trainer(7);
+    let total = |trainer: &mut Trainer| f64::from(trainer.differentiate(&batch).total());
+    total(&mut trainer);
+    let gradients = trainer.gradients.clone();
+    // Along the gradient, where f32 sees the most of it.
+    let squares: f32 = gradients.iter().map(|g| g * g).sum();
+    let mut moved = |step: f32| {
+        let before = trainer.state.parameters.clone();
+        trainer.state.parameters.iter_mut().zip(&gradients).for_each(|(v, g)| *v += step * g);
+        let total = total(&mut trainer);
+        trainer.state.parameters = before;
+        total
+    };
+    let step = 1e-3 / squares.sqrt();
+    let slope = (moved(step) - moved(-step)) / f64::from(2.0 * step);
+    assert!((slope / f64::from(squares) - 1.0).abs() < 0.01, "{slope} {squares}");
+}

@@ -1,0 +1,40 @@
+//! The trainer as a whole, against a plain reference in f64.
+
+mod checkpoint;
+mod gradient;
+mod learning;
+mod reference;
+
+use crate::{Batch, LossWeights, Target, Trainer, rotation_of};
+use grasp_network::{Architecture, Convolution};
+
+/// Small, with every kind of layer: both strides, kernels that reach over the border, an odd side.
+fn small() -> Architecture {
+    let convolutions = [(5, 2, 3), (3, 1, 4), (3, 2, 5)].map(|(kernel, stride, outputs)| Convolution {
+        kernel,
+        stride,
+        outputs,
+    });
+    Architecture { side: 7, planes: 2, convolutions: convolutions.to_vec(), embedding: 6, heads: 13 }
+}
+
+fn trainer(seed: u64) -> Trainer {
+    Trainer::new(&small(), seed).expect("a supported architecture")
+}
+
+/// Some samples, of which a few have no class or count differently.
+fn batch(samples: usize, seed: u64) -> Batch {
+    let random = |index: usize| crate::random::symmetric(seed, index as u64);
+    let inputs = 7 * 7 * 2;
+    let target = |sample: usize| Target {
+        class: sample as u32 % 4,
+        stage: sample as u32 % 3,
+        rotation: rotation_of([0, 1, 2, 3, 4, 5].map(|i| random(1_000_000 + sample * 6 + i))),
+        weights: match sample % 5 {
+            0 => LossWeights { class: 0.0, ..LossWeights::ALL },
+            1 => LossWeights { class: 2.0, stage: 0.5, rotation: 0.0 },
+            _ => LossWeights::ALL,
+        },
+    };
+    Batch { inputs: (0..samples * inputs).map(random).collect(), targets: (0..samples).map(target).collect() }
+}

@@ -1,0 +1,144 @@
+//! Training, step by step.
+
+use crate::batch::{Batch, BatchError};
+use crate::losses::{Losses, losses};
+use crate::network::{Activations, Mode};
+use crate::optimiser::{Moments, average};
+use crate::parameters::{fold, initial, initial_statistics};
+use crate::plan::Plan;
+use crate::random::key;
+use grasp_network::{Architecture, ArchitectureError};
+
+/// The share of the running statistics that stays at each step.
+const STATISTICS_DECAY: f32 = 0.98;
+/// The share of the averaged weights that stays at each step, once there have been enough.
+const AVERAGE_DECAY: f32 = 0.999;
+/// Samples that [`Trainer::outputs`] computes at once.
+const SAMPLES_AT_ONCE: usize = 128;
+
+/// What a checkpoint holds, and what the next step follows from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct State {
+    pub(crate) plan: Plan,
+    pub(crate) seed: u64,
+    /// Steps done.
+    pub(crate) steps: u64,
+    pub(crate) parameters: Vec<f32>,
+    pub(crate) moments: Moments,
+    /// The exponential moving average of the parameters.
+    pub(crate) averaged: Vec<f32>,
+    /// The running means and variances of each layer.
+    pub(crate) statistics: Vec<f32>,
+}
+
+/// A network in training.
+///
+/// Work is done on the threads of the rayon pool that calls. The same seed and batches give the
+/// same bytes on any number of threads; a processor without AVX-512 may round differently.
+pub struct Trainer {
+    pub(crate) state: State,
+    /// 1 for the parameters that weight decay applies to.
+    decayed: Vec<f32>,
+    activations: Activations,
+    pub(crate) gradients: Vec<f32>,
+    output_gradients: Vec<f32>,
+}
+
+impl Trainer {
+    /// A network with random weights.
+    ///
+    /// # Errors
+    /// The architecture is not supported, or has fewer heads than two classes,
+    /// [`STAGES`](crate::STAGES) and [`ROTATION`](crate::ROTATION) need.
+    pub fn new(architecture: &Architecture, seed: u64) -> Result<Self, ArchitectureError> {
+        let plan = Plan::new(architecture)?;
+        let (parameters, statistics) = (initial(&plan, seed), initial_statistics(&plan));
+        Ok(Self::from_state(State {
+            seed,
+            steps: 0,
+            moments: Moments::new(plan.parameters),
+            averaged: parameters.clone(),
+            parameters,
+            statistics,
+            plan,
+        }))
+    }
+
+    pub(crate) fn from_state(state: State) -> Self {
+        let mut decayed = vec![0.0; state.plan.parameters];
+        state.plan.decayed().for_each(|range| decayed[range].fill(1.0));
+        Self {
+            decayed,
+            activations: Activations::default(),
+            gradients: vec![0.0; state.plan.parameters],
+            output_gradients: Vec::new(),
+            state,
+        }
+    }
+
+    /// The shape of the network.
+    pub fn architecture(&self) -> &Architecture {
+        &self.state.plan.architecture
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    /// Learns from a batch, and returns its losses as they were before. Losses that are not finite
+    /// mean that training has diverged; a checkpoint of that is rejected when it is loaded.
+    ///
+    /// # Errors
+    /// The batch does not fit the network; nothing has been learned then.
+    pub fn step(&mut self, batch: &Batch, learning_rate: f32) -> Result<Losses, BatchError> {
+        batch.check(&self.state.plan)?;
+        let losses = self.differentiate(batch);
+        let State { plan, steps, parameters, moments, averaged, statistics, .. } = &mut self.state;
+        *steps += 1;
+        moments.step(parameters, &self.gradients, &self.decayed, *steps, learning_rate);
+        // Both averages begin with a short memory: what they started from counts for nothing.
+        let done = *steps as f32;
+        let decay = STATISTICS_DECAY.min((done - 1.0) / done);
+        self.activations.update_statistics(plan, decay, statistics);
+        let decay = AVERAGE_DECAY.min((done - 1.0) / (done + 9.0));
+        average(decay, parameters, averaged);
+        Ok(losses)
+    }
+
+    /// Computes the losses of a batch and the gradient of every parameter.
+    pub(crate) fn differentiate(&mut self, batch: &Batch) -> Losses {
+        let State { plan, seed, steps, parameters, .. } = &self.state;
+        // The initial weights take the streams that count up from 0.
+        let dropout = key(!*seed, *steps);
+        let inputs = batch.inputs.as_slice();
+        self.activations.forward(plan, parameters, inputs, Mode::Training { dropout });
+        let outputs = &self.activations.outputs;
+        self.output_gradients.resize(outputs.len(), 0.0);
+        let losses = losses(plan.heads(), outputs, &batch.targets, &mut self.output_gradients);
+        let (from, to) = (&self.output_gradients, &mut self.gradients);
+        self.activations.backward(plan, parameters, inputs, dropout, from, to);
+        losses
+    }
+
+    /// The averaged weights in the layout of [`Architecture`], normalisation by the running
+    /// statistics folded into kernels and biases.
+    pub fn weights(&self) -> Vec<f32> {
+        fold(&self.state.plan, &self.state.averaged, &self.state.statistics)
+    }
+
+    /// The heads of each sample of `inputs`, by the averaged weights. An incomplete last sample is
+    /// left out.
+    pub fn outputs(&self, inputs: &[f32]) -> Vec<f32> {
+        let State { plan, averaged, statistics, .. } = &self.state;
+        let mode = Mode::Inference { statistics };
+        let mut activations = Activations::default();
+        let complete = inputs.len() - inputs.len() % plan.inputs();
+        let mut outputs = Vec::with_capacity(complete / plan.inputs() * plan.heads());
+        for inputs in inputs[..complete].chunks(SAMPLES_AT_ONCE * plan.inputs()) {
+            activations.forward(plan, averaged, inputs, mode);
+            outputs.extend(&activations.outputs);
+        }
+        outputs
+    }
+}
