@@ -55,7 +55,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
     }
     let kept = if growth.keep { &indexes[..] } else { &[] };
     let names = names(first.catalogue(), kept, growth)?;
-    let recipe = recipe(first.catalogue(), growth, &names);
+    let recipe = recipe(first, growth, &names);
     let origin = origin(kept, growth, &recipe)?;
     let mut gathered = Gathered::new(file, recipe.params(&names), origin)?;
     let mut there = HashSet::new();
@@ -165,7 +165,8 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     Ok(names)
 }
 
-fn recipe(first: &Catalogue, growth: &Growth, names: &Names) -> Recipe {
+fn recipe(index: &Index, growth: &Growth, names: &Names) -> Recipe {
+    let first = index.catalogue();
     let held_out = if first.descriptor.describes_pictures() {
         let plan = RenderPlan { seed: first.seed, ..growth.plan.clone() };
         let hands = Hands::of_a_build(&plan, &names.hand_shapes.names, first.seed);
@@ -174,7 +175,7 @@ fn recipe(first: &Catalogue, growth: &Growth, names: &Names) -> Recipe {
         HeldOut::Nothing
     };
     Recipe {
-        descriptor: first.descriptor,
+        descriptor: index.descriptor_model(),
         hash: match first.hash {
             HashInfo::Random(hash) => HashParams::Random(RandomParams::Fixed {
                 k: hash.planes,

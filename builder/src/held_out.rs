@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use grasp_index::{
-    BACKGROUND, DESCRIBED_SIDE, Describer, DescriptorParams, HandImage, HandImageError, NOISE, mean_distance,
-};
+use grasp_index::{BACKGROUND, DescriptorModel, HandImage, HandImageError, NOISE, mean_distance};
 use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -64,13 +62,13 @@ impl HeldOut {
     ///
     /// # Errors
     /// When the file cannot be read or has rows of another length, or the work was interrupted.
-    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Asked> {
+    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<Asked> {
         match self {
             Self::Nothing => Ok(Asked::default()),
-            Self::Rendered(hands) => hands.describe(params),
+            Self::Rendered(hands) => hands.describe(model),
             Self::File(path) => {
                 let rows = Rows::open(path)?;
-                let (found, dim) = (rows.columns(), params.dim());
+                let (found, dim) = (rows.columns(), model.params().dim());
                 if found != dim as u64 {
                     anyhow::bail!(
                         "{} has rows of {found} values, the index's have {dim}: they must be alike",
@@ -147,17 +145,17 @@ impl Hands {
     ///
     /// # Errors
     /// When the work was interrupted.
-    pub fn describe(&self, params: &DescriptorParams) -> anyhow::Result<Asked> {
+    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<Asked> {
         let mut all = Asked::default();
         for scenes in self.scenes().chunks(rayon::current_num_threads().max(1)) {
             interrupt::check()?;
             let described: Vec<Vec<f32>> = scenes
                 .par_iter()
-                .map(|(spec, views)| described(spec, views, params))
+                .map(|(spec, views)| described(spec, views, model))
                 .collect::<anyhow::Result<_>>()?;
             for ((spec, _), rows) in scenes.iter().zip(described) {
                 let grasp: Arc<str> = spec.grasp.name.as_str().into();
-                all.grasps.extend(std::iter::repeat_n(grasp, rows.len() / params.dim().max(1)));
+                all.grasps.extend(std::iter::repeat_n(grasp, rows.len() / model.params().dim().max(1)));
                 all.descriptors.extend(rows);
             }
         }
@@ -220,14 +218,14 @@ impl Hands {
     }
 }
 
-fn described(spec: &SceneSpec, views: &[View], params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+fn described(spec: &SceneSpec, views: &[View], model: &DescriptorModel) -> anyhow::Result<Vec<f32>> {
     let scene = spec.build().context("cannot render")?;
+    let (params, mut describer) = (model.params(), model.describer());
     let mut rows = Vec::with_capacity(views.len() * params.dim());
-    let mut describer = Describer::new(params)?;
     for view in views {
         let render = scene.render(view);
         match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-            Ok(hand) => rows.extend(describer.describe(&hand.shrunk_to(DESCRIBED_SIDE))),
+            Ok(hand) => rows.extend(describer.describe(&hand.shrunk_to(params.described_side()))),
             Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => {}
             Err(error) => return Err(error.into()),
         }

@@ -8,6 +8,7 @@
 //! - [`mod@split`] writes an index as several that are searched as one;
 //! - [`grow`] adds to an index, removes from it, and joins several;
 //! - [`experiment`] varies something and measures what the search does;
+//! - [`train`] trains the network of a learned descriptor, and [`descriptor`] names the descriptors;
 //! - [`plan_spec`] is what an index keeps of how its hands are posed and seen;
 //! - [`cli`] is the command line, one file a subcommand;
 //! - [`interrupt`] lets long work be stopped.
@@ -16,6 +17,7 @@
 
 mod array;
 pub mod cli;
+pub mod descriptor;
 pub mod experiment;
 pub mod export;
 pub mod grow;
@@ -26,3 +28,4 @@ pub mod merge;
 pub mod plan_spec;
 pub mod shard;
 pub mod split;
+pub mod train;

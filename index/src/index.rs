@@ -1,6 +1,6 @@
 //! An opened index.
 
-use crate::descriptor::Describer;
+use crate::descriptor::{Describer, DescriptorModel};
 use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::Catalogue;
@@ -21,13 +21,16 @@ use crate::search::random::{self, Random, RandomHyperplanes};
 use crate::search::searcher::Searcher;
 use crate::search::stored::Stored;
 use crate::search::{Hash, Neighbour, ReadAhead, Search, SearchError, SearchOptions};
-use crate::vote::{self, Ballot, ClassScore, Vote, VoteOptions};
+use crate::vote::{self, Ballot, ClassScore, Look, Vote, VoteOptions};
 use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use thiserror::Error;
+
+/// Cutkosky's numbers of the grasps that networks are trained on, in the order of their heads.
+const NETWORK_CLASSES: [u8; 6] = [1, 2, 4, 9, 10, 12];
 
 /// An index, opened for searching. It can be shared between threads.
 #[derive(Debug)]
@@ -195,11 +198,15 @@ impl Index {
         Ok(self.describer().describe(hand))
     }
 
+    /// How the index's descriptors were made.
+    pub fn descriptor_model(&self) -> DescriptorModel {
+        DescriptorModel::of_index(self.catalogue().descriptor, self.file.network.clone())
+    }
+
     /// Describes hand images as the index's own were: for many pictures. Where the index holds raw
     /// vectors, it describes them as zeros.
     pub fn describer(&self) -> Describer {
-        // An index whose parameters are out of range does not open.
-        Describer::of_valid(self.catalogue().descriptor)
+        self.descriptor_model().describer()
     }
 
     /// Whether the index can recognise what a picture shows. Searching it for descriptors is always
@@ -295,6 +302,14 @@ impl Index {
 
     /// What the neighbours say. Neighbours that are not in the index, or whose entry makes no sense, have no vote.
     pub fn vote(&self, neighbours: &[Neighbour], options: &VoteOptions) -> Vote {
+        self.vote_of_looks(&[Look { neighbours, opinion: None, turn_deg: 0.0 }], options)
+    }
+
+    /// What the neighbours of several looks at one picture say together: a class's probability is
+    /// the mean of the looks' own, and all neighbours of the first class make the orientation. The
+    /// opinion of a look counts as much as its neighbours do, where the index has the classes that
+    /// networks are trained on, Cutkosky's 1, 2, 4, 9, 10 and 12.
+    pub fn vote_of_looks(&self, looks: &[Look<'_>], options: &VoteOptions) -> Vote {
         let catalogue = self.catalogue();
         let fitted = catalogue.calibration.sigma_scale * catalogue.sigma.mean_distance;
         let sigma = match (options.sigma, options.sigma_scale) {
@@ -303,14 +318,33 @@ impl Index {
             (None, None) if options.literal_sigma => catalogue.sigma.literal,
             (None, None) => fitted,
         };
-        let ballots: Vec<Ballot> = neighbours.iter().filter_map(|neighbour| self.ballot(neighbour)).collect();
-        let voters = ballots.iter().map(|ballot| (ballot.class, ballot.distance));
-        let shares = vote::shares(voters, catalogue.classes.len(), sigma);
-        // Another width than the calibrated one makes other shares.
-        let probabilities = match options.has_own_width() {
-            true => shares.clone(),
-            false => catalogue.calibration.probabilities(&shares),
-        };
+        let count = catalogue.classes.len();
+        let trained_on = catalogue.classes.iter().map(|class| class.cutkosky).eq(NETWORK_CLASSES);
+        let has_opinions = trained_on && !options.has_own_width();
+        let each = 1.0 / looks.len().max(1) as f64;
+        let (mut shares, mut probabilities) = (vec![0.0; count], vec![0.0; count]);
+        let (mut kernel_mass, mut ballots) = (0.0, Vec::new());
+        for look in looks {
+            let own: Vec<Ballot> = look.neighbours.iter().filter_map(|n| self.ballot(n)).collect();
+            let voters = own.iter().map(|ballot| (ballot.class, ballot.distance));
+            let of_look = vote::shares(voters, count, sigma);
+            // Another width than the calibrated one makes other shares.
+            let probable = match options.has_own_width() {
+                true => of_look.clone(),
+                false => catalogue.calibration.probabilities(&of_look),
+            };
+            let probable = match look.opinion.filter(|_| has_opinions) {
+                Some(opinion) => probable.iter().zip(&opinion.classes).map(|(a, b)| 0.5 * (a + b)).collect(),
+                None => probable,
+            };
+            shares.iter_mut().zip(of_look).for_each(|(sum, share)| *sum += each * share);
+            probabilities.iter_mut().zip(probable).for_each(|(sum, own)| *sum += each * own);
+            kernel_mass += each * vote::kernel_mass(own.iter().map(|ballot| ballot.distance), sigma);
+            ballots.extend(own.into_iter().map(|ballot| ballot.turned(-look.turn_deg)));
+        }
+        if looks.len() > 1 && !options.has_own_width() {
+            vote::sharpen(&mut probabilities);
+        }
         let scores = (0u16..).zip(&catalogue.classes).zip(shares.into_iter().zip(probabilities));
         let mut classes: Vec<ClassScore> = scores
             .map(|((class, info), (share, probability))| ClassScore {
@@ -324,11 +358,7 @@ impl Index {
         // Stable: equals stay in the order of their numbers.
         classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let first = classes.first().map_or(0, |score| score.class);
-        Vote {
-            kernel_mass: vote::kernel_mass(ballots.iter().map(|ballot| ballot.distance), sigma),
-            orientation: vote::estimate(&ballots, first, sigma, options.euler_mean),
-            classes,
-        }
+        Vote { kernel_mass, orientation: vote::estimate(&ballots, first, sigma, options.euler_mean), classes }
     }
 
     fn ballot(&self, neighbour: &Neighbour) -> Option<Ballot> {

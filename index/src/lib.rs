@@ -68,7 +68,10 @@ mod search;
 mod segments;
 mod vote;
 
-pub use descriptor::{Cell, Describer, DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
+pub use descriptor::{
+    Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, Opinion, PLANES_SIDE,
+    PLANES_SOURCE_SIDE, ParamsError, Placement, SHOWN_LENGTHS, Sampling, Tone, planes, shown,
+};
 pub use file::atomic::{AtomicFile, WriteError};
 pub use file::catalogue::{Catalogue, ClassInfo};
 pub use file::error::{FileChanged, OpenError};
@@ -78,6 +81,7 @@ pub use file::kept::{Kept, Originals};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
+pub use grasp_network::Network;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
 pub use index::{CannotRecognise, Entry, EntryError, Index};
 pub use phase::Phase;
@@ -96,8 +100,8 @@ pub use search::searcher::Searcher;
 pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist};
 pub use segments::{Segments, SegmentsError, SegmentsSearcher};
 pub use vote::{
-    Calibrated, Calibration, ClassScore, Doubt, OrientationEstimate, Reliability, ReliabilityBin, Sigma,
-    Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,
+    Calibrated, Calibration, ClassScore, Doubt, Look, OrientationEstimate, Reliability, ReliabilityBin,
+    Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,
 };
 
 /// The version of the index format that this crate writes, and the newest that it reads.

@@ -30,7 +30,7 @@ mod hand_model;
 mod keys;
 mod mesh;
 mod plan;
-mod random;
+pub mod random;
 mod raster;
 mod scene;
 mod variation;
@@ -40,7 +40,7 @@ pub mod render_set;
 
 pub use grasp::{
     Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
-    RecordedPose, Stage, StagePose, UnknownStage,
+    PoseGroup, RecordedPose, Stage, StagePose, UnknownStage,
 };
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,

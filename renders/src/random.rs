@@ -4,17 +4,17 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 /// A number from 0 up to 1, every one as likely.
-pub(crate) fn unit(rng: &mut ChaCha8Rng) -> f64 {
+pub fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// A number from `low` up to `high`, every one as likely.
-pub(crate) fn between(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
+pub fn between(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * unit(rng)
 }
 
 /// A standard normal number (Box and Muller 1958).
-pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     let radius = (-2.0 * libm::log(1.0 - unit(rng))).sqrt();
     radius * libm::cos(std::f64::consts::TAU * unit(rng))
 }

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
-use crate::grasp::{Example, Grasp, Object, Placement, RecordedPose};
+use crate::grasp::{Example, Grasp, Object, Placement, PoseGroup, RecordedPose};
 use crate::hand::{Digit, HandPose, JOINTS, joint_limits};
 use crate::random::{between, normal, unit};
 use crate::scene::SceneSpec;
@@ -44,6 +44,8 @@ pub struct Variation {
     pub examples: f64,
     /// The share of scenes that are posed like people's recorded hands ([`RecordedPose`]) in the same grasp.
     pub recorded: f64,
+    /// Which of the recorded poses these are.
+    pub recorded_from: PoseGroup,
     /// Narrowest and widest sleeve, as shares of the wrist, every width as likely: `None` leaves the plan's.
     pub sleeve: Option<[f64; 2]>,
     /// Shortest and longest bare forearm in metres, shorter ones more often: `None` leaves the plan's.
@@ -60,6 +62,7 @@ impl Variation {
         closure: 0.0,
         examples: 0.0,
         recorded: 0.0,
+        recorded_from: PoseGroup::All,
         sleeve: None,
         forearm: None,
     };
@@ -74,6 +77,7 @@ impl Variation {
         closure: 0.12,
         examples: 0.5,
         recorded: 0.25,
+        recorded_from: PoseGroup::All,
         sleeve: Some([1.05, 1.5]),
         forearm: Some([0.0, 0.16]),
     };
@@ -129,7 +133,9 @@ impl Variation {
 
     /// A pose somewhere between two recorded ones of a grasp, varied; `None` where none was recorded.
     fn recorded(&self, grasp: &str, noise: &HandPose, rng: &mut ChaCha8Rng) -> Option<HandPose> {
-        let of_grasp = RecordedPose::all().iter().filter(|recorded| recorded.grasp == grasp);
+        let of_grasp = RecordedPose::all()
+            .iter()
+            .filter(|recorded| recorded.grasp == grasp && self.recorded_from.contains(recorded));
         // The surer its label, the more often a pose is taken.
         let poses: Vec<&HandPose> = of_grasp
             .flat_map(|recorded| std::iter::repeat_n(&recorded.pose, usize::from(recorded.confidence)))

@@ -23,7 +23,7 @@ pub struct View {
 
 impl View {
     /// A view drawn from all rotations alike, to a tenth of a degree.
-    pub(crate) fn random(rng: &mut ChaCha8Rng) -> View {
+    pub fn random(rng: &mut ChaCha8Rng) -> View {
         let tenths = |degrees: f64| (degrees * 10.0).round() / 10.0;
         // Equal heights of a sphere have equal areas.
         let elevation = libm::asin(between(rng, [-1.0, 1.0]));

@@ -29,7 +29,7 @@ fn bash_completes_below_subcommands_and_behind_options() {
         ("grasp-builder comp", "compact completions"),
         ("grasp-builder build --thu", "--thumbnails"),
         ("grasp-builder build --preset ", "paper standard wide"),
-        ("grasp-builder build --descriptor ", "default upright paper"),
+        ("grasp-builder build --descriptor ", "learned upright default paper"),
         ("grasp-builder remove --preset w", "wide"),
         ("grasp-builder experiment sh", "shapes"),
         ("grasp-builder experiment shapes --preset s", "standard"),

@@ -36,5 +36,6 @@ mod shards;
 mod simulate;
 mod streams;
 mod texts;
+mod train;
 mod vectors;
 mod vote;

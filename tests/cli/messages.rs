@@ -17,6 +17,7 @@ fn help_texts() {
     insta::assert_snapshot!("builder_export", help("grasp-builder", &["export"]));
     insta::assert_snapshot!("builder_remove", help("grasp-builder", &["remove"]));
     insta::assert_snapshot!("builder_compact", help("grasp-builder", &["compact"]));
+    insta::assert_snapshot!("builder_train", help("grasp-builder", &["train"]));
     insta::assert_snapshot!("builder_experiment_scale", help("grasp-builder", &["experiment", "scale"]));
     insta::assert_snapshot!("query", help("grasp-query", &[]));
     insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));

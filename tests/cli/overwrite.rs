@@ -70,7 +70,9 @@ fn recognise_ends_with_an_error_and_without_another_answer() {
 fn search_ends_with_an_error_and_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let [queries, pipe, out] = ["q.npy", "pipe.npy", "ids.npy"].map(|name| folder.path().join(name));
-    let made = run(program("grasp-builder").args(["queries", "--count", "50", "--out"]).arg(&queries));
+    let made = run(program("grasp-builder")
+        .args(["queries", "--descriptor", "default", "--count", "50", "--out"])
+        .arg(&queries));
     assert_eq!(made.status, 0, "{}", made.stderr);
     let queries = fs::read(queries).unwrap();
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());

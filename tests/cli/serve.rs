@@ -95,7 +95,9 @@ fn descriptors_are_searched_for_as_by_the_command_line() {
     let service = serve(&[]);
     let folder = tempfile::tempdir().unwrap();
     let queries = folder.path().join("q.npy");
-    let made = run(program("grasp-builder").args(["queries", "--count", "20", "--out"]).arg(&queries));
+    let made = run(program("grasp-builder")
+        .args(["queries", "--descriptor", "default", "--count", "20", "--out"])
+        .arg(&queries));
     assert_eq!(made.status, 0, "{}", made.stderr);
     let printed = run(program("grasp-query")
         .args(["search", "--neighbours", "--k", "3", "--exact", "--index"])

@@ -223,7 +223,10 @@ fn tables_of_labels_that_are_none_are_told() {
 fn queries_are_of_other_hands_and_always_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, more: &[&str]| {
-        done(&mut builder(folder.path(), &[&["queries", "--count", "60", "--out", name], more].concat()));
+        done(&mut builder(
+            folder.path(),
+            &[&["queries", "--descriptor", "default", "--count", "60", "--out", name], more].concat(),
+        ));
         fs::read(folder.path().join(name)).unwrap()
     };
     let one = write("one.npy", &["--threads", "1"]);

@@ -8,10 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 13] = [
     "builder",
+    "builder/train",
     "index",
     "index/canonical",
+    "index/network",
     "index/picture",
     "index/terminal",
     "query",

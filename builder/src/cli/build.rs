@@ -6,13 +6,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::builder::ArgPredicate;
-use grasp_index::{DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams};
+use grasp_index::{
+    DescriptorModel, DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams,
+};
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::text::{counted, percent, shown};
 
 use super::form::Form;
 use super::global::Global;
 use super::plan::PlanOptions;
+use crate::descriptor::{self, LEARNED, NAMES};
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::interrupt;
@@ -74,11 +77,15 @@ struct VectorOptions {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to make of it")]
 struct IndexOptions {
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright, for views with any roll (the
-    /// default of `--preset standard` and `wide`); or `paper` for the paper's own form. With --descriptors, how the rows
+    /// How hand images are described: `learned`, by a network, of hands turned upright (the default of `--preset standard`
+    /// and `wide`); `upright`, by gradients, of hands turned upright; `default`, by gradients, of hands as they are; or
+    /// `paper` for the paper's own form. With --descriptors, how the rows
     /// were made: `raw` (in some other way), unless this is given.
-    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
+    #[arg(long, value_name = "NAME", value_parser = NAMES)]
     descriptor: Option<String>,
+    /// The network of a learned descriptor, as `train` writes it; by default the one that comes with this program.
+    #[arg(long, value_name = "FILE")]
+    network: Option<PathBuf>,
     /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones as in the paper.
     #[arg(long, default_value = "learned", default_value_if("tables", ArgPredicate::IsPresent, "random"), value_name = "NAME", value_parser = ["learned", "random"])]
     hash: String,
@@ -103,11 +110,15 @@ struct IndexOptions {
 
 impl IndexOptions {
     /// How the descriptors are made, `None` where no name was given.
-    fn descriptor(&self) -> anyhow::Result<Option<DescriptorParams>> {
-        let by_name = |name: &String| {
-            DescriptorParams::by_name(name).with_context(|| format!("there is no descriptor named {name}"))
-        };
-        self.descriptor.as_ref().map(by_name).transpose()
+    fn descriptor(&self) -> anyhow::Result<Option<DescriptorModel>> {
+        self.descriptor.as_deref().map(|name| self.by_name(name)).transpose()
+    }
+
+    fn by_name(&self, name: &str) -> anyhow::Result<DescriptorModel> {
+        if name != LEARNED && self.network.is_some() {
+            bail!("--network is that of a learned descriptor: add --descriptor learned");
+        }
+        descriptor::by_name(name, self.network.as_deref())
     }
 
     fn recipe(
@@ -139,21 +150,19 @@ impl IndexOptions {
         let named = self.descriptor()?;
         let (descriptor, thumbnail_side) = match source {
             Source::Plan(_) | Source::Sets(_) => {
-                let default = || {
-                    DescriptorParams::by_name(form.descriptor)
-                        .with_context(|| format!("there is no descriptor named {}", form.descriptor))
-                };
-                let descriptor = named.map_or_else(default, Ok)?;
+                let descriptor = named.map_or_else(|| self.by_name(form.descriptor), Ok)?;
                 (descriptor, self.thumbnails.unwrap_or(form.thumbnail_side))
             }
             Source::Vectors(vectors) => {
-                let descriptor = named.unwrap_or(DescriptorParams::raw(vectors.dim()));
-                if descriptor.dim() != vectors.dim() as usize {
+                let raw = || DescriptorModel::new(DescriptorParams::raw(vectors.dim()));
+                let descriptor = named.map_or_else(raw, Ok)?;
+                let params = descriptor.params();
+                if params.dim() != vectors.dim() as usize {
                     bail!(
                         "the rows have {} values, and those of the descriptor `{}` have {}: leave --descriptor out",
                         vectors.dim(),
-                        descriptor.name(),
-                        descriptor.dim()
+                        params.name(),
+                        params.dim()
                     );
                 }
                 (descriptor, 0)

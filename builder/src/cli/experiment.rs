@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Subcommand;
-use grasp_index::DescriptorParams;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
 
@@ -96,9 +94,8 @@ struct Shapes {
     /// Step between views in degrees, in azimuth and elevation.
     #[arg(long, value_name = "DEG", value_parser = parse_step)]
     step: Option<f64>,
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright; or `paper` for the paper's
-    /// own form. By default as `build` does for the preset.
-    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
+    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`. By default as `build` does for the preset.
+    #[arg(long, value_name = "NAME", value_parser = crate::descriptor::NAMES)]
     descriptor: Option<String>,
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
@@ -172,8 +169,7 @@ impl Shapes {
             plan.views = Views::Grid(grid);
         }
         let name = self.descriptor.as_deref().unwrap_or(Form::of(self.preset).descriptor);
-        let descriptor = DescriptorParams::by_name(name)
-            .with_context(|| format!("there is no descriptor named {name}"))?;
+        let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
         let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
         let mut stderr = std::io::stderr();

@@ -2,6 +2,7 @@
 
 use grasp_renders::Preset;
 
+use crate::descriptor::LEARNED;
 use crate::indexing::THUMBNAIL_SIDE;
 
 /// Names as in the options of `build`.
@@ -21,7 +22,7 @@ impl Form {
         match preset {
             Preset::Paper => Self { descriptor: "default", originals: "f32", thumbnail_side: THUMBNAIL_SIDE },
             Preset::Standard | Preset::Wide => {
-                Self { descriptor: "upright", originals: "f16", thumbnail_side: 20 }
+                Self { descriptor: LEARNED, originals: "f16", thumbnail_side: 20 }
             }
         }
     }

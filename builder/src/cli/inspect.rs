@@ -4,7 +4,10 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{Calibration, Catalogue, EPS, EPS_GRID, HashInfo, Index, Measured, Sampling, Tone};
+use grasp_index::{
+    Calibration, Catalogue, DescriptorKind, DescriptorParams, EPS, EPS_GRID, HashInfo, Index, Measured,
+    Sampling, Tone,
+};
 use grasp_terminal::text::{counted, percent, printable};
 use serde_json::{Value, json};
 
@@ -60,15 +63,18 @@ fn as_text(name: &str, index: &Index) -> String {
     let mut line = |label: &str, text: String| lines.push(format!("  {label:<12} {text}"));
     let descriptor = &catalogue.descriptor;
     let (name, dim) = (descriptor.name(), index.dim());
-    let described = match descriptor.describes_pictures() {
-        true => format!(
+    let described = match descriptor.kind {
+        DescriptorKind::Raw { .. } => format!("{name}, D = {dim}: vectors from elsewhere"),
+        DescriptorKind::Learned { network, .. } => {
+            format!("{name}, D = {dim}: of hands turned upright, by the network {}", fingerprint(network))
+        }
+        DescriptorKind::Paper | DescriptorKind::Default => format!(
             "{name}, D = {dim} (B = {}, L = {}), {}, {}",
             descriptor.bins,
             descriptor.levels,
             sampling_text(descriptor.sampling),
             tone_text(descriptor.tone)
         ),
-        false => format!("{name}, D = {dim}: vectors from elsewhere"),
     };
     line("descriptor", described);
     line("originals", catalogue.originals.name().to_owned());
@@ -123,6 +129,19 @@ fn as_text(name: &str, index: &Index) -> String {
         );
     }
     lines.join("\n") + "\n"
+}
+
+/// A network's fingerprint, as `train` prints it.
+fn fingerprint(network: u64) -> String {
+    format!("{network:016x}")
+}
+
+/// The fingerprint of the network that describes pictures, where one does.
+fn network(descriptor: &DescriptorParams) -> Option<String> {
+    match descriptor.kind {
+        DescriptorKind::Learned { network, .. } => Some(fingerprint(network)),
+        _ => None,
+    }
 }
 
 /// How a hand image becomes the picture that is described.
@@ -268,6 +287,7 @@ fn as_json(name: &str, index: &Index) -> Value {
             "name": catalogue.descriptor.name(), "dim": index.dim(),
             "bins": catalogue.descriptor.bins, "levels": catalogue.descriptor.levels,
             "sampling": format!("{:?}", catalogue.descriptor.sampling), "tone": format!("{:?}", catalogue.descriptor.tone),
+            "network": network(&catalogue.descriptor),
         },
         "originals": catalogue.originals.name(), "keeps": catalogue.kept.names(),
         "classes": classes, "hand_shapes": catalogue.hand_shapes, "stages": catalogue.stages,

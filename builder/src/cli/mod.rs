@@ -16,6 +16,7 @@ mod queries;
 mod render;
 mod shard;
 mod split;
+mod train;
 mod verify;
 
 use std::io::{self, Write as _};
@@ -59,6 +60,7 @@ Examples:
   grasp-builder verify grasp.idx                         read every byte and check it
   grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
                                                          its descriptors and labels, for other programs
+  grasp-builder train --out hand.network                 the network of a learned descriptor, from renders
   grasp-builder experiment scale --out scale             how the search grows with the index
   grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
 
@@ -75,6 +77,7 @@ enum Command {
     Add(grow::Add),
     Remove(grow::Remove),
     Compact(grow::Compact),
+    Train(train::Train),
     Experiment(experiment::Experiment),
     Inspect(inspect::Inspect),
     Verify(verify::Verify),
@@ -128,6 +131,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Add(command) => command.run(&arguments.global),
         Command::Remove(command) => command.run(&arguments.global),
         Command::Compact(command) => command.run(&arguments.global),
+        Command::Train(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
         Command::Inspect(command) => command.run(),
         Command::Verify(command) => command.run(),
@@ -156,6 +160,7 @@ impl Command {
     fn when_stopped(&self) -> String {
         match self {
             Self::Build(command) => command.when_stopped(),
+            Self::Train(command) => command.when_stopped(),
             Self::Render(_) => {
                 "what is rendered is kept; run the same command again to go on from there".to_owned()
             }

@@ -3,13 +3,13 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
-use grasp_index::DescriptorParams;
+use anyhow::bail;
 use grasp_terminal::text::{counted, shown};
 
 use super::form::Form;
 use super::global::Global;
 use super::plan::PlanOptions;
+use crate::descriptor;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};
 
@@ -36,9 +36,8 @@ pub(crate) struct Queries {
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
-    /// How hand images are described: `default`; `upright`, the same of hands turned upright; or `paper` for the paper's
-    /// own form. By default as `build` does for the preset.
-    #[arg(long, value_name = "NAME", value_parser = DescriptorParams::NAMES)]
+    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`. By default as `build` does for the preset.
+    #[arg(long, value_name = "NAME", value_parser = descriptor::NAMES)]
     descriptor: Option<String>,
     #[command(flatten)]
     plan: PlanOptions,
@@ -48,8 +47,7 @@ impl Queries {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let name = self.descriptor.as_deref().unwrap_or(Form::of(self.plan.preset()).descriptor);
-        let params = DescriptorParams::by_name(name)
-            .with_context(|| format!("there is no descriptor named {name}"))?;
+        let model = descriptor::by_name(name, None)?;
         let plan = self.plan.plan(self.seed)?;
         if !plan.hand_models.is_empty() {
             bail!("queries are of hands that no index holds: leave out --hand-model");
@@ -57,9 +55,9 @@ impl Queries {
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
         let spinner = global.progress().spinner("rendering hands that no plan renders");
-        let clean = hands.describe(&params)?.descriptors;
+        let clean = hands.describe(&model)?.descriptors;
         drop(spinner);
-        let dim = params.dim();
+        let dim = model.params().dim();
         let rows = if self.clean { clean } else { held_out::moved(&clean, dim, self.seed) };
         let count = rows.len() / dim;
         if count == 0 {

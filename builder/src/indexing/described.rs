@@ -1,7 +1,7 @@
 //! A picture becomes an entry.
 
 use anyhow::Context as _;
-use grasp_index::{BACKGROUND, DESCRIBED_SIDE, Describer, HandImage, HandImageError, NewEntry};
+use grasp_index::{BACKGROUND, Describer, HandImage, HandImageError, NewEntry};
 
 use super::known::{Known, KnownPicture};
 use super::recipe::Recipe;
@@ -17,6 +17,7 @@ pub(crate) type Take<'t> = &'t mut dyn FnMut(Vec<Described>) -> anyhow::Result<(
 pub(super) fn complete(
     entry: NewEntry,
     recipe: &Recipe,
+    describer: &mut Describer,
     known: &Known,
     picture: impl FnOnce() -> anyhow::Result<Grey>,
 ) -> anyhow::Result<Described> {
@@ -26,14 +27,14 @@ pub(super) fn complete(
     }
     let Grey { width, height, pixels } = picture()?;
     let hand = match HandImage::from_segmented(width, height, &pixels, BACKGROUND) {
-        Ok(hand) => hand.shrunk_to(DESCRIBED_SIDE),
+        Ok(hand) => hand.shrunk_to(recipe.descriptor.params().described_side()),
         Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => return Ok(None),
         Err(error) => return Err(error).with_context(|| format!("cannot use {}", entry.file)),
     };
-    let turn_deg = recipe.descriptor.turn_deg(&hand);
-    let hand = hand.rotated(turn_deg.to_radians());
-    let descriptor = Describer::new(&recipe.descriptor)?.describe_turned(&hand);
-    let thumbnail = (recipe.thumbnail_side > 0).then(|| hand.thumbnail(recipe.thumbnail_side as usize));
+    let turn_deg = recipe.descriptor.params().turn_deg(&hand);
+    let turned = hand.rotated(turn_deg.to_radians());
+    let descriptor = describer.describe_turned(&hand, turn_deg, &turned);
+    let thumbnail = (recipe.thumbnail_side > 0).then(|| turned.thumbnail(recipe.thumbnail_side as usize));
     Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, false)))
 }
 

@@ -57,6 +57,8 @@ fn encoded(params: &IndexParams, origin: &[(String, String)]) -> Encoder {
     // Taken apart without `..`, so that a new parameter is not forgotten here.
     let IndexParams {
         descriptor,
+        // The descriptor's fingerprint is also its network's.
+        network: _,
         originals,
         kept,
         classes,

@@ -49,7 +49,7 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     let started = Instant::now();
     // Locked before hours of work, not after them.
     let file = AtomicFile::create(out)?;
-    let known = Known::at(out, &recipe.descriptor, recipe.thumbnail_side)?;
+    let known = Known::at(out, recipe.descriptor.params(), recipe.thumbnail_side)?;
     let names = source.names()?;
     let origin = source.origin(recipe)?;
     let mut gathered = Gathered::new(file, recipe.params(&names), origin)?;

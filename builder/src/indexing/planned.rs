@@ -68,22 +68,25 @@ pub(super) fn describe(
             let described = plan
                 .views(spec)
                 .par_iter()
-                .map(|view| {
-                    let entry = NewEntry {
-                        file: render_file(spec, view),
-                        azimuth_deg: view.azimuth_deg as f32,
-                        elevation_deg: view.elevation_deg as f32,
-                        roll_deg: view.roll_deg as f32,
-                        orientation: view.camera_from_world() * world_from_hand(&spec.grasp.up),
-                        source_hash: source_hash(hash, view),
-                        ..template.clone()
-                    };
-                    complete(entry, recipe, known, || {
-                        let scene = scene.as_ref().context("a scene that is needed was not built")?;
-                        let render = scene.render(view);
-                        Ok(Grey { width: render.side, height: render.side, pixels: render.grey })
-                    })
-                })
+                .map_init(
+                    || recipe.descriptor.describer(),
+                    |describer, view| {
+                        let entry = NewEntry {
+                            file: render_file(spec, view),
+                            azimuth_deg: view.azimuth_deg as f32,
+                            elevation_deg: view.elevation_deg as f32,
+                            roll_deg: view.roll_deg as f32,
+                            orientation: view.camera_from_world() * world_from_hand(&spec.grasp.up),
+                            source_hash: source_hash(hash, view),
+                            ..template.clone()
+                        };
+                        complete(entry, recipe, describer, known, || {
+                            let scene = scene.as_ref().context("a scene that is needed was not built")?;
+                            let render = scene.render(view);
+                            Ok(Grey { width: render.side, height: render.side, pixels: render.grey })
+                        })
+                    },
+                )
                 .collect::<anyhow::Result<Vec<Described>>>()?;
             take(described)?;
         }

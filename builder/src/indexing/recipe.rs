@@ -1,6 +1,6 @@
 //! What kind of index to make.
 
-use grasp_index::{DescriptorParams, HashParams, IndexParams, Originals};
+use grasp_index::{DescriptorModel, HashParams, IndexParams, Originals};
 
 use super::names::Names;
 use crate::held_out::HeldOut;
@@ -10,7 +10,7 @@ use crate::plan_spec::PlanSpec;
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// How hand images are described.
-    pub descriptor: DescriptorParams,
+    pub descriptor: DescriptorModel,
     /// How the hash is sized.
     pub hash: HashParams,
     /// Which form of the descriptors is kept.
@@ -30,7 +30,8 @@ impl Recipe {
     /// The parameters of an index whose entries go by `names`.
     pub(crate) fn params(&self, names: &Names) -> IndexParams {
         IndexParams {
-            descriptor: self.descriptor,
+            descriptor: *self.descriptor.params(),
+            network: self.descriptor.network().cloned(),
             classes: names.classes.clone(),
             hand_shapes: names.hand_shapes.names.clone(),
             stages: names.stages.names.clone(),

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use grasp_index::Describer;
 use grasp_index::{ClassInfo, NewEntry};
 use grasp_renders::GraspSet;
 use grasp_renders::render_set::{MANIFEST, Manifest, ManifestError, ManifestRow};
@@ -131,7 +132,10 @@ pub(super) fn describe(
         take(
             batch
                 .par_iter()
-                .map(|(set, row)| entry(set, row, names, recipe, known))
+                .map_init(
+                    || recipe.descriptor.describer(),
+                    |describer, (set, row)| entry(set, row, names, recipe, describer, known),
+                )
                 .collect::<Result<_, _>>()?,
         )?;
     }
@@ -156,6 +160,7 @@ fn entry(
     row: &ManifestRow,
     names: &Names,
     recipe: &Recipe,
+    describer: &mut Describer,
     known: &Known,
 ) -> anyhow::Result<Described> {
     let path = set.manifest.folder.join(&row.file);
@@ -173,7 +178,7 @@ fn entry(
         source_hash: source_hash(&bytes, row),
         ..NewEntry::default()
     };
-    complete(entry, recipe, known, || {
+    complete(entry, recipe, describer, known, || {
         decode(&bytes).with_context(|| format!("cannot use {}", path.display()))
     })
 }

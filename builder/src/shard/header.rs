@@ -2,11 +2,13 @@
 
 use anyhow::{Context as _, bail};
 use grasp_index::{
-    ClassInfo, DescriptorParams, FORMAT_VERSION, HashParams, IndexParams, Kept, Originals, RandomParams,
+    ClassInfo, DescriptorModel, DescriptorParams, FORMAT_VERSION, HashParams, IndexParams, Kept, Originals,
+    RandomParams,
 };
 use serde::{Deserialize, Serialize};
 
 use super::share::Share;
+use crate::descriptor;
 
 /// Which part it is, and of which index. Equal headers mean equal parts; the headers of parts of one index differ in the first
 /// two fields.
@@ -82,17 +84,18 @@ impl Header {
     pub(crate) fn from_json(json: &[u8]) -> anyhow::Result<Self> {
         let written: Written = serde_json::from_slice(json).context("its header cannot be read")?;
         let descriptor = match written.descriptor.as_str() {
-            "raw" => Some(DescriptorParams::raw(written.dim)),
-            name => DescriptorParams::by_name(name),
+            "raw" => DescriptorModel::new(DescriptorParams::raw(written.dim))?,
+            name => descriptor::by_name(name, None)?,
         };
-        let descriptor =
-            descriptor.with_context(|| format!("there is no descriptor named {}", written.descriptor))?;
+        let network = descriptor.network().cloned();
+        let descriptor = *descriptor.params();
         if written.format != FORMAT_VERSION || written.fingerprint != descriptor.fingerprint() {
             bail!("it was made by another version of grasp-builder");
         }
         let [labels, orientations, views, files, sources] = written.kept;
         let params = IndexParams {
             descriptor,
+            network,
             originals: Originals::by_name(&written.originals)
                 .context("its form of descriptors has no name")?,
             kept: Kept { labels, orientations, views, files, sources },

@@ -1,6 +1,7 @@
 //! The sizes of one layer. A dense layer is a convolution whose kernel covers its input.
 
-use crate::packed::LANES;
+/// Outputs that are computed together.
+pub(crate) const LANES: usize = 32;
 
 /// What follows a layer's sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

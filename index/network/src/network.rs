@@ -48,7 +48,7 @@ pub struct Output<'a> {
 impl Network {
     /// The largest input, up or down. For inputs to here, [`Self::from_weights`] has made sure that
     /// no sum overflows: outputs are finite.
-    pub const MAX_INPUT: f32 = 1024.0;
+    pub const MAX_INPUT: f32 = weights::MAX_INPUT;
 
     /// A network of `weights` in the order that [`Architecture`] describes, which are rounded to
     /// `f16`, as a file holds them.

@@ -1,9 +1,6 @@
 //! A layer laid out for the inner loops.
 
-use crate::layer::{Layer, Rectifier};
-
-/// Outputs that are computed together.
-pub(crate) const LANES: usize = 32;
+use crate::layer::{LANES, Layer, Rectifier};
 
 /// The weights of one input for a block of outputs, aligned to cache lines.
 #[derive(Clone, Copy, Debug)]

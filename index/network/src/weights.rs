@@ -2,13 +2,15 @@
 
 use crate::architecture::ArchitectureError;
 use crate::layer::Layer;
-use crate::network::Network;
 use half::f16;
 use thiserror::Error;
 
 /// Sums are kept so far below the largest `f32`, 3.4e38, that the rounding of millions of additions
 /// does not reach it.
 const LARGEST_SUM: f64 = 1e30;
+
+/// The largest input, up or down.
+pub(crate) const MAX_INPUT: f32 = 1024.0;
 
 /// Weights that are no network's.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -32,7 +34,7 @@ pub enum WeightsError {
         /// What it is.
         value: f32,
     },
-    /// Some input to [`Network::MAX_INPUT`] could make sums overflow.
+    /// Some input to [`crate::Network::MAX_INPUT`] could make sums overflow.
     #[error("the weights of layer {layer} are so large that its sums could reach {sum:.1e}")]
     Overflow {
         /// The layer, counted from 0.
@@ -56,7 +58,7 @@ pub(crate) fn check(layers: &[Layer], weights: &[f16]) -> Result<Vec<f32>, Weigh
     }
     let weights: Vec<f32> = weights.iter().map(|weight| weight.to_f32()).collect();
     let mut rest = weights.as_slice();
-    let mut input = f64::from(Network::MAX_INPUT);
+    let mut input = f64::from(MAX_INPUT);
     for (at, layer) in layers.iter().enumerate() {
         let (parameters, after) = rest.split_at(layer.parameters());
         let sum = largest_sum(layer, parameters, input);

@@ -1,6 +1,6 @@
 //! The cells of a descriptor.
 
-use super::params::DescriptorParams;
+use super::params::{DescriptorKind, DescriptorParams};
 
 /// One cell of a descriptor: where it lies and its histogram.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,10 +19,12 @@ pub struct Cell<'a> {
 
 impl DescriptorParams {
     /// The cells of a descriptor, finest level first, each level row by row: what the paper's
-    /// Figure 4 draws.
+    /// Figure 4 draws. Only a pyramid has any.
     pub fn cells<'a>(&self, descriptor: &'a [f32]) -> impl Iterator<Item = Cell<'a>> {
+        let is_pyramid = matches!(self.kind, DescriptorKind::Paper | DescriptorKind::Default);
         // Of parameters out of range there is no descriptor.
-        let params = if self.validate().is_ok() { *self } else { Self { levels: 0, bins: 1, ..*self } };
+        let has_cells = is_pyramid && self.validate().is_ok();
+        let params = if has_cells { *self } else { Self { levels: 0, bins: 1, ..*self } };
         let places = (1..=params.levels).flat_map(move |level| {
             let cells_a_side = 1usize << (params.levels - level);
             (0..cells_a_side * cells_a_side).map(move |cell| (level, cells_a_side, cell))

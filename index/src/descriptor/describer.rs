@@ -1,6 +1,8 @@
 //! From a hand image to its descriptor.
 
 use super::gradient::{Field, Padded};
+use super::learned::{Learned, Opinion};
+use super::model::DescriptorModel;
 use super::params::{DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 use super::pyramid;
 use crate::hand_image::HandImage;
@@ -33,30 +35,34 @@ pub struct Describer {
     picture: Padded,
     field: Field,
     columns: Vec<f32>,
+    learned: Option<Learned>,
+}
+
+impl DescriptorModel {
+    /// A describer, with buffers of its own.
+    pub fn describer(&self) -> Describer {
+        Describer {
+            params: *self.params(),
+            resampler: Resampler::default(),
+            picture: Padded::default(),
+            field: Field::default(),
+            columns: Vec::new(),
+            learned: self.network().cloned().map(Learned::new),
+        }
+    }
 }
 
 impl Describer {
     /// A describer for these parameters.
     ///
     /// # Errors
-    /// [`ParamsError`], where they are out of range: [`DescriptorParams::validate`].
+    /// [`ParamsError`], where they are out of range ([`DescriptorParams::validate`]) or those of a
+    /// learned descriptor, whose describers come from [`DescriptorModel`].
     pub fn new(params: &DescriptorParams) -> Result<Self, ParamsError> {
-        params.validate()?;
-        Ok(Self::of_valid(*params))
+        DescriptorModel::new(*params).map(|model| model.describer())
     }
 
-    /// The same for parameters that have been validated, as those of an open index have.
-    pub(crate) fn of_valid(params: DescriptorParams) -> Self {
-        Self {
-            params,
-            resampler: Resampler::default(),
-            picture: Padded::default(),
-            field: Field::default(),
-            columns: Vec::new(),
-        }
-    }
-
-    /// The descriptor of a hand image: [`DescriptorParams::dim`] values, each at least 0; all are
+    /// The descriptor of a hand image: [`DescriptorParams::dim`] values; all are 0
     /// where [`DescriptorParams::describes_pictures`] is not so.
     pub fn describe(&mut self, hand: &HandImage) -> Vec<f32> {
         let mut descriptor = vec![0.0; self.params.dim()];
@@ -68,15 +74,28 @@ impl Describer {
     /// [`DescriptorParams::dim`], the rest of the descriptor is dropped; where it is longer, its
     /// end is left alone.
     pub fn describe_into(&mut self, hand: &HandImage, out: &mut [f32]) {
+        if let Some(learned) = &mut self.learned {
+            learned.describe(hand, self.params.turn_deg(hand), out);
+            return;
+        }
         self.describe_as_is(&hand.rotated(self.params.turn_deg(hand).to_radians()), out);
     }
 
-    /// The descriptor of a hand image that was turned already, by [`DescriptorParams::turn_deg`] or
-    /// as somebody wants to try.
-    pub fn describe_turned(&mut self, hand: &HandImage) -> Vec<f32> {
+    /// The descriptor of a hand image that is turned clockwise by `turn_deg`, by
+    /// [`DescriptorParams::turn_deg`] or as somebody wants to try; `turned` is
+    /// [that picture](HandImage::rotated), which most callers have a use for besides.
+    pub fn describe_turned(&mut self, hand: &HandImage, turn_deg: f64, turned: &HandImage) -> Vec<f32> {
         let mut descriptor = vec![0.0; self.params.dim()];
-        self.describe_as_is(hand, &mut descriptor);
+        match &mut self.learned {
+            Some(learned) => learned.describe(hand, turn_deg, &mut descriptor),
+            None => self.describe_as_is(turned, &mut descriptor),
+        }
         descriptor
+    }
+
+    /// What the network of a learned descriptor says by itself of the picture that was described last.
+    pub fn opinion(&self) -> Option<&Opinion> {
+        self.learned.as_ref()?.opinion()
     }
 
     fn describe_as_is(&mut self, hand: &HandImage, out: &mut [f32]) {
@@ -96,7 +115,7 @@ impl Describer {
                 histograms.iter_mut().for_each(|value| *value = value.sqrt());
                 histograms
             }
-            DescriptorKind::Raw { .. } => vec![0.0; self.params.dim()],
+            DescriptorKind::Raw { .. } | DescriptorKind::Learned { .. } => vec![0.0; self.params.dim()],
         };
         let length = out.len().min(descriptor.len());
         out[..length].swap_with_slice(&mut descriptor[..length]);

@@ -7,11 +7,17 @@
 mod cells;
 mod describer;
 mod gradient;
+mod learned;
+mod model;
 mod params;
+mod planes;
 mod pyramid;
 #[cfg(test)]
 mod tests;
 
 pub use cells::Cell;
 pub use describer::Describer;
+pub use learned::Opinion;
+pub use model::DescriptorModel;
 pub use params::{DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
+pub use planes::{PLANES_SIDE, PLANES_SOURCE_SIDE, Placement, SHOWN_LENGTHS, planes, shown};

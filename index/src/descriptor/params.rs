@@ -1,6 +1,8 @@
 //! What determines a descriptor.
 
-use crate::hand_image::HandImage;
+use super::planes::{PLANES_REVISION, PLANES_SOURCE_SIDE};
+use crate::hand_image::{DESCRIBED_SIDE, HandImage};
+use grasp_network::Network;
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -22,6 +24,14 @@ pub enum DescriptorKind {
     /// known.
     Raw {
         /// Values of a vector, 1 to 65,536.
+        dim: u32,
+    },
+    /// What a network makes of the [planes](super::planes()) of the hand: `dim` values, its
+    /// embedding. The pyramid's parameters are of no account.
+    Learned {
+        /// The network's fingerprint.
+        network: u64,
+        /// Values of an embedding, 1 to 1024.
         dim: u32,
     },
 }
@@ -79,6 +89,15 @@ pub enum ParamsError {
     /// Too few or too many bins.
     #[error("{0} bins: 2 to 32 are supported, and the paper uses 4")]
     Bins(u32),
+    /// Embeddings too short or too long.
+    #[error("embeddings of {0} values: 1 to 1024 are supported")]
+    Embedding(u32),
+    /// A learned descriptor without the network that computes it.
+    #[error(
+        "a learned descriptor needs its network, of fingerprint {0:016x}: take it from an index that \
+         carries it, or from its file"
+    )]
+    Network(u64),
     /// Vectors too short or too long.
     #[error("vectors of {0} values: 1 to 65,536 are supported")]
     Dim(u32),
@@ -128,6 +147,12 @@ impl DescriptorParams {
         Self { kind: DescriptorKind::Raw { dim }, ..Self::paper() }
     }
 
+    /// The embedding of a network.
+    pub fn learned(network: &Network) -> Self {
+        let dim = network.architecture().embedding;
+        Self { kind: DescriptorKind::Learned { network: network.fingerprint(), dim }, ..Self::upright() }
+    }
+
     /// Whether pictures can be described: not as vectors are that came from elsewhere.
     pub fn describes_pictures(&self) -> bool {
         !matches!(self.kind, DescriptorKind::Raw { .. })
@@ -150,13 +175,14 @@ impl DescriptorParams {
             DescriptorKind::Default if matches!(self.sampling, Sampling::Upright { .. }) => "upright",
             DescriptorKind::Default => "default",
             DescriptorKind::Raw { .. } => "raw",
+            DescriptorKind::Learned { .. } => "learned",
         }
     }
 
     /// The descriptor's length, the paper's D: `B` times the sum of `4^(L-l)` over the levels `l`,
     /// 84 for B = 4, L = 3.
     pub fn dim(&self) -> usize {
-        if let DescriptorKind::Raw { dim } = self.kind {
+        if let DescriptorKind::Raw { dim } | DescriptorKind::Learned { dim, .. } = self.kind {
             return dim as usize;
         }
         // Parameters may be out of range: such a length is no descriptor's, but it is no overflow
@@ -174,6 +200,9 @@ impl DescriptorParams {
         match self.kind {
             DescriptorKind::Raw { dim } if !(1..=1 << 16).contains(&dim) => {
                 return Err(ParamsError::Dim(dim));
+            }
+            DescriptorKind::Learned { dim, .. } if !(1..=1024).contains(&dim) => {
+                return Err(ParamsError::Embedding(dim));
             }
             _ => {}
         }
@@ -214,6 +243,7 @@ impl DescriptorParams {
             DescriptorKind::Paper => (0u8, None),
             DescriptorKind::Default => (1, None),
             DescriptorKind::Raw { dim } => (2, Some(dim)),
+            DescriptorKind::Learned { dim, .. } => (3, Some(dim)),
         };
         let mut bytes = vec![REVISION, kind, sampling, tone];
         bytes.extend(self.bins.to_le_bytes());
@@ -221,7 +251,21 @@ impl DescriptorParams {
         bytes.extend(side.to_le_bytes());
         bytes.extend(contrast.to_le_bytes());
         bytes.extend(dim.into_iter().flat_map(u32::to_le_bytes));
+        if let DescriptorKind::Learned { network, .. } = self.kind {
+            bytes.push(PLANES_REVISION);
+            bytes.extend(network.to_le_bytes());
+        }
         xxh3_64(&bytes)
+    }
+
+    /// The longest side, in pixels, at which a hand image is described: larger ones are
+    /// [shrunk](HandImage::shrunk_to), so that all are described at one scale.
+    #[must_use]
+    pub fn described_side(&self) -> usize {
+        match self.kind {
+            DescriptorKind::Learned { .. } => PLANES_SOURCE_SIDE,
+            _ => DESCRIBED_SIDE,
+        }
     }
 
     /// By how many degrees, clockwise on the picture, a hand image is turned before it is

@@ -64,7 +64,7 @@ fn naive(hand: &HandImage, params: &DescriptorParams) -> Vec<f64> {
                             * share(middle(y, hand.height()) - row as f64)
                             * share(middle(x, hand.width()) - column as f64)
                     }
-                    DescriptorKind::Raw { .. } => 0.0,
+                    DescriptorKind::Raw { .. } | DescriptorKind::Learned { .. } => 0.0,
                 };
             }
         }
@@ -257,5 +257,5 @@ fn an_upright_descriptor_hardly_changes_with_the_roll_of_the_camera() {
     }
     let mut describer = Describer::new(&upright).unwrap();
     let turned = hand.rotated(upright.turn_deg(&hand).to_radians());
-    assert_eq!(describer.describe_turned(&turned), describer.describe(&hand));
+    assert_eq!(describer.describe_turned(&hand, upright.turn_deg(&hand), &turned), describer.describe(&hand));
 }

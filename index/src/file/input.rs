@@ -9,7 +9,9 @@ use crate::search::build::HashParams;
 use crate::search::effort::Measured;
 use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
+use grasp_network::Network;
 use nalgebra::UnitQuaternion;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// What an index is to be like.
@@ -17,6 +19,8 @@ use thiserror::Error;
 pub struct IndexParams {
     /// How the descriptors were made.
     pub descriptor: DescriptorParams,
+    /// The network that makes learned descriptors; of no account for others.
+    pub network: Option<Arc<Network>>,
     /// Which form of the descriptors to keep. [`Originals::F32`] alone serves a random hash, which has nothing else to measure
     /// distances by.
     pub originals: Originals,

@@ -40,7 +40,7 @@ impl SectionKind {
             Self::Views => n.checked_mul(3)?,
             Self::FileOffsets => n.checked_add(1)?,
             Self::ObjectOffsets => u64::from(catalogue.objects) + 1,
-            Self::FileText | Self::ObjectText => return Some(None),
+            Self::FileText | Self::ObjectText | Self::Network => return Some(None),
             Self::Thumbnails => n.checked_mul(u64::from(catalogue.thumbnail_side).pow(2))?,
             _ => match catalogue.hash {
                 HashInfo::Random(hash) => self.elements_of_random(hash, n, dim)?,
@@ -95,10 +95,11 @@ impl Layout {
         check_numbers(catalogue)?;
         let mut ranges = std::array::from_fn(|_| 0..0);
         let mut end = header::LENGTH as u64;
-        if catalogue.sections.len() != SectionKind::ALL.len() {
+        let kinds = SectionKind::of(&catalogue.descriptor);
+        if catalogue.sections.len() != kinds.len() {
             return Err(OpenError::corrupt("the catalogue lists another number of sections than there are"));
         }
-        for (section, kind) in catalogue.sections.iter().zip(SectionKind::ALL) {
+        for (section, kind) in catalogue.sections.iter().zip(kinds.iter().copied()) {
             let corrupt = |what| OpenError::corrupt(format_args!("the section {kind:?} {what}"));
             let element = kind.element(catalogue.originals);
             if section.kind != kind || section.element != element {

@@ -7,7 +7,10 @@ use super::header::Header;
 use super::layout::Layout;
 use super::sections::SectionKind;
 use super::wire;
+use crate::descriptor::DescriptorKind;
 use crate::search::ReadAhead as _;
+use grasp_network::Network;
+use std::sync::Arc;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// A file whose catalogue has been read and whose sections lie where they should.
@@ -17,6 +20,8 @@ pub(crate) struct Opened {
     pub(crate) header: Header,
     pub(crate) catalogue: Catalogue,
     layout: Layout,
+    /// Behind a learned descriptor.
+    pub(crate) network: Option<Arc<Network>>,
 }
 
 impl Opened {
@@ -36,11 +41,25 @@ impl Opened {
         // Every search reads these, and they lie together before the catalogue.
         let searched = layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize;
         bytes.will_need(bytes.get(searched).unwrap_or(&[]));
-        Ok(Self { bytes, header, catalogue, layout })
+        let network = network(&catalogue, bytes.get(layout.range(SectionKind::Network)).unwrap_or(&[]))?;
+        Ok(Self { bytes, header, catalogue, layout, network })
     }
 
     /// The bytes of a section.
     pub(crate) fn raw(&self, kind: SectionKind) -> &[u8] {
         self.bytes.get(self.layout.range(kind)).unwrap_or(&[])
     }
+}
+
+/// The network that the descriptor names.
+fn network(catalogue: &Catalogue, bytes: &[u8]) -> Result<Option<Arc<Network>>, OpenError> {
+    let DescriptorKind::Learned { network: fingerprint, dim } = catalogue.descriptor.kind else {
+        return Ok(None);
+    };
+    let network = Network::from_bytes(bytes)
+        .map_err(|error| OpenError::corrupt(format_args!("the network of its descriptors: {error}")))?;
+    if network.fingerprint() != fingerprint || network.architecture().embedding != dim {
+        return Err(OpenError::corrupt("its network is another than its descriptors were made by"));
+    }
+    Ok(Some(Arc::new(network)))
 }

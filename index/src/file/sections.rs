@@ -1,6 +1,7 @@
 //! The sections: which there are, and what they hold.
 
 use super::kept::Originals;
+use crate::descriptor::{DescriptorKind, DescriptorParams};
 
 /// Where a section lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,12 +96,14 @@ pub enum SectionKind {
     BucketCentres,
     /// Blocks of sixteen: the entries in the buckets of a learned hash.
     EntryBlocks,
+    /// The bytes of the network behind a learned descriptor; only there where the descriptor is one.
+    Network,
 }
 
 impl SectionKind {
     /// All sections, in the order of the file: descriptors first, because they are written first; what every search touches
     /// lies last, together.
-    pub(crate) const ALL: [Self; 22] = [
+    pub(crate) const ALL: [Self; 23] = [
         Self::Descriptors,
         Self::Thumbnails,
         Self::FileOffsets,
@@ -123,7 +126,17 @@ impl SectionKind {
         Self::GroupDirectory,
         Self::GroupCentres,
         Self::Axes,
+        Self::Network,
     ];
+
+    /// The sections of an index whose descriptors are such, in the order of the file. What came with
+    /// learned descriptors is not in others, which older readers read.
+    pub(crate) fn of(descriptor: &DescriptorParams) -> &'static [Self] {
+        match descriptor.kind {
+            DescriptorKind::Learned { .. } => &Self::ALL,
+            _ => Self::ALL.split_last().map_or(&[], |(_, rest)| rest),
+        }
+    }
 
     /// Whether the hash, and not the entries, make the section.
     pub(crate) fn is_of_the_hash(self) -> bool {
@@ -156,7 +169,8 @@ impl SectionKind {
             | Self::Thumbnails
             | Self::GroupCentres
             | Self::BucketCentres
-            | Self::EntryBlocks => ElementType::U8,
+            | Self::EntryBlocks
+            | Self::Network => ElementType::U8,
             Self::Labels | Self::HandShapes | Self::Objects | Self::Views => ElementType::U16,
             Self::Orientations => ElementType::I16,
             Self::FileOffsets

@@ -3,8 +3,8 @@
 //!
 //! A form has the fields of the domain's type in the order in which the file has them. Should the
 //! domain change, the form stays, and the conversion makes up for the difference. An enum may get
-//! more variants at its end, for which [`least_reader`] names the version; any other change is a
-//! new form beside the old one, and a new version.
+//! more variants at its end, no larger than the others, for which [`least_reader`] names the version;
+//! any other change is a new form beside the old one, and a new version.
 
 use super::catalogue::{Catalogue, ClassInfo};
 use super::kept::{Kept, Originals};
@@ -20,8 +20,11 @@ use rkyv::util::AlignedVec;
 use rkyv::{Archive, Deserialize, Serialize};
 
 /// The least reader that understands what a catalogue holds: version 4 brought hands that are
-/// turned upright.
+/// turned upright, version 5 descriptors that a network makes.
 pub(crate) fn least_reader(catalogue: &Catalogue) -> u32 {
+    if matches!(catalogue.descriptor.kind, DescriptorKind::Learned { .. }) {
+        return 5;
+    }
     match catalogue.descriptor.sampling {
         Sampling::Upright { .. } => 4,
         Sampling::Native | Sampling::KeepAspect { .. } => 3,
@@ -36,10 +39,14 @@ pub(crate) fn write(catalogue: &Catalogue) -> Result<AlignedVec, Error> {
 /// The catalogue that a file of version `version` holds; `None` where the bytes are of no such
 /// form, or what they hold is no longer known. They are validated.
 pub(crate) fn read(bytes: &[u8], version: u32) -> Option<Catalogue> {
-    match version {
+    let mut catalogue = match version {
         2 => rkyv::from_bytes::<CatalogueForm2, Error>(bytes).ok()?.thaw(),
         _ => rkyv::from_bytes::<CatalogueForm, Error>(bytes).ok()?.thaw(),
+    }?;
+    if let DescriptorKind::Learned { network, .. } = &mut catalogue.descriptor.kind {
+        *network = catalogue.sections.iter().find(|section| section.kind == SectionKind::Network)?.xxh3;
     }
+    Some(catalogue)
 }
 
 /// A form in the file and what it stands for.
@@ -255,7 +262,7 @@ enums! {
     SectionKindForm of SectionKind {
         Descriptors, Labels, Stages, HandShapes, Orientations, Views, SourceHashes, FileOffsets, FileText, Objects,
         ObjectOffsets, ObjectText, Thumbnails, PlaneNormals, PlaneOffsets, BucketDirectory, BucketIds, Axes,
-        GroupCentres, GroupDirectory, BucketCentres, EntryBlocks,
+        GroupCentres, GroupDirectory, BucketCentres, EntryBlocks, Network,
     }
 }
 
@@ -300,7 +307,14 @@ impl Frozen for ReliabilityForm {
 enum DescriptorKindForm {
     Paper,
     Default,
-    Raw { dim: u32 },
+    Raw {
+        dim: u32,
+    },
+    /// Its network's fingerprint is the hash of the section that holds it. No larger than the others:
+    /// a larger variant would move what follows, in files of every version.
+    Learned {
+        dim: u32,
+    },
 }
 
 impl Frozen for DescriptorKindForm {
@@ -311,6 +325,7 @@ impl Frozen for DescriptorKindForm {
             DescriptorKind::Paper => Self::Paper,
             DescriptorKind::Default => Self::Default,
             DescriptorKind::Raw { dim } => Self::Raw { dim },
+            DescriptorKind::Learned { network: _, dim } => Self::Learned { dim },
         }
     }
 
@@ -319,6 +334,8 @@ impl Frozen for DescriptorKindForm {
             Self::Paper => DescriptorKind::Paper,
             Self::Default => DescriptorKind::Default,
             Self::Raw { dim } => DescriptorKind::Raw { dim },
+            // `read` fills it in.
+            Self::Learned { dim } => DescriptorKind::Learned { network: 0, dim },
         })
     }
 }

@@ -26,6 +26,26 @@ impl HandImage {
         if turn < 180.0 { turn } else { turn - 360.0 }
     }
 
+    /// The hand without what lies further than `lengths` breadths behind its uppermost point once it
+    /// is turned by `turn_deg`: of a long arm, about half. The picture itself is not turned.
+    #[must_use]
+    pub fn without_arm(&self, turn_deg: f64, lengths: f64) -> Self {
+        let (sin, cos) = libm::sincos(turn_deg.to_radians());
+        let place = |at: usize| {
+            let (x, y) = ((at % self.width) as f64, (at / self.width) as f64);
+            (cos * x - sin * y, sin * x + cos * y)
+        };
+        let inside = (0..self.mask.len()).filter(|&at| self.mask[at] != 0).map(place);
+        let start = [f64::MAX, f64::MIN, f64::MAX];
+        let [left, right, top] =
+            inside.fold(start, |[left, right, top], (x, y)| [left.min(x), right.max(x), top.min(y)]);
+        let end = top + lengths * (right - left + 1.0);
+        Self::crop_any_size(self.width, self.height, &self.pixels, |at| {
+            self.mask[at] != 0 && place(at).1 < end
+        })
+        .unwrap_or_else(|| self.clone())
+    }
+
     /// The second and third central moments of the mask, x right and y down: xx, xy, yy, xxx, xxy, xyy, yyy.
     fn central_moments(&self) -> [f64; 7] {
         let inside = || {

@@ -12,13 +12,16 @@ mod sigma;
 
 pub(crate) use ballot::Ballot;
 pub use calibration::{Calibrated, Calibration, Doubt};
-pub(crate) use class::{kernel_mass, shares};
+pub(crate) use class::{kernel_mass, shares, sharpen};
 pub(crate) use fit::{Example, MOST_VOTERS, calibrate, noise_of_the_farthest, noise_of_the_vote};
 pub(crate) use orientation::estimate;
 pub use orientation::{OrientationEstimate, cyclic_euler_mean, mean_rotation};
 pub use reliability::{Reliability, ReliabilityBin};
 pub(crate) use sigma::measure as measure_sigma;
 pub use sigma::{Sigma, mean_distance};
+
+use crate::descriptor::Opinion;
+use crate::search::Neighbour;
 
 /// How neighbours are weighed. The default is what the index was calibrated with; with another width, the probabilities are the
 /// weights' shares, which the calibration was not fitted to.
@@ -40,6 +43,17 @@ impl VoteOptions {
     pub fn has_own_width(&self) -> bool {
         self.sigma.is_some() || self.sigma_scale.is_some() || self.literal_sigma
     }
+}
+
+/// One look at a picture: what lies nearest to its descriptor.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// The nearest entries.
+    pub neighbours: &'a [Neighbour],
+    /// What the network that described the picture says of it by itself, if anything.
+    pub opinion: Option<&'a Opinion>,
+    /// By how many degrees, clockwise, the picture had been turned beside the one that is asked about.
+    pub turn_deg: f64,
 }
 
 /// The answer of the neighbours.

@@ -72,11 +72,12 @@ impl Progress {
         if matches!(self.shown, Shown::Bars) {
             draw(&bar, len.is_some(), unit);
         }
-        let log = match self.shown {
+        let shown = self.shown;
+        let log = match shown {
             Shown::Lines(program) => Some(Log::start(program, bar.clone(), unit, self.since)),
             Shown::Bars | Shown::Nothing => None,
         };
-        Work { bar, log }
+        Work { bar, log, shown }
     }
 }
 
@@ -85,6 +86,7 @@ impl Progress {
 pub struct Work {
     bar: ProgressBar,
     log: Option<Log>,
+    shown: Shown,
 }
 
 impl Work {
@@ -106,6 +108,16 @@ impl Work {
     /// What is being done now.
     pub fn set_message(&self, doing: impl Into<Cow<'static, str>>) {
         self.bar.set_message(doing);
+    }
+
+    /// Writes a line that stays, such as what was measured on the way.
+    pub fn line(&self, line: &str) {
+        match self.shown {
+            Shown::Bars => self.bar.println(line),
+            // Nobody may be there to read it; the work goes on.
+            Shown::Lines(program) => drop(writeln!(io::stderr(), "{program}: {line}")),
+            Shown::Nothing => {}
+        }
     }
 }
 
@@ -257,6 +269,7 @@ mod tests {
             let progress = Progress { shown, since: Instant::now() };
             let work = progress.bar(2, "trying", "things");
             work.inc(1);
+            work.line("tried one");
             drop(work);
             drop(progress.spinner("trying"));
         }

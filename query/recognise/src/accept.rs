@@ -43,7 +43,7 @@ impl Accept {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
         let far = self.limits(index, vote, trust).doubt(nearest, first_probability(&best.vote));
         let unreliable = || {
-            let (trust, least) = (trust?, Trust::built_in().least);
+            let (trust, least) = (trust?, Trust::of_descriptor(&index.catalogue().descriptor).least);
             (self == Self::Calibrated && trust < least).then_some(Doubt::Unreliable { trust, least })
         };
         far.map(Doubt::from).filter(|doubt| !doubt.is_unsure()).or_else(unreliable).or(far.map(Doubt::from))

@@ -5,9 +5,11 @@
 //! orientation is turned and flipped back.
 
 use grasp_index::{
-    HandImage, Index, Neighbour, Search, SearchCost, SearchOptions, Vote, euler_deg, mirror_orientation,
+    Describer, DescriptorKind, HandImage, Index, Look, Neighbour, Opinion, Search, SearchCost, SearchOptions,
+    Vote, euler_deg, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
+use std::borrow::Cow;
 
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
 
@@ -31,7 +33,7 @@ pub struct Hypothesis {
     pub vote: Vote,
     /// How many hypotheses were searched for, this one included.
     pub tried: usize,
-    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None` where it was not tried.
+    /// How much unlikelier the other hand is: 0 as likely; 1 its neighbours lie twice as far. `None` where it was not tried.
     pub rival: Option<f64>,
 }
 
@@ -42,11 +44,22 @@ impl Hypothesis {
     }
 
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
-    fn unlikeliness(&self, tried_deg: f64) -> f64 {
+    /// So it is where the descriptor's network takes the hand for the mirror image of a right one.
+    fn unlikeliness(&self, tried_deg: f64, mirrored: Option<f64>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
-        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt)
+        let mirrored = 1.0 + MIRROR_PENALTY * mirrored.unwrap_or_default();
+        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored
     }
 }
+
+/// How far beside upright a learned descriptor's picture is looked at besides, in degrees: as far as
+/// hands that are held alike are found upright differently. On the development hands two more looks
+/// are worth three to four points, and more of them nothing.
+const LOOKS_DEG: [f64; 2] = [15.0, -15.0];
+
+/// How much larger the distance of a picture counts that the network takes for a mirrored hand's for
+/// certain. From 1 on, it hardly matters how large it is.
+const MIRROR_PENALTY: f64 = 3.0;
 
 /// How much larger the distance of a picture counts that was turned the other way up: cameras are mostly level, and an upright hand is
 /// mostly found to be one.
@@ -60,6 +73,9 @@ fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQua
     }
 }
 
+/// A hypothesis and what the descriptor's network says of it by itself.
+type Candidate = (Hypothesis, Option<Opinion>);
+
 /// Tries every hand and roll of the options and returns the hypothesis whose neighbours are nearest.
 pub(super) fn best(
     index: &Index,
@@ -71,7 +87,7 @@ pub(super) fn best(
     let first = options.hand.sides().first().copied().unwrap_or_default();
     let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
     let search = SearchOptions { k, effort: options.effort };
-    let mut best: [Option<(f64, Hypothesis)>; 2] = [None, None];
+    let mut best: [Option<(f64, Candidate)>; 2] = [None, None];
     let mut describer = index.describer();
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
@@ -83,11 +99,13 @@ pub(super) fn best(
                 |t| &mut t.descriptor_ms,
                 || {
                     // Turning and then flipping is flipping and then turning the other way: one turn serves both hands.
-                    let (roll_deg, image) = match side {
-                        Side::Right => (degrees, turned.clone()),
-                        Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
+                    let (roll_deg, image, hand) = match side {
+                        Side::Right => (degrees, turned.clone(), Cow::Borrowed(hand)),
+                        Side::Left => {
+                            ((360.0 - degrees) % 360.0, turned.mirrored(), Cow::Owned(hand.mirrored()))
+                        }
                     };
-                    let descriptor = describer.describe_turned(&image);
+                    let descriptor = describer.describe_turned(&hand, roll_deg, &image);
                     (roll_deg, image, descriptor)
                 },
             );
@@ -105,15 +123,16 @@ pub(super) fn best(
                 tried: 0,
                 rival: None,
             };
-            let distance = hypothesis.unlikeliness(tried);
+            let distance =
+                hypothesis.unlikeliness(tried, describer.opinion().map(|opinion| opinion.mirrored));
             let [of_first, of_other] = &mut best;
             let of_side = if side == first { of_first } else { of_other };
             if of_side.as_ref().is_none_or(|(least, _)| distance < *least) {
-                *of_side = Some((distance, hypothesis));
+                *of_side = Some((distance, (hypothesis, describer.opinion().cloned())));
             }
         }
     }
-    let (mut best, rival) = match best {
+    let ((mut best, opinion), rival) = match best {
         // The first hand wins a tie.
         [Some((a, first)), Some((b, other))] => {
             let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
@@ -123,11 +142,48 @@ pub(super) fn best(
         [None, None] => return Err(RecogniseError::NoHand),
     };
     best.rival = rival;
+    look_again(index, hand, options, (&search, &mut describer, opinion.as_ref()), timings, &mut best)?;
     best.tried = rolls * options.hand.sides().len();
     let rotation = best.in_picture(&best.vote.orientation.rotation);
     best.vote.orientation.euler_deg = euler_deg(&rotation);
     best.vote.orientation.rotation = rotation;
     Ok(best)
+}
+
+/// Looks at the picture of the answer from beside, where its descriptor is one that a small turn
+/// changes otherwise than it changes the hand: the votes of all looks are joined.
+fn look_again(
+    index: &Index,
+    hand: &HandImage,
+    options: &RecogniseOptions,
+    (search, describer, opinion): (&SearchOptions, &mut Describer, Option<&Opinion>),
+    timings: &mut Timings,
+    best: &mut Hypothesis,
+) -> Result<(), RecogniseError> {
+    if !matches!(index.catalogue().descriptor.kind, DescriptorKind::Learned { .. }) {
+        return Ok(());
+    }
+    let hand = match best.side {
+        Side::Right => Cow::Borrowed(hand),
+        Side::Left => Cow::Owned(hand.mirrored()),
+    };
+    let mut others = Vec::with_capacity(LOOKS_DEG.len());
+    for beside in LOOKS_DEG {
+        // A network turns the picture itself.
+        let describe = || describer.describe_turned(&hand, best.roll_deg + beside, &hand);
+        let descriptor = timings.time(|t| &mut t.descriptor_ms, describe);
+        let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, search))?;
+        others.push((found.neighbours, describer.opinion().cloned(), beside));
+    }
+    let own = Look { neighbours: &best.neighbours, opinion, turn_deg: 0.0 };
+    let others = others.iter().map(|(neighbours, opinion, turn_deg)| Look {
+        neighbours,
+        opinion: opinion.as_ref(),
+        turn_deg: *turn_deg,
+    });
+    let looks: Vec<Look> = std::iter::once(own).chain(others).collect();
+    best.vote = timings.time(|t| &mut t.vote_ms, || index.vote_of_looks(&looks, &options.vote));
+    Ok(())
 }
 
 fn mean_distance(neighbours: &[Neighbour]) -> f64 {

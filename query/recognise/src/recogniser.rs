@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use grasp_index::{DESCRIBED_SIDE, Index};
+use grasp_index::Index;
 
 use crate::doubtful;
 use crate::error::RecogniseError;
@@ -61,13 +61,14 @@ impl<'a> Recogniser<'a> {
         mut timings: Timings,
     ) -> Result<Recognition, RecogniseError> {
         let started = Instant::now();
-        let hand_image = prepared.hand_image()?.shrunk_to(DESCRIBED_SIDE);
+        let hand_image = prepared.hand_image()?.shrunk_to(self.index.catalogue().descriptor.described_side());
         timings.descriptor_ms += timings::milliseconds(started);
         let mut best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
-        let trust = Trust::built_in().of(&evidence).filter(|_| is_calibrated);
+        let trust =
+            Trust::of_descriptor(&self.index.catalogue().descriptor).of(&evidence).filter(|_| is_calibrated);
         let applied = trust.filter(|_| self.options.temper);
         let classes = best.vote.classes.len();
         if let Some(trust) = applied {

@@ -11,6 +11,7 @@
 //! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures of hands before backgrounds that are
 //! hard to tell from skin (`data/trust.toml`, which names the command). A mask that was given is trusted, unless it is all of the picture.
 
+use grasp_index::{DescriptorKind, DescriptorParams};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
@@ -55,13 +56,25 @@ pub struct Term {
     pub weight: f64,
 }
 
-static BUILT_IN: LazyLock<Trust> =
+static OF_GRADIENTS: LazyLock<Trust> =
     LazyLock::new(|| toml::from_str(include_str!("../data/trust.toml")).expect("a test reads the same file"));
+static OF_LEARNED: LazyLock<Trust> = LazyLock::new(|| {
+    toml::from_str(include_str!("../data/trust-learned.toml")).expect("a test reads the same file")
+});
 
 impl Trust {
-    /// The model that the program holds.
+    /// The model that the program holds for descriptors of gradients.
     pub fn built_in() -> &'static Self {
-        &BUILT_IN
+        &OF_GRADIENTS
+    }
+
+    /// The model that the program holds for a descriptor: distances to neighbours, and how far the
+    /// other hand's lie, mean something else for a learned one.
+    pub fn of_descriptor(descriptor: &DescriptorParams) -> &'static Self {
+        match descriptor.kind {
+            DescriptorKind::Learned { .. } => &OF_LEARNED,
+            _ => &OF_GRADIENTS,
+        }
     }
 
     /// The trust in an answer, 0..=1; `None` where the mask was given and is one.
@@ -117,7 +130,8 @@ mod tests {
     fn the_built_in_model_knows_every_measure_and_no_other() {
         let mut names = Evidence::NAMES.to_vec();
         names.sort_unstable();
-        for model in [&Trust::built_in().hand_tried, &Trust::built_in().hand_given] {
+        let trusts = [&*OF_GRADIENTS, &*OF_LEARNED];
+        for model in trusts.iter().flat_map(|trust| [&trust.hand_tried, &trust.hand_given]) {
             assert!(model.measures.keys().eq(&names), "{model:?}");
             assert!(model.measures.values().all(|term| term.deviation > 0.0));
         }

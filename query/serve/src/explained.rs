@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use grasp_index::Index;
+use grasp_index::{DescriptorKind, Index};
 use image::{ExtendedColorType, ImageEncoder as _, ImageError, codecs::png::PngEncoder};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -30,10 +30,12 @@ pub(super) struct Explained {
     hand_image: String,
     /// Values of the descriptor.
     dim: usize,
-    /// Bins of orientation in each cell.
+    /// Bins of orientation in each cell, 0 where there are none.
     bins: u32,
     /// How the edges lie that each bin counts, in degrees counter-clockwise: 0 is level, 90 upright.
     edges_deg: Vec<f64>,
+    /// The descriptor's values, where a network computed them and they have no directions or cells.
+    values: Vec<f32>,
     /// The descriptor's cells, level by level.
     cells: Vec<CellRecord>,
     /// Which index answered: the neighbours' thumbnails are asked for with it.
@@ -78,14 +80,17 @@ impl Explained {
             column: cell.column,
             histogram: cell.histogram.to_vec(),
         });
+        let learned = matches!(params.kind, DescriptorKind::Learned { .. });
+        let bins = if learned { 0 } else { params.bins };
         Ok(Self {
             width,
             height,
             mask: address(&overlay, (width, height), ExtendedColorType::Rgba8)?,
             hand_image: address(hand.pixels(), (hand.width(), hand.height()), ExtendedColorType::L8)?,
             dim: found.best.descriptor.len(),
-            bins: params.bins,
-            edges_deg: (0..params.bins).map(|bin| edge_deg(params, bin)).collect(),
+            bins,
+            values: if learned { found.best.descriptor.clone() } else { Vec::new() },
+            edges_deg: (0..bins).map(|bin| edge_deg(params, bin)).collect(),
             cells: cells.collect(),
             generation,
         })

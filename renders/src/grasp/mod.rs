@@ -17,6 +17,6 @@ pub use example::Example;
 pub(crate) use grip::grip;
 pub(crate) use hold::hold;
 pub use object::{Object, ObjectKind, PlacedObject};
-pub use recorded::RecordedPose;
+pub use recorded::{PoseGroup, RecordedPose};
 pub use set::{GraspSet, GraspSetError};
 pub use stage::{Stage, UnknownStage};

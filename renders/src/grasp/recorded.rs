@@ -8,10 +8,15 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 
 use crate::hand::{HandPose, JOINTS};
+use grasp_canonical::Encoder;
 
 const FILE: &str = include_str!("../../data/poses.csv");
 /// Joint angles a row: five of the thumb, four of each finger.
 const ANGLES: usize = 21;
+/// One pose of so many is held out.
+const HELD_OUT: u64 = 5;
+/// Hashed with the poses; chosen so that each grasp has some in either group.
+const HELD_OUT_SALT: u32 = 9;
 
 /// One recorded pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +27,29 @@ pub struct RecordedPose {
     pub confidence: u8,
     /// The joint angles.
     pub pose: HandPose,
+}
+
+/// Which of the recorded poses may be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PoseGroup {
+    /// All of them.
+    All,
+    /// A fifth of them, chosen by a hash of grasp and joint angles: to measure on poses that
+    /// nothing was learned from.
+    HeldOut,
+    /// The others.
+    Kept,
+}
+
+impl PoseGroup {
+    /// Whether a pose is one of the group's.
+    pub fn contains(self, recorded: &RecordedPose) -> bool {
+        match self {
+            PoseGroup::All => true,
+            PoseGroup::HeldOut => recorded.is_held_out(),
+            PoseGroup::Kept => !recorded.is_held_out(),
+        }
+    }
 }
 
 /// A row of the file; what names source and licence is for readers of the file.
@@ -36,6 +64,11 @@ impl RecordedPose {
     pub fn all() -> &'static [RecordedPose] {
         static ALL: OnceLock<Vec<RecordedPose>> = OnceLock::new();
         ALL.get_or_init(|| parse(FILE).expect("data/poses.csv is checked by a test"))
+    }
+
+    fn is_held_out(&self) -> bool {
+        let hash = Encoder::new().u32(HELD_OUT_SALT).text(&self.grasp).value(&self.pose).hash();
+        hash.is_multiple_of(HELD_OUT)
     }
 }
 
@@ -64,6 +97,19 @@ mod tests {
     use super::*;
     use crate::grasp::GraspSet;
     use crate::hand::{Digit, joint_limits};
+
+    #[test]
+    fn about_a_fifth_of_each_grasps_poses_is_held_out() {
+        for grasp in GraspSet::builtin().iter() {
+            let count = |group: PoseGroup| {
+                let of_grasp = RecordedPose::all().iter().filter(|recorded| recorded.grasp == grasp.name);
+                of_grasp.filter(|recorded| group.contains(recorded)).count()
+            };
+            let [all, held_out, kept] = [PoseGroup::All, PoseGroup::HeldOut, PoseGroup::Kept].map(count);
+            assert_eq!(held_out + kept, all);
+            assert!(held_out > 0 && held_out <= kept, "{}: {held_out} of {all}", grasp.name);
+        }
+    }
 
     #[test]
     fn every_pose_is_one_of_a_hand_in_a_known_grasp() {

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use grasp_index::{BACKGROUND, DESCRIBED_SIDE, Describer, DescriptorParams, HandImage, HandImageError};
+use grasp_index::{BACKGROUND, DescriptorModel, DescriptorParams, HandImage, HandImageError};
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::Progress;
 use rayon::prelude::*;
@@ -145,7 +145,8 @@ fn cannot_use(path: &Path) -> String {
 
 fn rendered(seed: u64, size: u64, work: &Path, progress: Progress) -> anyhow::Result<Prepared> {
     let hands = (size as f64 / VIEWS as f64).round().max(1.0) as usize;
-    let params = DescriptorParams::default();
+    let model = DescriptorModel::new(DescriptorParams::default())?;
+    let params = *model.params();
     let plan = RenderPlan { seed, ..RenderPlan::preset(Preset::Paper).with_hands(hands) };
     // Files are written whole or not at all: one that is there is of an earlier, stopped run.
     let kept = |name: &str, make: &dyn Fn() -> anyhow::Result<Vec<f32>>| -> anyhow::Result<(PathBuf, Rows)> {
@@ -160,7 +161,7 @@ fn rendered(seed: u64, size: u64, work: &Path, progress: Progress) -> anyhow::Re
     let mut base = Base { dim: params.dim(), rows: 0, files: Vec::new() };
     for (number, shape) in plan.hand_shapes.iter().enumerate() {
         let plan = RenderPlan { hand_shapes: vec![shape.clone()], ..plan.clone() };
-        let (path, rows) = kept(&format!("hand-{number:04}.npy"), &|| describe(&plan, &params))?;
+        let (path, rows) = kept(&format!("hand-{number:04}.npy"), &|| describe(&plan, &model))?;
         base.rows += rows.len();
         base.files.push((path, rows.len()));
         bar.inc(1);
@@ -168,17 +169,18 @@ fn rendered(seed: u64, size: u64, work: &Path, progress: Progress) -> anyhow::Re
     drop(bar);
     let tuned_by = Hands::beside(&plan, &[], held_out::HANDS, held_out::VIEWS, seed);
     let asked = Hands::beside(&plan, &tuned_by.names(), ASKED, QUERIES, seed);
-    let (_, tuned_by) = kept("held-out.npy", &|| Ok(tuned_by.describe(&params)?.descriptors))?;
+    let (_, tuned_by) = kept("held-out.npy", &|| Ok(tuned_by.describe(&model)?.descriptors))?;
     let (_, asked) = kept("queries.npy", &|| {
-        Ok(held_out::moved(&asked.describe(&params)?.descriptors, params.dim(), seed))
+        Ok(held_out::moved(&asked.describe(&model)?.descriptors, params.dim(), seed))
     })?;
     Ok(Prepared { base, queries: asked.all()?, held_out: tuned_by.all()? })
 }
 
 /// The descriptors of all renders of a plan, in its order, without those that show no hand.
-fn describe(plan: &RenderPlan, params: &DescriptorParams) -> anyhow::Result<Vec<f32>> {
+fn describe(plan: &RenderPlan, model: &DescriptorModel) -> anyhow::Result<Vec<f32>> {
     let mut all = Vec::new();
-    let describer = Describer::new(params)?;
+    let describer = model.describer();
+    let side = model.params().described_side();
     for spec in plan.scenes() {
         let views = plan.views(&spec);
         interrupt::check()?;
@@ -190,7 +192,7 @@ fn describe(plan: &RenderPlan, params: &DescriptorParams) -> anyhow::Result<Vec<
                 |describer, view| {
                     let render = scene.render(view);
                     match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-                        Ok(hand) => Ok(Some(describer.describe(&hand.shrunk_to(DESCRIBED_SIDE)))),
+                        Ok(hand) => Ok(Some(describer.describe(&hand.shrunk_to(side)))),
                         Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => Ok(None),
                         Err(error) => Err(error),
                     }

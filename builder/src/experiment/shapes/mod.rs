@@ -8,7 +8,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{DescriptorParams, HashParams, Originals};
+use grasp_index::{DescriptorModel, HashParams, Originals};
 use grasp_renders::RenderPlan;
 use grasp_terminal::Progress;
 
@@ -23,7 +23,7 @@ pub struct Settings {
     /// What is rendered of each hand shape; its own hand shapes do not matter.
     pub plan: RenderPlan,
     /// How hand images are described.
-    pub descriptor: DescriptorParams,
+    pub descriptor: DescriptorModel,
     /// Where the indexes go; made where there is none.
     pub out: PathBuf,
 }
@@ -44,7 +44,7 @@ pub fn run(
         let path = out.join(format!("hands-{count:04}.idx"));
         let plan = settings.plan.clone().with_hands(count as usize);
         let recipe = Recipe {
-            descriptor: settings.descriptor,
+            descriptor: settings.descriptor.clone(),
             hash: HashParams::Learned,
             originals: Originals::default(),
             held_out: HeldOut::Rendered(Box::new(Hands::of_a_build(&plan, &[], seed))),

@@ -7,7 +7,7 @@
 //! The inner loops have neither pointers nor index arithmetic: a build with debug assertions checks
 //! those one by one, which took more time than the products.
 
-use super::Matrix;
+use super::view::Matrix;
 use std::arch::x86_64::{__m512, _mm512_add_ps, _mm512_fmadd_ps, _mm512_set1_ps, _mm512_setzero_ps};
 use std::array::from_fn;
 

@@ -1,5 +1,6 @@
 //! What makes no index is refused before anything is written.
 
+use crate::descriptor::{DescriptorKind, DescriptorParams, ParamsError};
 use crate::file::input::{BuildError, IndexParams, NewEntry};
 use crate::file::kept::Originals;
 use crate::search::build::{HashParams, RandomParams};
@@ -14,6 +15,12 @@ pub(super) fn pixels(params: &IndexParams) -> usize {
 /// Checks the ranges of the parameters.
 pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     params.descriptor.validate()?;
+    if let DescriptorKind::Learned { network: named, .. } = params.descriptor.kind {
+        match &params.network {
+            Some(network) if DescriptorParams::learned(network) == params.descriptor => {}
+            _ => return Err(ParamsError::Network(named).into()),
+        }
+    }
     let unnamed = params.classes.is_empty() || params.hand_shapes.is_empty() || params.stages.is_empty();
     if params.kept.labels && unnamed {
         return Err(BuildError::Params("an index needs at least one class, one hand shape and one stage"));

@@ -24,6 +24,7 @@ use crate::search::build::{HashParams, RandomParams};
 use crate::search::{Rows, Source};
 use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
+use grasp_network::Network;
 use half::f16;
 use sink::Sink;
 use std::io;
@@ -247,10 +248,12 @@ impl IndexWriter {
         let bytes = |kind| match kind {
             SectionKind::Descriptors => values,
             SectionKind::Thumbnails => &thumbnails,
+            SectionKind::Network => params.network.as_deref().map_or(&[][..], Network::as_bytes),
             _ if kind.is_of_the_hash() => hash_sections::section(&model.search.hash, kind),
             _ => columns.section(kind, params.kept),
         };
-        let total = SectionKind::ALL.iter().map(|&kind| bytes(kind).len()).sum::<usize>().max(1);
+        let kinds = SectionKind::of(&params.descriptor);
+        let total = kinds.iter().map(|&kind| bytes(kind).len()).sum::<usize>().max(1);
         let mut written = 0;
         let mut wrote = |bytes: usize| {
             written += bytes;
@@ -272,7 +275,7 @@ impl IndexWriter {
             }
             Ok(out.close(kind, kind.element(params.originals)))
         };
-        SectionKind::ALL.iter().map(&mut section).collect()
+        kinds.iter().map(&mut section).collect()
     }
 
     fn catalogue(&self, model: &Model, sections: Vec<Section>) -> Catalogue {

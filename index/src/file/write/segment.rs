@@ -53,7 +53,7 @@ fn write(
     let filled = Filled::new(index, &entries)?;
     out.append(&[0; header::LENGTH])?;
     let mut sections: Vec<Section> = Vec::new();
-    for kind in SectionKind::ALL {
+    for &kind in SectionKind::of(&index.catalogue.descriptor) {
         out.open()?;
         let bytes = section(index, kind, &entries, &filled).ok_or(DAMAGED)?;
         out.append_all(&bytes, &mut |_| match proceed() {

@@ -1,4 +1,5 @@
-//! The paper's Figure 4: for each direction of edges, how much of it each cell holds.
+//! A descriptor, drawn. A pyramid is the paper's Figure 4: for each direction of edges, how much of it
+//! each cell holds. An embedding is a row of shades.
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 
@@ -8,6 +9,9 @@ use crate::lettering::Font;
 
 /// Side of a panel's finest level in pixels.
 const FINE: u32 = 168;
+/// Values of an embedding in a row, and the side of each in pixels.
+const SHADES: u32 = 64;
+const SHADE: u32 = 14;
 /// Directions in a row.
 const ACROSS: u32 = 4;
 
@@ -22,13 +26,38 @@ pub fn edge_deg(params: &DescriptorParams, bin: u32) -> f64 {
     }
 }
 
+/// Whether values are a network's, which have no directions.
+fn is_learned(params: &DescriptorParams) -> bool {
+    matches!(params.kind, DescriptorKind::Learned { .. })
+}
+
+/// How the drawing is to be read.
+pub(super) fn legend(params: &DescriptorParams) -> String {
+    if is_learned(params) {
+        return "What a network makes of picture 3; hands that are held and seen alike have about the \
+                same numbers. Black the smallest, white the largest."
+            .to_owned();
+    }
+    let finest = 1 << params.levels.saturating_sub(1);
+    format!(
+        "For each direction of edges, how much of it each cell of picture 3 holds: black none, white \
+         most. Large: {finest} × {finest} cells; beside it, coarser."
+    )
+}
+
 /// Pixels that [`draw`] needs from its top.
 pub(super) fn height(params: &DescriptorParams) -> u32 {
+    if is_learned(params) {
+        return (params.dim() as u32).div_ceil(SHADES) * SHADE + GAP;
+    }
     params.bins.div_ceil(ACROSS) * (LINE + FINE + GAP)
 }
 
 /// Draws the panels below `top`: a direction each, its coarser levels beside its finest one.
 pub(super) fn draw(canvas: &mut Canvas, top: u32, params: &DescriptorParams, descriptor: &[f32]) {
+    if is_learned(params) {
+        return draw_embedding(canvas, top, descriptor);
+    }
     let step = (WIDTH - 2 * MARGIN + GAP) / ACROSS;
     let place = |bin: u32| (MARGIN + bin % ACROSS * step, top + bin / ACROSS * (LINE + FINE + GAP));
     for bin in 0..params.bins {
@@ -67,6 +96,17 @@ pub(super) fn draw(canvas: &mut Canvas, top: u32, params: &DescriptorParams, des
             let y = upper + LINE + drop + cell.row as u32 * cell_side;
             canvas.fill((x, y), (cell_side - 1, cell_side - 1), [shade; 3]);
         }
+    }
+}
+
+/// Draws all values in rows, between the smallest and the largest.
+fn draw_embedding(canvas: &mut Canvas, top: u32, descriptor: &[f32]) {
+    let smallest = descriptor.iter().copied().fold(f32::INFINITY, f32::min);
+    let largest = descriptor.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    for (at, &value) in (0u32..).zip(descriptor) {
+        let share = (value - smallest) / (largest - smallest).max(f32::MIN_POSITIVE);
+        let place = (MARGIN + at % SHADES * SHADE, top + at / SHADES * SHADE);
+        canvas.fill(place, (SHADE - 1, SHADE - 1), [(255.0 * share) as u8; 3]);
     }
 }
 

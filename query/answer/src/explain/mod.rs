@@ -46,13 +46,8 @@ pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
     head.draw(&mut canvas);
     inputs(&mut canvas, inputs_at, found);
     vote(&mut canvas, (column(3), inputs_at), answer);
-    let (size, finest) = (found.best.descriptor.len(), 1 << params.levels.saturating_sub(1));
-    let title = format!("5  The hand as the {size} numbers that are compared");
-    let legend = format!(
-        "For each direction of edges, how much of it each cell of picture 3 holds: black none, white most. Large: \
-         {finest} × {finest} cells; beside it, coarser."
-    );
-    titled(&mut canvas, (MARGIN, descriptor_at), &title, &legend);
+    let title = format!("5  The hand as the {} numbers that are compared", found.best.descriptor.len());
+    titled(&mut canvas, (MARGIN, descriptor_at), &title, &descriptor::legend(params));
     descriptor::draw(&mut canvas, descriptor_at + 2 * LINE, params, &found.best.descriptor);
     neighbours(&mut canvas, neighbours_at, found, answer, index);
     canvas.into_image()

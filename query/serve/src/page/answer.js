@@ -98,8 +98,26 @@ function axes(quaternion) {
   return svg;
 }
 
+// What a network makes of a hand: a shade a value.
+function drawEmbedding(values) {
+  const [across, side] = [32, 10];
+  const canvas = element("canvas", { width: across * side, height: Math.ceil(values.length / across) * side });
+  const context = canvas.getContext("2d");
+  const [least, most] = [Math.min(...values), Math.max(...values)];
+  values.forEach((value, at) => {
+    const shade = Math.round(255 * (value - least) / Math.max(1e-9, most - least));
+    context.fillStyle = `rgb(${shade} ${shade} ${shade})`;
+    context.fillRect((at % across) * side, Math.floor(at / across) * side, side - 1, side - 1);
+  });
+  canvas.setAttribute("role", "img");
+  canvas.setAttribute("aria-label", "The values of the descriptor as shades");
+  $("descriptor").replaceChildren(element("figure", {}, canvas));
+  $("descriptor-caption").textContent = `The ${values.length} values that are compared: what a network makes of the hand. Hands that are held and seen alike have about the same (black the smallest, white the largest).`;
+}
+
 // The paper's Figure 4: for each direction of edges, how much of it each cell holds; coarser levels beside the finest.
-function drawDescriptor({ cells, edges_deg, dim }) {
+function drawDescriptor({ cells, edges_deg, dim, values }) {
+  if (values.length) return drawEmbedding(values);
   const side = 128;
   const largest = {};
   for (const { level, histogram } of cells) largest[level] = Math.max(largest[level] ?? 1e-9, ...histogram);

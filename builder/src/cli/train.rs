@@ -1,0 +1,105 @@
+//! `grasp-builder train`.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use grasp_terminal::text::{counted, shown};
+
+use super::Global;
+use crate::interrupt;
+use crate::train::{
+    DEFAULT_SAMPLES, DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Files, Options, Schedule, Trained, train,
+};
+
+/// Train the network of a learned descriptor on renders that are drawn as it goes.
+///
+/// The network never sees the same picture twice: hands, poses, objects and views are drawn without
+/// end, and each render is shown about three times, every time in another light, turned and cut in
+/// another way and behind other things. FILE.csv says how it went: losses, and how well the network
+/// does on hands that no training draws, and on these hands in a fifth of the recorded poses.
+/// Stopped at any moment, the same command goes on from the checkpoint, and writes the same bytes
+/// as if it had not been stopped, on any number of threads.
+///
+/// The network that comes with this program was trained by the default options, and so on all
+/// recorded poses.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder train --out hand.network                     as the shipped network: about an hour on two cores
+  grasp-builder build --descriptor learned --network hand.network --out grasp.idx
+                                                             an index that is searched by it
+  grasp-builder train --out small.network --samples 300000   ten minutes, for a first look
+  grasp-builder train --out left-out.network --hold-out-poses
+                                                             how well are unknown poses told apart?")]
+pub(crate) struct Train {
+    /// The network to write; the curve goes to FILE.csv.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Pictures to show the network in all; full batches of 64 are.
+    #[arg(long, default_value_t = DEFAULT_SAMPLES, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
+    samples: u64,
+    /// What all randomness comes from.
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
+    seed: u64,
+    /// What a training that was stopped goes on from: written every two minutes and at Ctrl-C,
+    /// removed in the end. By default FILE.checkpoint.
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Measure, and add a line to the curve, each time that so many pictures have been shown.
+    #[arg(long, default_value_t = DEFAULT_VALIDATE_EVERY, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    validate_every: u64,
+    /// Leave a fifth of the recorded poses out of the training, for experiments: the curve's figures
+    /// of these poses are then those of poses that the network has not seen.
+    #[arg(long)]
+    hold_out_poses: bool,
+}
+
+impl Train {
+    pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
+        interrupt::catch()?;
+        let options = Options {
+            samples: self.samples,
+            seed: self.seed,
+            hold_out_poses: self.hold_out_poses,
+            validate_every: self.validate_every,
+        };
+        let files = self.files();
+        let schedule = Schedule::STANDARD;
+        let Trained { network, curve } =
+            train(&options, schedule, &files, global.progress(), &interrupt::check)?;
+        let mut stdout = std::io::stdout().lock();
+        let samples = counted(schedule.samples(schedule.steps(self.samples)), ["sample", "samples"]);
+        writeln!(
+            stdout,
+            "{}: network {:016x}, {:.1} MB, trained on {samples}, seed {}",
+            shown(&files.network),
+            network.fingerprint(),
+            network.as_bytes().len() as f64 / 1e6,
+            self.seed
+        )?;
+        if let Some(last) = curve.last() {
+            writeln!(stdout, "  {last}")?;
+        }
+        writeln!(stdout, "  curve: {}", shown(&files.curve))?;
+        Ok(())
+    }
+
+    fn files(&self) -> Files {
+        let files = Files::beside(&self.out);
+        match &self.checkpoint {
+            Some(checkpoint) => Files { checkpoint: checkpoint.clone(), ..files },
+            None => files,
+        }
+    }
+
+    /// What is kept when the training is stopped, and how to go on with it.
+    pub(super) fn when_stopped(&self) -> String {
+        let checkpoint = self.files().checkpoint;
+        if checkpoint.exists() {
+            let checkpoint = shown(&checkpoint);
+            format!("what is trained is kept in {checkpoint}; run the same command again to go on from there")
+        } else {
+            "nothing was trained yet; run the same command again".to_owned()
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Descriptors by name, and the network that comes with the program.
+
+use std::fs;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+use anyhow::Context as _;
+use grasp_index::{DescriptorModel, DescriptorParams, Network};
+
+/// The weights that `data/README.md` describes.
+const SHIPPED: &[u8] = include_bytes!("../data/hand.network");
+
+/// Names of the descriptors of pictures, as options take them.
+pub const NAMES: [&str; 4] = [LEARNED, "upright", "default", "paper"];
+
+/// The name of the descriptor that a network computes.
+pub const LEARNED: &str = "learned";
+
+/// The descriptor that goes by a name: a learned one is that of the network in a file, or of the one
+/// that comes with the program.
+///
+/// # Errors
+/// Where there is no such name, or the file holds no network.
+pub fn by_name(name: &str, network: Option<&Path>) -> anyhow::Result<DescriptorModel> {
+    if name == LEARNED {
+        let network = network.map_or_else(shipped_network, read_network)?;
+        return Ok(DescriptorModel::learned(network));
+    }
+    let params =
+        DescriptorParams::by_name(name).with_context(|| format!("there is no descriptor named {name}"))?;
+    Ok(DescriptorModel::new(params)?)
+}
+
+/// The network that comes with the program.
+///
+/// # Errors
+/// Never, as a test makes sure: its bytes are part of the program.
+pub fn shipped_network() -> anyhow::Result<Arc<Network>> {
+    static NETWORK: OnceLock<Arc<Network>> = OnceLock::new();
+    if let Some(network) = NETWORK.get() {
+        return Ok(Arc::clone(network));
+    }
+    let network = Network::from_bytes(SHIPPED).context("cannot use the network of this program")?;
+    Ok(Arc::clone(NETWORK.get_or_init(|| Arc::new(network))))
+}
+
+fn read_network(path: &Path) -> anyhow::Result<Arc<Network>> {
+    let cannot = || format!("cannot use the network {}", path.display());
+    let bytes = fs::read(path).with_context(cannot)?;
+    Ok(Arc::new(Network::from_bytes(&bytes).with_context(cannot)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_has_a_descriptor() {
+        for name in NAMES {
+            assert_eq!(by_name(name, None).expect("a descriptor").params().name(), name);
+        }
+    }
+}

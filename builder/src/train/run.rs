@@ -1,0 +1,123 @@
+//! A training from its files to its files.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use grasp_index::AtomicFile;
+use grasp_network::Network;
+use grasp_terminal::Progress;
+
+use super::check::Check;
+use super::training::Training;
+use super::{Options, Row, Schedule, Validation, checkpoint, curve};
+use crate::interrupt::Interrupted;
+
+/// How much work is lost, at most, when the program is killed.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(120);
+
+/// What a training writes.
+#[derive(Clone, Debug)]
+pub struct Files {
+    /// The network, when it is trained.
+    pub network: PathBuf,
+    /// How the training goes, renewed at every validation.
+    pub curve: PathBuf,
+    /// What a training that was stopped goes on from; removed when the network is written.
+    pub checkpoint: PathBuf,
+}
+
+impl Files {
+    /// Those beside a network's.
+    pub fn beside(network: &Path) -> Self {
+        let beside = |ending: &str| {
+            let mut name = network.as_os_str().to_owned();
+            name.push(ending);
+            PathBuf::from(name)
+        };
+        Self { network: network.to_path_buf(), curve: beside(".csv"), checkpoint: beside(".checkpoint") }
+    }
+}
+
+/// What came of a training.
+#[derive(Debug)]
+pub struct Trained {
+    /// The network that was written.
+    pub network: Network,
+    /// How the training went.
+    pub curve: Vec<Row>,
+}
+
+/// Trains a network, from the checkpoint where there is one, and writes it.
+///
+/// # Errors
+/// Where a file cannot be read or written, the checkpoint is of a training with other options, a
+/// scene cannot be rendered, the training diverges, or `check` has stopped the work: what was
+/// trained until then is in the checkpoint.
+pub fn train(
+    options: &Options,
+    schedule: Schedule,
+    files: &Files,
+    progress: Progress,
+    check: Check<'_>,
+) -> anyhow::Result<Trained> {
+    // From the beginning: nobody else trains the same network, and it can be written in the end.
+    let mut out = AtomicFile::create(&files.network)?;
+    // What cannot be written is reported now, not after an hour.
+    for path in [&files.curve, &files.checkpoint] {
+        drop(AtomicFile::create(path)?);
+    }
+    let saved = checkpoint::read(&files.checkpoint, options)?;
+    let mut training = Training::new(options, schedule, saved)?;
+    if !training.is_done() {
+        let work =
+            progress.bar(Validation::scenes(&schedule) + training.scenes_at_start(), "rendering", "scenes");
+        let validation = Validation::render(&schedule, options.poses(), check, &work)?;
+        training.fill(check, &work)?;
+        drop(work);
+        go_on(&mut training, options, &validation, files, progress, check)?;
+    }
+    let network = training.network()?;
+    let rows = training.state().curve.clone();
+    curve::write(&files.curve, &rows)?;
+    let written = out.write_all(network.as_bytes());
+    written.with_context(|| format!("cannot write {}", files.network.display()))?;
+    out.commit()?;
+    if files.checkpoint.exists() {
+        let removed = fs::remove_file(&files.checkpoint);
+        removed.with_context(|| format!("cannot remove {}", files.checkpoint.display()))?;
+    }
+    Ok(Trained { network, curve: rows })
+}
+
+/// Does all rounds, and saves the state every now and then and when the work is stopped.
+fn go_on(
+    training: &mut Training,
+    options: &Options,
+    validation: &Validation,
+    files: &Files,
+    progress: Progress,
+    check: Check<'_>,
+) -> anyhow::Result<()> {
+    let work = progress.bar(options.samples, "training", "samples");
+    work.set_position(training.samples());
+    let (mut saved, mut rows) = (Instant::now(), training.state().curve.len());
+    while !training.is_done() {
+        let done = training.advance(validation, check, &work);
+        if done.as_ref().is_err_and(|error| !error.is::<Interrupted>()) {
+            return done;
+        }
+        if training.state().curve.len() > rows {
+            rows = training.state().curve.len();
+            curve::write(&files.curve, &training.state().curve)?;
+        }
+        if done.is_err() || saved.elapsed() >= CHECKPOINT_EVERY {
+            checkpoint::write(&files.checkpoint, options, training.state())?;
+            saved = Instant::now();
+        }
+        done?;
+    }
+    Ok(())
+}

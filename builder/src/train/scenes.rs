@@ -1,0 +1,134 @@
+//! Endless lists of scenes, no two of the same hand in the same pose.
+
+use std::sync::Arc;
+
+use grasp_renders::random::unit;
+use grasp_renders::{Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation};
+use rand::{Rng as _, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// How often each stage is drawn: most pictures that are asked about show the grasp itself.
+const STAGES: [(Stage, f64); 3] = [(Stage::Reach, 0.2), (Stage::Close, 0.25), (Stage::Grasp, 0.55)];
+/// Pixels a side of a render: somewhat more than a network sees, as augmentation turns and cuts it.
+const SIDE: usize = 80;
+
+/// Scenes by number.
+#[derive(Debug)]
+pub struct Scenes {
+    grasps: Vec<Arc<Grasp>>,
+    look: Look,
+    variation: Variation,
+    hands: Hands,
+    /// The only stage that is drawn.
+    stage: Option<Stage>,
+    seed: u64,
+}
+
+/// Whose hands are drawn. Hands that the presets of an index have are among neither.
+#[derive(Clone, Copy, Debug)]
+enum Hands {
+    /// Half of all possible hands.
+    Training,
+    /// The other half.
+    Others,
+}
+
+impl Scenes {
+    /// What a network is trained on: hands in all stages, posed as `poses` allows.
+    pub fn training(seed: u64, poses: PoseGroup) -> Self {
+        let plan = RenderPlan::preset(Preset::Standard);
+        Self {
+            grasps: plan.grasps.iter().cloned().map(Arc::new).collect(),
+            look: Look { side: SIDE, ..plan.look },
+            variation: Variation { recorded_from: poses, ..plan.variation },
+            hands: Hands::Training,
+            stage: None,
+            seed,
+        }
+    }
+
+    /// Hands that no training draws, at the grasp, posed as `poses` allows.
+    pub fn other_hands(seed: u64, poses: PoseGroup) -> Self {
+        Self { hands: Hands::Others, stage: Some(Stage::Grasp), ..Self::training(seed, poses) }
+    }
+
+    /// The same hands, all of them in poses that are held out.
+    pub fn held_out_poses(seed: u64) -> Self {
+        let scenes = Self::other_hands(seed, PoseGroup::HeldOut);
+        Self { variation: Variation { examples: 0.0, recorded: 1.0, ..scenes.variation }, ..scenes }
+    }
+
+    /// How many classes there are.
+    pub fn classes(&self) -> usize {
+        self.grasps.len()
+    }
+
+    /// Scene `number` and its class.
+    pub fn scene(&self, number: u64) -> (SceneSpec, usize) {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(number);
+        let drawn = rng.next_u64();
+        let shape = HandShape::sample(match self.hands {
+            Hands::Training => drawn | 1 << 63,
+            Hands::Others => drawn & !(1 << 63),
+        });
+        // Classes take turns, so that each has its share of every batch.
+        let class = (number % self.grasps.len() as u64) as usize;
+        let grasp = &self.grasps[class];
+        let drawn = stage(unit(&mut rng));
+        let spec = SceneSpec {
+            hand_shape: Arc::new(shape),
+            hand_model: None,
+            grasp: Arc::clone(grasp),
+            stage: self.stage.unwrap_or(drawn),
+            object: grasp.object.object(unit(&mut rng)),
+            example: None,
+            held: None,
+            look: self.look.clone(),
+            seed: self.seed ^ number,
+        };
+        (self.variation.of(spec), class)
+    }
+}
+
+fn stage(mut share: f64) -> Stage {
+    for (stage, part) in STAGES {
+        if share < part {
+            return stage;
+        }
+        share -= part;
+    }
+    Stage::Grasp
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_take_turns_and_stages_have_their_shares() {
+        let scenes = Scenes::training(7, PoseGroup::All);
+        let drawn: Vec<_> = (0..600).map(|number| scenes.scene(number)).collect();
+        assert!(drawn.iter().enumerate().all(|(number, (_, class))| *class == number % scenes.classes()));
+        for (stage, share) in STAGES {
+            let found = drawn.iter().filter(|(spec, _)| spec.stage == stage).count() as f64 / 600.0;
+            assert!((found - share).abs() < 0.07, "{stage}: {found}");
+        }
+        let again = Scenes::training(7, PoseGroup::All).scene(5).0.params_hash();
+        assert_eq!(drawn[5].0.params_hash(), again);
+        assert_ne!(Scenes::training(8, PoseGroup::All).scene(5).0.params_hash(), again);
+    }
+
+    #[test]
+    fn scenes_to_measure_by_show_other_hands_at_the_grasp() {
+        let training = Scenes::training(7, PoseGroup::Kept);
+        let (hands, poses) = (Scenes::other_hands(7, PoseGroup::Kept), Scenes::held_out_poses(7));
+        for number in 0..60 {
+            let trained = training.scene(number).0.hand_shape;
+            let [hand, pose] = [&hands, &poses].map(|scenes| scenes.scene(number).0);
+            assert!(hand.hand_shape != trained && pose.hand_shape != trained);
+            assert_eq!([hand.stage, pose.stage], [Stage::Grasp; 2]);
+            assert!(pose.held.is_some() && pose.example.is_none());
+        }
+    }
+}

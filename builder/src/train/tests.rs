@@ -1,0 +1,99 @@
+//! Trainings of a few steps: what they write follows from their options alone.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use grasp_terminal::Progress;
+use tempfile::TempDir;
+
+use super::{Files, Options, Schedule, Trained, train};
+use crate::interrupt::Interrupted;
+
+const OPTIONS: Options = Options { samples: 170, seed: 7, hold_out_poses: false, validate_every: 80 };
+/// Twenty-one steps in three rounds.
+const SCHEDULE: Schedule =
+    Schedule { batch: 8, scenes: 6, views: 4, parts_at_first: 1, window: 2, reuse: 3, validation: 6 };
+
+/// Trains on so many threads, until `checks` pieces of work were begun.
+fn run(options: &Options, folder: &Path, threads: usize, checks: u64) -> anyhow::Result<Trained> {
+    let done = AtomicU64::new(0);
+    let check = || match done.fetch_add(1, Ordering::Relaxed) {
+        count if count < checks => Ok(()),
+        _ => Err(Interrupted),
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    pool.install(|| train(options, SCHEDULE, &files(folder), Progress::hidden(), &check))
+}
+
+fn files(folder: &Path) -> Files {
+    Files::beside(&folder.join("hand.network"))
+}
+
+/// The network and the curve that a folder holds, and nothing else.
+fn written(folder: &Path) -> [Vec<u8>; 2] {
+    assert_eq!(fs::read_dir(folder).unwrap().count(), 2);
+    let files = files(folder);
+    [files.network, files.curve].map(|path| fs::read(path).unwrap())
+}
+
+#[test]
+fn threads_and_interruptions_change_no_byte() {
+    let folders: [TempDir; 3] = std::array::from_fn(|_| tempfile::tempdir().unwrap());
+    let [once, twice, stopped] = folders.each_ref().map(TempDir::path);
+    let trained = run(&OPTIONS, once, 2, u64::MAX).unwrap();
+    let samples: Vec<u64> = trained.curve.iter().map(|row| row.samples).collect();
+    assert_eq!(samples, [80, 160, 168]);
+    assert_eq!(trained.network.as_bytes(), written(once)[0]);
+    run(&OPTIONS, twice, 1, u64::MAX).unwrap();
+    assert!(written(once) == written(twice));
+
+    // 24 scenes to measure by and the first part take 30 pieces, and the steps the rest.
+    let mut stops = 0;
+    while let Err(error) = run(&OPTIONS, stopped, 2, 30 + SCHEDULE.scenes + 10) {
+        assert!(error.is::<Interrupted>(), "{error:#}");
+        assert!(!files(stopped).network.exists());
+        stops += 1;
+        assert!(stops < 10, "the training goes on");
+    }
+    assert!(stops > 0);
+    assert!(written(once) == written(stopped));
+}
+
+#[test]
+fn another_trainings_checkpoint_is_refused_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(run(&OPTIONS, folder.path(), 2, 36).unwrap_err().is::<Interrupted>());
+    let checkpoint = files(folder.path()).checkpoint;
+    let bytes = fs::read(&checkpoint).unwrap();
+    let other = Options { seed: 8, hold_out_poses: true, ..OPTIONS };
+    let refused = |options: &Options| format!("{:#}", run(options, folder.path(), 2, 0).unwrap_err());
+    let message = refused(&other);
+    assert!(
+        message.contains(
+            "cannot go on from"
+        ) && message.contains(
+            "it is of a training with --samples 170 --seed 7 --validate-every 80, and not with --samples 170 --seed 8 \
+             --validate-every 80 --hold-out-poses: give its options to go on with it, remove it to begin again, or name \
+             another file with --checkpoint"
+        ),
+        "{message}"
+    );
+    assert_eq!(fs::read(&checkpoint).unwrap(), bytes);
+
+    for at in [0, 40, bytes.len() / 2, bytes.len() - 1] {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1;
+        fs::write(&checkpoint, damaged).unwrap();
+        assert!(refused(&OPTIONS).contains("it is damaged, or no checkpoint of a training"));
+    }
+    fs::write(&checkpoint, "").unwrap();
+    assert!(refused(&OPTIONS).contains("it is damaged, or no checkpoint of a training"));
+}
+
+#[test]
+fn a_folder_that_is_missing_is_reported_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = run(&OPTIONS, &folder.path().join("none"), 1, 0).unwrap_err();
+    assert!(error.to_string().contains("there is no folder"), "{error:#}");
+}

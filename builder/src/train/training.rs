@@ -1,0 +1,186 @@
+//! A training: its state, and what one round does to it.
+
+use anyhow::{Context as _, bail, ensure};
+use grasp_network::Network;
+use grasp_terminal::Work;
+use grasp_train::{Batch, Losses, Trainer, learning_rate};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::check::Check;
+use super::checkpoint::State;
+use super::curve::{MeanLosses, Row};
+use super::options::{PEAK_RATE, architecture, hard_samples};
+use super::{Options, Sample, Scenes, Schedule, Shown, Validation, Window, render};
+
+/// A training that goes on where its state says.
+pub(super) struct Training {
+    options: Options,
+    schedule: Schedule,
+    scenes: Scenes,
+    window: Window,
+    state: State,
+}
+
+impl Training {
+    /// Goes on from a checkpoint, or begins.
+    pub(super) fn new(options: &Options, schedule: Schedule, saved: Option<State>) -> anyhow::Result<Self> {
+        let scenes = Scenes::training(options.seed, options.poses());
+        let architecture = architecture(scenes.classes());
+        let state = match saved {
+            Some(state) => state,
+            None => State {
+                trainer: Trainer::new(&architecture, options.seed_of_weights())?,
+                curve: Vec::new(),
+                losses: MeanLosses::default(),
+            },
+        };
+        ensure!(
+            *state.trainer.architecture() == architecture,
+            "the checkpoint is of another network: remove it to begin again"
+        );
+        Ok(Self { options: options.clone(), window: Window::new(schedule.window), schedule, scenes, state })
+    }
+
+    pub(super) fn state(&self) -> &State {
+        &self.state
+    }
+
+    pub(super) fn is_done(&self) -> bool {
+        self.state.trainer.steps() >= self.steps()
+    }
+
+    /// Samples shown so far.
+    pub(super) fn samples(&self) -> u64 {
+        self.schedule.samples(self.state.trainer.steps())
+    }
+
+    /// How many scenes [`Self::fill`] renders.
+    pub(super) fn scenes_at_start(&self) -> u64 {
+        let parts = self.schedule.parts(self.round());
+        (parts.end - parts.start) * self.schedule.scenes
+    }
+
+    /// Renders what is in the window at the next step.
+    pub(super) fn fill(&mut self, check: Check<'_>, work: &Work) -> anyhow::Result<()> {
+        for part in self.schedule.parts(self.round()) {
+            let part = render(&self.scenes, self.schedule.scenes(part), self.schedule.views, check)?;
+            self.window.advance(part);
+            work.inc(self.schedule.scenes);
+        }
+        Ok(())
+    }
+
+    /// Does the steps that are left of a round, and renders the part that comes in after it. Where
+    /// the work is stopped, the steps that were done count.
+    pub(super) fn advance(
+        &mut self,
+        validation: &Validation,
+        check: Check<'_>,
+        work: &Work,
+    ) -> anyhow::Result<()> {
+        let round = self.round();
+        let (end, steps) = (self.schedule.end(round), self.steps());
+        let Self { options, schedule, scenes, window, state } = self;
+        let next = schedule.scenes(schedule.parts(round).end);
+        let render_next = || match end < steps {
+            true => render(scenes, next, schedule.views, check),
+            false => Ok(Vec::new()),
+        };
+        let take_steps = || {
+            while state.trainer.steps() < end.min(steps) {
+                check()?;
+                let batch = batch(options, schedule, scenes.classes(), window, state.trainer.steps())?;
+                step(options, schedule, validation, state, &batch, work)?;
+            }
+            anyhow::Ok(())
+        };
+        let (next, done) = rayon::join(render_next, take_steps);
+        done?;
+        window.advance(next?);
+        Ok(())
+    }
+
+    /// The network as it is now.
+    pub(super) fn network(&self) -> anyhow::Result<Network> {
+        network(&self.state.trainer)
+    }
+
+    fn round(&self) -> u64 {
+        self.schedule.round(self.state.trainer.steps())
+    }
+
+    fn steps(&self) -> u64 {
+        self.schedule.steps(self.options.samples)
+    }
+}
+
+/// Learns from a batch; a validation follows where it is due, and at the end.
+fn step(
+    options: &Options,
+    schedule: &Schedule,
+    validation: &Validation,
+    state: &mut State,
+    batch: &Batch,
+    work: &Work,
+) -> anyhow::Result<()> {
+    let State { trainer, curve, losses } = state;
+    let (before, steps) = (trainer.steps(), schedule.steps(options.samples));
+    let found = trainer.step(batch, learning_rate(PEAK_RATE, before, steps))?;
+    if !found.total().is_finite() {
+        bail!("the training has diverged at step {before}: its losses are not finite; another seed may help");
+    }
+    losses.add(&found);
+    show(work, schedule.samples(before + 1), &found);
+    let rows = |step: u64| schedule.samples(step) / options.validate_every;
+    if rows(before + 1) > rows(before) || before + 1 == steps {
+        let figures = validation.measure(&network(trainer)?);
+        let row = Row::new(schedule.samples(before + 1), &std::mem::take(losses), figures);
+        work.line(&row.to_string());
+        curve.push(row);
+    }
+    Ok(())
+}
+
+fn show(work: &Work, samples: u64, losses: &Losses) {
+    work.set_position(samples);
+    work.set_message(format!("training, loss {:.2}", losses.total()));
+}
+
+fn network(trainer: &Trainer) -> anyhow::Result<Network> {
+    let weights = trainer.weights();
+    Network::from_weights(trainer.architecture().clone(), weights).context("the training has diverged")
+}
+
+/// The batch of a step, picked from the window and varied by its number alone.
+fn batch(
+    options: &Options,
+    schedule: &Schedule,
+    classes: usize,
+    window: &Window,
+    step: u64,
+) -> anyhow::Result<Batch> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_picks());
+    rng.set_stream(step);
+    let picks: Vec<&Sample> = (0..schedule.batch).filter_map(|_| window.pick(&mut rng)).collect();
+    let hard = hard_samples(schedule.batch, step, schedule.steps(options.samples));
+    let first = schedule.samples(step);
+    let vary = |(at, sample): (usize, &&Sample)| {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_variations());
+        rng.set_stream(first + at as u64);
+        sample.varied(at < hard, &mut rng)
+    };
+    let shown: Vec<Option<Shown>> = picks.par_iter().enumerate().map(vary).collect();
+    let mut batch = Batch::default();
+    for (at, shown) in shown.into_iter().flatten().enumerate() {
+        if schedule.is_mirrored(at) {
+            batch.targets.push(shown.labels.target_mirrored(classes));
+            batch.inputs.extend(shown.mirrored().planes);
+        } else {
+            batch.targets.push(shown.labels.target());
+            batch.inputs.extend(shown.planes);
+        }
+    }
+    Ok(batch)
+}

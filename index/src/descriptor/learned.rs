@@ -1,0 +1,72 @@
+//! Descriptors that a network has learned to make.
+
+use super::planes::{PLANES_SIDE, Placement, planes, shown};
+use crate::hand_image::HandImage;
+use grasp_network::{Network, Scratch};
+use std::sync::Arc;
+
+/// A network and the memory that it runs in.
+#[derive(Clone, Debug)]
+pub(super) struct Learned {
+    network: Arc<Network>,
+    scratch: Scratch,
+    planes: Vec<f32>,
+    opinion: Option<Opinion>,
+}
+
+impl Learned {
+    pub(super) fn new(network: Arc<Network>) -> Self {
+        Self {
+            network,
+            scratch: Scratch::default(),
+            planes: vec![0.0; PLANES_SIDE * PLANES_SIDE * 2],
+            opinion: None,
+        }
+    }
+
+    /// The embedding of a hand that is turned by `turn_deg`, in as many values as `out` has.
+    pub(super) fn describe(&mut self, hand: &HandImage, turn_deg: f64, out: &mut [f32]) {
+        let placement = Placement::turned(turn_deg.to_radians());
+        planes(&shown(hand), &placement, &mut self.planes);
+        let output = self.network.run(&mut self.scratch, &self.planes);
+        for (value, embedded) in out.iter_mut().zip(output.embedding) {
+            *value = *embedded;
+        }
+        self.opinion = Opinion::of_heads(output.heads);
+    }
+
+    /// What the network itself says of the last picture.
+    pub(super) fn opinion(&self) -> Option<&Opinion> {
+        self.opinion.as_ref()
+    }
+}
+
+/// Of the heads, those that follow the classes: the stages and the rotation.
+const OTHERS: usize = 3 + 6;
+
+/// What a network says of the last picture by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opinion {
+    /// How probable each class is if the hand is a right one; all sum to 1.
+    pub classes: Vec<f64>,
+    /// How probably the picture shows the mirror image of a right hand, 0 to 1.
+    pub mirrored: f64,
+}
+
+impl Opinion {
+    /// The last of the classes' heads is no grasp but a hand that is mirrored; `None` of a network
+    /// with other heads.
+    fn of_heads(heads: &[f32]) -> Option<Self> {
+        let logits = heads.get(..heads.len().checked_sub(OTHERS)?)?;
+        let largest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let likelihood = |logit: &f32| libm::exp(f64::from(logit - largest));
+        let (mirrored, classes) = logits.split_last()?;
+        // Not below the smallest number, lest nothing be divided by nothing.
+        let sum = classes.iter().map(likelihood).sum::<f64>().max(f64::MIN_POSITIVE);
+        let mirrored = likelihood(mirrored);
+        Some(Self {
+            classes: classes.iter().map(|logit| likelihood(logit) / sum).collect(),
+            mirrored: mirrored / (mirrored + sum),
+        })
+    }
+}

@@ -1,0 +1,61 @@
+//! A network is trained, an index is built by it, and a picture is recognised.
+
+use std::fs;
+
+use grasp_tests::{pictures, program, run};
+
+#[test]
+fn a_trained_network_describes_an_index_that_recognises() {
+    let folder = tempfile::tempdir().unwrap();
+    let builder = |arguments: &[&str]| {
+        let outcome = run(program("grasp-builder").args(arguments).current_dir(folder.path()));
+        assert_eq!(outcome.status, 0, "{arguments:?}: {}", outcome.stderr);
+        outcome
+    };
+    let trained = builder(&["train", "--out", "tiny.network", "--samples", "2000", "--no-progress"]);
+    let (_, rest) = trained.stdout.split_once("tiny.network: network ").unwrap();
+    let fingerprint = &rest[..16];
+    assert!(rest.contains("1.2 MB, trained on 1,984 samples, seed 7\n"), "{}", trained.stdout);
+    assert_eq!(trained.stderr, "");
+    let mut written: Vec<_> =
+        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    written.sort();
+    assert_eq!(written, ["tiny.network", "tiny.network.csv"]);
+    let mut curve = csv::Reader::from_path(folder.path().join("tiny.network.csv")).unwrap();
+    let headers = curve.headers().unwrap().clone();
+    assert_eq!(headers.iter().take(3).collect::<Vec<_>>(), ["samples", "loss", "class_loss"]);
+    let rows: Vec<csv::StringRecord> = curve.records().map(Result::unwrap).collect();
+    assert_eq!(rows.iter().map(|row| &row[0]).collect::<Vec<_>>(), ["1984"]);
+
+    builder(&[
+        "build",
+        "--hands",
+        "1",
+        "--views",
+        "2",
+        "--descriptor",
+        "learned",
+        "--network",
+        "tiny.network",
+        "--out",
+        "tiny.idx",
+    ]);
+    let text = builder(&["inspect", "tiny.idx"]).stdout;
+    assert!(
+        text.contains(&format!("learned, D = 128: of hands turned upright, by the network {fingerprint}")),
+        "{text}"
+    );
+    let json = builder(&["inspect", "tiny.idx", "--json"]).json_lines();
+    assert_eq!(json[0]["descriptor"]["network"], fingerprint);
+
+    let picture = pictures().join("segmented/09-pinch.png");
+    let index = folder.path().join("tiny.idx");
+    let answer = run(program("grasp-query")
+        .args(["recognise", "--segmented", "--json"])
+        .arg(picture)
+        .arg("--index")
+        .arg(index));
+    // What so small a network makes of it is its own affair.
+    assert!(answer.status <= 1, "{}", answer.stderr);
+    assert_eq!(answer.json_lines()[0]["classes"].as_array().map(Vec::len), Some(6));
+}
