@@ -24,7 +24,7 @@ pub const LEARNED: &str = "learned";
 pub fn by_name(name: &str, network: Option<&Path>) -> anyhow::Result<DescriptorModel> {
     if name == LEARNED {
         let network = network.map_or_else(shipped_network, read_network)?;
-        return Ok(DescriptorModel::learned(network));
+        return Ok(DescriptorModel::learned(network)?);
     }
     let params =
         DescriptorParams::by_name(name).with_context(|| format!("there is no descriptor named {name}"))?;

@@ -333,7 +333,8 @@ impl Index {
                 true => of_look.clone(),
                 false => catalogue.calibration.probabilities(&of_look),
             };
-            let probable = match look.opinion.filter(|_| has_opinions) {
+            let opinion = look.opinion.filter(|opinion| has_opinions && opinion.classes.len() == count);
+            let probable = match opinion {
                 Some(opinion) => probable.iter().zip(&opinion.classes).map(|(a, b)| 0.5 * (a + b)).collect(),
                 None => probable,
             };

@@ -27,6 +27,14 @@ fn network(seed: u32) -> Arc<Network> {
     Arc::new(Network::from_weights(architecture, weights).expect("a network"))
 }
 
+/// One that takes smaller pictures.
+fn network_of_other_pictures() -> Arc<Network> {
+    let architecture =
+        Architecture { side: 24, planes: 2, convolutions: Vec::new(), embedding: 12, heads: 3 };
+    let count = architecture.parameters().expect("a small network");
+    Arc::new(Network::from_weights(architecture, vec![0.1; count]).expect("a network"))
+}
+
 /// A wedge of some size with an arm below.
 fn hand(size: usize) -> HandImage {
     let (width, height) = (3 * size, 5 * size);
@@ -47,7 +55,8 @@ fn params(network: &Arc<Network>) -> IndexParams {
 
 fn bytes(network: &Arc<Network>) -> Vec<u8> {
     let mut writer = IndexWriter::new(params(network)).expect("sound parameters");
-    let mut describer = DescriptorModel::learned(Arc::clone(network)).describer();
+    let mut describer =
+        DescriptorModel::learned(Arc::clone(network)).expect("a network of the right input").describer();
     for n in 0..36usize {
         let turned = hand(10 + n % 5).rotated(n as f64 / 7.0);
         let descriptor = describer.describe(&turned);
@@ -77,7 +86,8 @@ fn the_index_carries_its_network_and_describes_by_it() {
 
 #[test]
 fn a_turned_picture_has_about_the_same_descriptor() {
-    let mut describer = DescriptorModel::learned(network(1)).describer();
+    let mut describer =
+        DescriptorModel::learned(network(1)).expect("a network of the right input").describer();
     let hand = hand(18);
     let level = describer.describe(&hand);
     let apart = |other: &[f32]| level.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
@@ -144,6 +154,15 @@ fn a_learned_descriptor_needs_its_own_network() {
     assert!(matches!(refused, Err(BuildError::Descriptor(ParamsError::Network(n))) if n == named));
     let refused = DescriptorParams::learned(&one).describe(&hand(10)).expect_err("there is no network");
     assert_eq!(refused, ParamsError::Network(named));
+}
+
+#[test]
+fn a_network_of_other_pictures_is_rejected_before_it_is_asked() {
+    let other = network_of_other_pictures();
+    let refused = DescriptorModel::learned(Arc::clone(&other)).expect_err("it takes other pictures");
+    assert_eq!(refused, ParamsError::Input { side: 24, planes: 2 });
+    let refused = IndexWriter::new(params(&other)).expect_err("it takes other pictures");
+    assert!(matches!(refused, BuildError::Descriptor(ParamsError::Input { side: 24, planes: 2 })));
 }
 
 /// Whatever byte of the network is changed, the index does not open: nothing is described wrongly.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::build::WorkOptions;
 use super::global::Global;
+use crate::descriptor::shipped_network;
 use crate::interrupt;
 use crate::shard::{Share, shard};
 
@@ -34,6 +35,12 @@ impl Shard {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let (source, recipe) = self.work.work()?;
+        let (network, shipped) = (recipe.descriptor.network(), shipped_network().ok());
+        if network.is_some_and(|network| Some(network) != shipped.as_ref()) {
+            anyhow::bail!(
+                "parts are described by the network of this program: leave out --network, or `build` in one piece"
+            );
+        }
         let report = shard(&source, &recipe, self.shard, &self.out, global.progress())?;
         let is = if report.was_there { " is up to date" } else { "" };
         let (part, entries) = (report.path.display(), report.entries);

@@ -1,5 +1,6 @@
 //! All that it takes to describe a hand image.
 
+use super::planes::{PLANES, PLANES_SIDE};
 use super::{DescriptorKind, DescriptorParams, ParamsError};
 use grasp_network::Network;
 use std::sync::Arc;
@@ -27,8 +28,16 @@ impl DescriptorModel {
     }
 
     /// The descriptor that a network computes.
-    pub fn learned(network: Arc<Network>) -> Self {
-        Self { params: DescriptorParams::learned(&network), network: Some(network) }
+    ///
+    /// # Errors
+    /// [`ParamsError::Input`], where the network takes other pictures than [`planes`](super::planes())
+    /// makes.
+    pub fn learned(network: Arc<Network>) -> Result<Self, ParamsError> {
+        let (side, planes) = (network.architecture().side, network.architecture().planes);
+        if (side as usize, planes as usize) != (PLANES_SIDE, PLANES) {
+            return Err(ParamsError::Input { side, planes });
+        }
+        Ok(Self { params: DescriptorParams::learned(&network), network: Some(network) })
     }
 
     /// What an open index has: both were checked together.

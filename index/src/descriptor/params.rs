@@ -92,6 +92,17 @@ pub enum ParamsError {
     /// Embeddings too short or too long.
     #[error("embeddings of {0} values: 1 to 1024 are supported")]
     Embedding(u32),
+    /// A network that takes other pictures than hands are shown as.
+    #[error(
+        "a network for pictures of {side} x {side} pixels and {planes} planes: hands are shown to one \
+         for 48 x 48 pixels and 2 planes, as `grasp-builder train` makes it"
+    )]
+    Input {
+        /// Pixels a side that it takes.
+        side: u32,
+        /// Planes that it takes.
+        planes: u32,
+    },
     /// A learned descriptor without the network that computes it.
     #[error(
         "a learned descriptor needs its network, of fingerprint {0:016x}: take it from an index that \

@@ -5,6 +5,9 @@ use crate::hand_image::HandImage;
 /// Pixels a side of a network's input.
 pub const PLANES_SIDE: usize = 48;
 
+/// Planes of a network's input: grey and mask.
+pub(super) const PLANES: usize = 2;
+
 /// The longest side, in pixels, of a hand that planes are made of: larger ones are shrunk first.
 pub const PLANES_SOURCE_SIDE: usize = 96;
 /// Counts changes of the code that change planes.
@@ -14,7 +17,7 @@ pub(super) const PLANES_REVISION: u8 = 1;
 pub const SHOWN_LENGTHS: f64 = 1.6;
 /// How much of the square the hand's box leaves free, as a share of the box.
 const BORDER: f64 = 0.08;
-/// Standard deviations of the grey inside the hand that are told apart; highlights lie beyond.
+/// Standard deviations of the grey inside the hand beyond which it is cut off, as highlights are.
 const GREY_RANGE: f32 = 3.0;
 /// Added to the standard deviation of the grey, which lies in 0 to 1: a flat hand has only noise.
 const FLAT: f32 = 0.01;

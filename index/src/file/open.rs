@@ -7,7 +7,7 @@ use super::header::Header;
 use super::layout::Layout;
 use super::sections::SectionKind;
 use super::wire;
-use crate::descriptor::DescriptorKind;
+use crate::descriptor::{DescriptorKind, DescriptorModel};
 use crate::search::ReadAhead as _;
 use grasp_network::Network;
 use std::sync::Arc;
@@ -61,5 +61,7 @@ fn network(catalogue: &Catalogue, bytes: &[u8]) -> Result<Option<Arc<Network>>, 
     if network.fingerprint() != fingerprint || network.architecture().embedding != dim {
         return Err(OpenError::corrupt("its network is another than its descriptors were made by"));
     }
-    Ok(Some(Arc::new(network)))
+    let network = Arc::new(network);
+    DescriptorModel::learned(Arc::clone(&network)).map_err(OpenError::corrupt)?;
+    Ok(Some(network))
 }

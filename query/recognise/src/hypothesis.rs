@@ -9,7 +9,6 @@ use grasp_index::{
     Vote, euler_deg, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
-use std::borrow::Cow;
 
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
 
@@ -89,6 +88,8 @@ pub(super) fn best(
     let search = SearchOptions { k, effort: options.effort };
     let mut best: [Option<(f64, Candidate)>; 2] = [None, None];
     let mut describer = index.describer();
+    let flipped = hand.mirrored();
+    let of_side = |side| if side == Side::Left { &flipped } else { hand };
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
         let tried = turn as f64 / rolls as f64 * 360.0;
@@ -99,13 +100,11 @@ pub(super) fn best(
                 |t| &mut t.descriptor_ms,
                 || {
                     // Turning and then flipping is flipping and then turning the other way: one turn serves both hands.
-                    let (roll_deg, image, hand) = match side {
-                        Side::Right => (degrees, turned.clone(), Cow::Borrowed(hand)),
-                        Side::Left => {
-                            ((360.0 - degrees) % 360.0, turned.mirrored(), Cow::Owned(hand.mirrored()))
-                        }
+                    let (roll_deg, image) = match side {
+                        Side::Right => (degrees, turned.clone()),
+                        Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
                     };
-                    let descriptor = describer.describe_turned(&hand, roll_deg, &image);
+                    let descriptor = describer.describe_turned(of_side(side), roll_deg, &image);
                     (roll_deg, image, descriptor)
                 },
             );
@@ -126,9 +125,9 @@ pub(super) fn best(
             let distance =
                 hypothesis.unlikeliness(tried, describer.opinion().map(|opinion| opinion.mirrored));
             let [of_first, of_other] = &mut best;
-            let of_side = if side == first { of_first } else { of_other };
-            if of_side.as_ref().is_none_or(|(least, _)| distance < *least) {
-                *of_side = Some((distance, (hypothesis, describer.opinion().cloned())));
+            let so_far = if side == first { of_first } else { of_other };
+            if so_far.as_ref().is_none_or(|(least, _)| distance < *least) {
+                *so_far = Some((distance, (hypothesis, describer.opinion().cloned())));
             }
         }
     }
@@ -142,6 +141,7 @@ pub(super) fn best(
         [None, None] => return Err(RecogniseError::NoHand),
     };
     best.rival = rival;
+    let hand = of_side(best.side);
     look_again(index, hand, options, (&search, &mut describer, opinion.as_ref()), timings, &mut best)?;
     best.tried = rolls * options.hand.sides().len();
     let rotation = best.in_picture(&best.vote.orientation.rotation);
@@ -150,7 +150,7 @@ pub(super) fn best(
     Ok(best)
 }
 
-/// Looks at the picture of the answer from beside, where its descriptor is one that a small turn
+/// Looks at the hand of the answer, flipped where it is a left one, from beside, where its descriptor is one that a small turn
 /// changes otherwise than it changes the hand: the votes of all looks are joined.
 fn look_again(
     index: &Index,
@@ -163,14 +163,10 @@ fn look_again(
     if !matches!(index.catalogue().descriptor.kind, DescriptorKind::Learned { .. }) {
         return Ok(());
     }
-    let hand = match best.side {
-        Side::Right => Cow::Borrowed(hand),
-        Side::Left => Cow::Owned(hand.mirrored()),
-    };
     let mut others = Vec::with_capacity(LOOKS_DEG.len());
     for beside in LOOKS_DEG {
         // A network turns the picture itself.
-        let describe = || describer.describe_turned(&hand, best.roll_deg + beside, &hand);
+        let describe = || describer.describe_turned(hand, best.roll_deg + beside, hand);
         let descriptor = timings.time(|t| &mut t.descriptor_ms, describe);
         let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, search))?;
         others.push((found.neighbours, describer.opinion().cloned(), beside));

@@ -1,11 +1,12 @@
 //! What makes no index is refused before anything is written.
 
-use crate::descriptor::{DescriptorKind, DescriptorParams, ParamsError};
+use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
 use crate::file::input::{BuildError, IndexParams, NewEntry};
 use crate::file::kept::Originals;
 use crate::search::build::{HashParams, RandomParams};
 use crate::search::random::MAX_PLANES;
 use half::f16;
+use std::sync::Arc;
 
 /// The pixels of a thumbnail.
 pub(super) fn pixels(params: &IndexParams) -> usize {
@@ -17,7 +18,9 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     params.descriptor.validate()?;
     if let DescriptorKind::Learned { network: named, .. } = params.descriptor.kind {
         match &params.network {
-            Some(network) if DescriptorParams::learned(network) == params.descriptor => {}
+            Some(network) if DescriptorParams::learned(network) == params.descriptor => {
+                DescriptorModel::learned(Arc::clone(network))?;
+            }
             _ => return Err(ParamsError::Network(named).into()),
         }
     }
