@@ -3,7 +3,7 @@
 use crate::plan::{Plan, STAGES};
 use thiserror::Error;
 
-/// How much a sample counts in each of the three losses; 0 leaves it out of one.
+/// How much a sample counts in each of the losses; 0 leaves it out of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LossWeights {
     /// In the loss of the class.
@@ -12,11 +12,13 @@ pub struct LossWeights {
     pub stage: f32,
     /// In the loss of the rotation.
     pub rotation: f32,
+    /// In the loss of the masks, where the network has any.
+    pub masks: f32,
 }
 
 impl LossWeights {
     /// The sample counts in full in every loss.
-    pub const ALL: Self = Self { class: 1.0, stage: 1.0, rotation: 1.0 };
+    pub const ALL: Self = Self { class: 1.0, stage: 1.0, rotation: 1.0, masks: 1.0 };
 }
 
 impl Default for LossWeights {
@@ -46,6 +48,9 @@ pub struct Batch {
     pub inputs: Vec<f32>,
     /// What the network shall answer, a target a sample.
     pub targets: Vec<Target>,
+    /// The shares, 0 to 1, that the masks shall answer with, one sample's after another's, each
+    /// `[mask][y][x]` as in [`grasp_network::Output`]; empty for networks without masks.
+    pub masks: Vec<f32>,
 }
 
 /// A batch that nothing can be learned from. The trainer is left as it was.
@@ -68,7 +73,18 @@ pub enum BatchError {
         /// The values of one sample.
         sample: usize,
     },
-    /// An input, a rotation or a weight is infinite or not a number, or a weight is negative.
+    /// The masks do not fit the targets.
+    #[error("{found} mask values where {expected} were expected: a sample has {sample}")]
+    MaskLength {
+        /// Values in the masks.
+        found: usize,
+        /// What the number of samples asks for.
+        expected: usize,
+        /// The values of one sample.
+        sample: usize,
+    },
+    /// An input, a rotation or a weight is infinite or not a number, a weight is negative, or
+    /// a share is not from 0 to 1.
     #[error("sample {sample}: {what}")]
     Value {
         /// The sample, counted from 0.
@@ -99,13 +115,26 @@ impl Batch {
             if !target.rotation.as_flattened().iter().all(|value| value.is_finite()) {
                 return fault("its rotation is not finite");
             }
-            let LossWeights { class, stage, rotation } = target.weights;
-            if ![class, stage, rotation].iter().all(|weight| (0.0..=f32::MAX).contains(weight)) {
+            let LossWeights { class, stage, rotation, masks } = target.weights;
+            if ![class, stage, rotation, masks].iter().all(|weight| (0.0..=f32::MAX).contains(weight)) {
                 return fault("its weights are not finite or negative");
             }
             if !inputs.iter().all(|value| value.is_finite()) {
                 return fault("its inputs are not finite");
             }
+        }
+        self.check_masks(plan.mask_values())
+    }
+
+    /// Checks the masks, so many values a sample.
+    fn check_masks(&self, sample: usize) -> Result<(), BatchError> {
+        let (found, expected) = (self.masks.len(), self.targets.len().saturating_mul(sample));
+        if found != expected {
+            return Err(BatchError::MaskLength { found, expected, sample });
+        }
+        if let Some(at) = self.masks.iter().position(|share| !(0.0..=1.0).contains(share)) {
+            let what = "its masks are not shares from 0 to 1";
+            return Err(BatchError::Value { sample: at / sample, what });
         }
         Ok(())
     }

@@ -1,21 +1,23 @@
 //! The complete state of a training as bytes.
 //!
 //! Little-endian: magic, version (u32), the architecture (side, planes, embedding, heads, number of
-//! convolutions, then kernel, stride and outputs of each: u32), seed and steps (u64), the arrays of
-//! the state in their order (f32; their lengths follow from the architecture), and the xxh3 of all
-//! bytes before it (u64).
+//! convolutions, then kernel, stride and outputs of each; with masks also their convolution, count
+//! and cells: u32), seed and steps (u64), the arrays of the state in their order (f32; their lengths
+//! follow from the architecture), and the xxh3 of all bytes before it (u64).
 
 use crate::optimiser::Moments;
 use crate::plan::Plan;
 use crate::trainer::{State, Trainer};
-use grasp_network::{Architecture, ArchitectureError, Convolution};
+use grasp_network::{Architecture, ArchitectureError, Convolution, Masks};
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
 
 const MAGIC: [u8; 8] = *b"graspTRN";
-/// Goes up with every change that makes older checkpoints unusable, a change of what training does
-/// included.
-const VERSION: u32 = 1;
+/// The version of networks without masks. Goes up with every change that makes older checkpoints
+/// unusable, a change of what training does included.
+const PLAIN: u32 = 1;
+/// The version of networks with masks. Goes up likewise, past both.
+const WITH_MASKS: u32 = 2;
 
 /// Bytes that are no checkpoint that training can go on from.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -25,7 +27,9 @@ pub enum CheckpointError {
     #[error("not a checkpoint of a training")]
     NotACheckpoint,
     /// Another version of the program wrote it.
-    #[error("a checkpoint of version {found}, and this program reads {VERSION}: begin the training again")]
+    #[error(
+        "a checkpoint of version {found}, and this program reads {PLAIN} and {WITH_MASKS}: begin the training again"
+    )]
     Version {
         /// The checkpoint's version.
         found: u32,
@@ -56,11 +60,15 @@ impl Trainer {
     /// The complete state: a trainer that is loaded from it goes on as this one does.
     pub fn save(&self) -> Vec<u8> {
         let State { plan, seed, steps, .. } = &self.state;
-        let Architecture { side, planes, convolutions, embedding, heads } = &plan.architecture;
+        let Architecture { side, planes, convolutions, embedding, heads, masks } = &plan.architecture;
         let mut bytes = MAGIC.to_vec();
-        let mut header = vec![VERSION, *side, *planes, *embedding, *heads, convolutions.len() as u32];
+        let version = if masks.is_some() { WITH_MASKS } else { PLAIN };
+        let mut header = vec![version, *side, *planes, *embedding, *heads, convolutions.len() as u32];
         for &Convolution { kernel, stride, outputs } in convolutions {
             header.extend([kernel, stride, outputs]);
+        }
+        if let Some(Masks { convolution, count, cells }) = *masks {
+            header.extend([convolution, count, cells]);
         }
         bytes.extend(header.iter().flat_map(|value| value.to_le_bytes()));
         bytes.extend([*seed, *steps].iter().flat_map(|value| value.to_le_bytes()));
@@ -83,16 +91,23 @@ impl Trainer {
         }
         reader.take(MAGIC.len())?;
         let found = reader.u32()?;
-        if found != VERSION {
-            return Err(CheckpointError::Version { found });
-        }
+        let has_masks = match found {
+            PLAIN => false,
+            WITH_MASKS => true,
+            _ => return Err(CheckpointError::Version { found }),
+        };
         let [side, planes, embedding, heads, count] = reader.u32s()?;
         let mut convolutions = Vec::new();
         for _ in 0..count {
             let [kernel, stride, outputs] = reader.u32s()?;
             convolutions.push(Convolution { kernel, stride, outputs });
         }
-        let architecture = Architecture { side, planes, convolutions, embedding, heads };
+        let mut masks = None;
+        if has_masks {
+            let [convolution, count, cells] = reader.u32s()?;
+            masks = Some(Masks { convolution, count, cells });
+        }
+        let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
         let (seed, steps) = (reader.u64()?, reader.u64()?);
 
         // Before anything is allocated by what the header claims.

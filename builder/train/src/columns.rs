@@ -62,7 +62,7 @@ mod tests {
 
     fn layer(side: u32, planes: u32, kernel: u32, stride: u32) -> Layer {
         let convolutions = vec![Convolution { kernel, stride, outputs: 1 }];
-        let architecture = Architecture { side, planes, convolutions, embedding: 1, heads: 1 };
+        let architecture = Architecture { side, planes, convolutions, embedding: 1, heads: 1, masks: None };
         architecture.layers().expect("a supported architecture")[0]
     }
 

@@ -9,7 +9,7 @@ const SAMPLES: usize = 32;
 const INPUTS: usize = 432;
 
 /// A dense layer's sizes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct DenseShape {
     pub(crate) inputs: usize,
     pub(crate) outputs: usize,
@@ -25,11 +25,12 @@ pub(crate) fn forward(shape: DenseShape, matrix: &[f32], inputs: &[f32], outputs
     });
 }
 
-/// The gradient with respect to the inputs.
+/// The gradient with respect to the inputs, written or added to what is there.
 pub(crate) fn input_gradients(
     shape: DenseShape,
     matrix: &[f32],
     output_gradients: &[f32],
+    before: Before,
     input_gradients: &mut [f32],
 ) {
     let matrix = Matrix::new(matrix, shape.inputs, shape.outputs).transposed();
@@ -37,7 +38,7 @@ pub(crate) fn input_gradients(
     let targets = input_gradients.par_chunks_mut(SAMPLES * shape.inputs);
     gradients.zip(targets).for_each(|(gradients, targets)| {
         let samples = gradients.len() / shape.outputs;
-        multiply(Matrix::new(gradients, samples, shape.outputs), matrix, Before::Replace, targets);
+        multiply(Matrix::new(gradients, samples, shape.outputs), matrix, before, targets);
     });
 }
 

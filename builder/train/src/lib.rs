@@ -2,15 +2,18 @@
 //!
 //! Each convolution and the embedding's dense layer are followed by batch normalisation; values are
 //! dropped before the embedding. The heads are, in this order, the logits of the classes, those of
-//! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of. Adam
-//! makes the sum of three [`Losses`] small.
+//! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of. Where
+//! the network has masks, their logits shall answer with given shares. Adam makes the sum of the
+//! [`Losses`] small.
 //!
 //! ```
-//! use grasp_network::{Architecture, Convolution};
+//! use grasp_network::{Architecture, Convolution, Masks};
 //! use grasp_train::{Batch, LossWeights, Target, Trainer, learning_rate};
 //!
 //! let convolutions = vec![Convolution { kernel: 3, stride: 2, outputs: 4 }];
-//! let architecture = Architecture { side: 8, planes: 1, convolutions, embedding: 5, heads: 15 };
+//! // A mask of 8 x 8 values.
+//! let masks = Some(Masks { convolution: 0, count: 1, cells: 2 });
+//! let architecture = Architecture { side: 8, planes: 1, convolutions, embedding: 5, heads: 15, masks };
 //! let mut trainer = Trainer::new(&architecture, 1)?;
 //! let target = Target {
 //!     class: 3,
@@ -20,7 +23,8 @@
 //! };
 //! let steps = 10;
 //! while trainer.steps() < steps {
-//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32] };
+//!     let masks = vec![1.0; 32 * 8 * 8];
+//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks };
 //!     let losses = trainer.step(&batch, learning_rate(2e-3, trainer.steps(), steps))?;
 //!     assert!(losses.total().is_finite());
 //! }
@@ -31,6 +35,7 @@
 //!
 //! Work is done on the threads of the rayon pool that calls ([`rayon::ThreadPool::install`]).
 
+mod affine;
 mod batch;
 mod checkpoint;
 mod columns;
@@ -38,6 +43,7 @@ mod convolution;
 mod dense;
 mod dropout;
 mod losses;
+mod mask_loss;
 mod matrix;
 mod network;
 mod normalisation;

@@ -1,4 +1,4 @@
-//! The three losses and their gradient.
+//! The losses of the heads and their gradient.
 
 use crate::batch::{LossWeights, Target};
 use crate::plan::{ROTATION, STAGES};
@@ -11,6 +11,9 @@ const CLASS_TARGET: f64 = 0.94;
 const STAGE_FACTOR: f64 = 0.3;
 /// The weight of the rotation's loss in the total.
 const ROTATION_FACTOR: f64 = 1.0;
+/// The weight of the masks' loss in the total: few of their values are hand or object, and the mean
+/// over all is small.
+pub(crate) const MASK_FACTOR: f32 = 3.0;
 /// Added under the root, so that a rotation without error has a gradient.
 const EPSILON: f64 = 1e-4;
 
@@ -23,16 +26,20 @@ pub struct Losses {
     pub stage: f32,
     /// The Frobenius norm of the rotation matrix's error.
     pub rotation: f32,
+    /// Binary cross entropy of the masks, the mean over their values; 0 without masks.
+    pub masks: f32,
 }
 
 impl Losses {
-    /// What training makes small: class + 0.3 stage + rotation.
+    /// What training makes small: class + 0.3 stage + rotation + 3 masks.
     pub fn total(&self) -> f32 {
-        self.class + STAGE_FACTOR as f32 * self.stage + ROTATION_FACTOR as f32 * self.rotation
+        let heads = self.class + STAGE_FACTOR as f32 * self.stage + ROTATION_FACTOR as f32 * self.rotation;
+        heads + MASK_FACTOR * self.masks
     }
 }
 
-/// The losses of a batch's outputs, `heads` values a sample. Writes the gradient of the total.
+/// The losses of a batch's heads, `heads` values a sample; that of the masks is left at 0. Writes
+/// the gradient of the total.
 pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradients: &mut [f32]) -> Losses {
     let share = |weight: fn(&LossWeights) -> f32| {
         let sum: f64 = targets.iter().map(|target| f64::from(weight(&target.weights))).sum();
@@ -42,7 +49,7 @@ pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradient
     let mut sums = [0.0; 3];
     let samples = outputs.chunks_exact(heads).zip(gradients.chunks_exact_mut(heads));
     for (target, (outputs, gradients)) in targets.iter().zip(samples) {
-        let LossWeights { class, stage, rotation } = target.weights;
+        let LossWeights { class, stage, rotation, .. } = target.weights;
         let [class, stage, rotation] =
             [f64::from(class) * shares[0], f64::from(stage) * shares[1], f64::from(rotation) * shares[2]];
         let (classes, rest) = outputs.split_at(heads - STAGES - ROTATION);
@@ -56,7 +63,7 @@ pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradient
         sums[2] += rotation * rotation_error(columns, &target.rotation, factor, column_gradients);
     }
     let [class, stage, rotation] = sums.map(|sum| sum as f32);
-    Losses { class, stage, rotation }
+    Losses { class, stage, rotation, masks: 0.0 }
 }
 
 /// The cross entropy of `softmax(logits)` and the target, which has `kept` on the label and the
@@ -100,7 +107,7 @@ mod tests {
         class: 4,
         stage: 1,
         rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-        weights: LossWeights { class: 0.5, stage: 2.0, rotation: 1.5 },
+        weights: LossWeights { class: 0.5, stage: 2.0, rotation: 1.5, masks: 1.0 },
     };
 
     fn outputs() -> Vec<f32> {
@@ -142,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_sample_without_weight_is_left_out() {
-        let weights = LossWeights { class: 0.0, stage: 0.0, rotation: 0.0 };
+        let weights = LossWeights { class: 0.0, stage: 0.0, rotation: 0.0, masks: 0.0 };
         let targets = [TARGET, Target { weights, ..TARGET }];
         let mut gradients = vec![1.0; 30];
         let both = losses(15, &outputs(), &targets, &mut gradients);

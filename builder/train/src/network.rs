@@ -6,8 +6,9 @@
 use crate::convolution;
 use crate::dense::{self, DenseShape};
 use crate::dropout::drop_values;
+use crate::matrix::Before;
 use crate::normalisation::{Normalisation, Sums, sums};
-use crate::plan::{Block, Plan};
+use crate::plan::{Block, MaskPlan, Plan};
 use grasp_network::Architecture;
 use rayon::prelude::*;
 
@@ -39,6 +40,16 @@ struct Layer {
     normalisation: Normalisation,
 }
 
+/// What the network returns for a batch, or the gradients with respect to it.
+#[derive(Debug, Default)]
+pub(crate) struct Outputs {
+    /// `[sample][head]`.
+    pub(crate) heads: Vec<f32>,
+    /// Logits `[sample][y][x][mask][cell y][cell x]`, by the pixels of the convolution that they are
+    /// read from; empty without masks.
+    pub(crate) masks: Vec<f32>,
+}
+
 /// The values of one batch, kept for the way back.
 #[derive(Default)]
 pub(crate) struct Activations {
@@ -46,8 +57,7 @@ pub(crate) struct Activations {
     layers: Vec<Layer>,
     /// What enters the embedding after dropout, then the gradient with respect to it.
     dropped: Vec<f32>,
-    /// The heads.
-    pub(crate) outputs: Vec<f32>,
+    pub(crate) outputs: Outputs,
     /// The kernels' gradients slice by slice.
     partial: Vec<f32>,
 }
@@ -90,12 +100,10 @@ impl Activations {
         let slices: Vec<_> = slices.map(|values| sums(shape.outputs, shape.outputs, values)).collect();
         layer.activate(block, shape.outputs, &slices, parameters, Architecture::LEAK, mode);
 
-        self.outputs.resize(samples * plan.heads(), 0.0);
-        let matrix = &parameters[plan.heads_matrix.clone()];
-        dense::forward(heads_shape(plan), matrix, &layer.active, &mut self.outputs);
-        for outputs in self.outputs.chunks_exact_mut(plan.heads()) {
-            let bias = &parameters[plan.heads_bias.clone()];
-            outputs.iter_mut().zip(bias).for_each(|(output, bias)| *output += bias);
+        plan.head.forward(parameters, &layer.active, &mut self.outputs.heads);
+        if let Some(MaskPlan { convolution, layer, .. }) = &plan.masks {
+            let inputs = &self.layers[*convolution].active;
+            layer.forward(parameters, inputs, &mut self.outputs.masks);
         }
     }
 
@@ -107,20 +115,15 @@ impl Activations {
         parameters: &[f32],
         inputs: &[f32],
         dropout: u64,
-        output_gradients: &[f32],
+        output_gradients: &Outputs,
         gradients: &mut [f32],
     ) {
         let (convolutions, embedding) = self.layers.split_at_mut(plan.convolutions.len());
         let embedding = &mut embedding[0];
         embedding.gradient.resize(embedding.active.len(), 0.0);
-        let (shape, matrix) = (heads_shape(plan), plan.heads_matrix.clone());
-        let bias = &mut gradients[plan.heads_bias.clone()];
-        bias.fill(0.0);
-        for sample in output_gradients.chunks_exact(plan.heads()) {
-            bias.iter_mut().zip(sample).for_each(|(sum, value)| *sum += value);
-        }
-        dense::input_gradients(shape, &parameters[matrix.clone()], output_gradients, &mut embedding.gradient);
-        dense::matrix_gradient(shape, &embedding.active, output_gradients, &mut gradients[matrix]);
+        let heads = &output_gradients.heads;
+        plan.head.parameter_gradients(&embedding.active, heads, gradients);
+        plan.head.input_gradients(parameters, heads, Before::Replace, &mut embedding.gradient);
 
         let (shape, block) = (embedding_shape(plan), embedding_block(plan));
         let totals = embedding.rectifier_backward(block, shape.outputs, Architecture::LEAK, gradients);
@@ -129,13 +132,19 @@ impl Activations {
         let matrix = block.matrix.clone();
         dense::matrix_gradient(shape, &self.dropped, &embedding.gradient, &mut gradients[matrix.clone()]);
         let Some(last) = convolutions.last_mut() else { return };
-        dense::input_gradients(shape, &parameters[matrix], &embedding.gradient, &mut self.dropped);
+        let (matrix, dropped) = (&parameters[matrix], &mut self.dropped);
+        dense::input_gradients(shape, matrix, &embedding.gradient, Before::Replace, dropped);
         last.gradient.resize(self.dropped.len(), 0.0);
         drop_all(dropout, plan.features, &self.dropped, &mut last.gradient);
 
         for (index, (shape, block)) in plan.convolutions.iter().zip(&plan.blocks).enumerate().rev() {
             let (before, from_here) = convolutions.split_at_mut(index);
             let layer = &mut from_here[0];
+            if let Some(MaskPlan { layer: masks, .. }) = plan.masks_of(index) {
+                let of_masks = &output_gradients.masks;
+                masks.parameter_gradients(&layer.active, of_masks, gradients);
+                masks.input_gradients(parameters, of_masks, Before::Add, &mut layer.gradient);
+            }
             let totals = layer.rectifier_backward(block, shape.output_values(), 0.0, gradients);
             let (normalisation, count) = (&layer.normalisation, layer.raw.len() / block.outputs);
             let (inputs, input_gradients) = match before.last_mut() {
@@ -253,8 +262,4 @@ fn embedding_block(plan: &Plan) -> &Block {
 
 fn embedding_shape(plan: &Plan) -> DenseShape {
     DenseShape { inputs: plan.features, outputs: plan.embedding() }
-}
-
-fn heads_shape(plan: &Plan) -> DenseShape {
-    DenseShape { inputs: plan.embedding(), outputs: plan.heads() }
 }

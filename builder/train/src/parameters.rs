@@ -1,7 +1,7 @@
 //! The trained values at the start, and what becomes of them at the end.
 
 use crate::normalisation::Normalisation;
-use crate::plan::{Plan, ROTATION};
+use crate::plan::{MaskPlan, Plan, ROTATION};
 use crate::random::{key, symmetric};
 
 /// Random kernels and matrices of the variance that keeps a layer's values at the same size (He et
@@ -15,11 +15,15 @@ pub(crate) fn initial(plan: &Plan, seed: u64) -> Vec<f32> {
         parameters[block.scale.clone()].fill(1.0);
     }
     let stream = key(seed, plan.blocks.len() as u64);
-    fill(stream, 1.0, plan.embedding(), &mut parameters[plan.heads_matrix.clone()]);
-    let bias = &mut parameters[plan.heads_bias.clone()];
+    fill(stream, 1.0, plan.embedding(), &mut parameters[plan.head.matrix.clone()]);
+    let bias = &mut parameters[plan.head.bias.clone()];
     let columns = plan.heads() - ROTATION;
     bias[columns] = 1.0;
     bias[columns + 4] = 1.0;
+    if let Some(MaskPlan { layer, .. }) = &plan.masks {
+        let stream = key(seed, plan.blocks.len() as u64 + 1);
+        fill(stream, 1.0, layer.shape.inputs, &mut parameters[layer.matrix.clone()]);
+    }
     parameters
 }
 
@@ -56,7 +60,9 @@ pub(crate) fn fold(plan: &Plan, parameters: &[f32], statistics: &[f32]) -> Vec<f
         }
         weights.extend(&normalisation.offset);
     }
-    weights.extend(&parameters[plan.heads_matrix.clone()]);
-    weights.extend(&parameters[plan.heads_bias.clone()]);
+    for layer in std::iter::once(&plan.head).chain(plan.masks.as_ref().map(|masks| &masks.layer)) {
+        weights.extend(&parameters[layer.matrix.clone()]);
+        weights.extend(&parameters[layer.bias.clone()]);
+    }
     weights
 }

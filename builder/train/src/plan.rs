@@ -1,6 +1,8 @@
 //! The sizes of the layers, and where each one's parameters lie.
 
-use grasp_network::{Architecture, ArchitectureError, Layer};
+use crate::affine::Affine;
+use crate::dense::DenseShape;
+use grasp_network::{Architecture, ArchitectureError, Layer, Masks};
 use std::ops::Range;
 
 /// Stages that the second head distinguishes.
@@ -27,6 +29,24 @@ pub(crate) struct Block {
     pub(crate) variance: Range<usize>,
 }
 
+/// The masks: a dense layer at each pixel of a convolution's output.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct MaskPlan {
+    pub(crate) masks: Masks,
+    /// The convolution, counted from 0.
+    pub(crate) convolution: usize,
+    /// Pixels a side of the convolution's output.
+    pub(crate) side: usize,
+    pub(crate) layer: Affine,
+}
+
+impl MaskPlan {
+    /// Values of one sample's masks.
+    pub(crate) fn values(&self) -> usize {
+        self.side * self.side * self.layer.shape.outputs
+    }
+}
+
 /// An architecture with everything that follows from it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Plan {
@@ -36,10 +56,8 @@ pub(crate) struct Plan {
     pub(crate) features: usize,
     /// The convolutions' in their order, then the embedding's.
     pub(crate) blocks: Vec<Block>,
-    /// `[embedding][heads]`, in the parameters.
-    pub(crate) heads_matrix: Range<usize>,
-    /// `[heads]`, in the parameters.
-    pub(crate) heads_bias: Range<usize>,
+    pub(crate) head: Affine,
+    pub(crate) masks: Option<MaskPlan>,
     /// Trained values.
     pub(crate) parameters: usize,
     /// Means and variances.
@@ -54,9 +72,9 @@ impl Plan {
             return Err(ArchitectureError { what, value: heads, supported });
         }
         let mut convolutions = architecture.layers()?;
-        // The embedding and the heads, dense layers.
-        let dense = convolutions.split_off(architecture.convolutions.len());
-        let features = dense.first().map_or(0, Layer::inputs);
+        // The embedding, the heads and the masks.
+        let others = convolutions.split_off(architecture.convolutions.len());
+        let features = others.first().map_or(0, Layer::inputs);
         let (embedding, heads) = (architecture.embedding as usize, architecture.heads as usize);
 
         let (mut parameters, mut statistics) = (Cursor(0), Cursor(0));
@@ -73,15 +91,25 @@ impl Plan {
                 variance: statistics.next(outputs),
             })
             .collect();
-        let heads_matrix = parameters.next(embedding * heads);
-        let heads_bias = parameters.next(heads);
+        let mut affine = |inputs, outputs| Affine {
+            shape: DenseShape { inputs, outputs },
+            matrix: parameters.next(inputs * outputs),
+            bias: parameters.next(outputs),
+        };
+        let head = affine(embedding, heads);
+        let masks = architecture.masks.zip(others.get(2)).map(|(masks, layer)| MaskPlan {
+            masks,
+            convolution: masks.convolution as usize,
+            side: layer.output_side,
+            layer: affine(layer.inputs(), layer.output_planes),
+        });
         Ok(Self {
             architecture: architecture.clone(),
             convolutions,
             features,
             blocks,
-            heads_matrix,
-            heads_bias,
+            head,
+            masks,
             parameters: parameters.0,
             statistics: statistics.0,
         })
@@ -100,6 +128,16 @@ impl Plan {
         self.architecture.heads as usize
     }
 
+    /// Values of one sample's masks; 0 without any.
+    pub(crate) fn mask_values(&self) -> usize {
+        self.masks.as_ref().map_or(0, MaskPlan::values)
+    }
+
+    /// The masks, where they are read from this convolution.
+    pub(crate) fn masks_of(&self, convolution: usize) -> Option<&MaskPlan> {
+        self.masks.as_ref().filter(|masks| masks.convolution == convolution)
+    }
+
     /// Classes that the first head distinguishes.
     pub(crate) fn classes(&self) -> usize {
         self.heads() - STAGES - ROTATION
@@ -107,7 +145,9 @@ impl Plan {
 
     /// The parameters that weight decay applies to: kernels and matrices.
     pub(crate) fn decayed(&self) -> impl Iterator<Item = Range<usize>> {
-        self.blocks.iter().map(|block| block.matrix.clone()).chain([self.heads_matrix.clone()])
+        let masks = self.masks.as_ref().map(|masks| &masks.layer);
+        let affine = std::iter::once(&self.head).chain(masks).map(|layer| &layer.matrix);
+        self.blocks.iter().map(|block| &block.matrix).chain(affine).cloned()
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::batch::{Batch, BatchError};
 use crate::losses::{Losses, losses};
-use crate::network::{Activations, Mode};
+use crate::mask_loss::mask_loss;
+use crate::network::{Activations, Mode, Outputs};
 use crate::optimiser::{Moments, average};
 use crate::parameters::{fold, initial, initial_statistics};
 use crate::plan::Plan;
@@ -41,7 +42,7 @@ pub struct Trainer {
     decayed: Vec<f32>,
     activations: Activations,
     pub(crate) gradients: Vec<f32>,
-    output_gradients: Vec<f32>,
+    output_gradients: Outputs,
 }
 
 impl Trainer {
@@ -71,7 +72,7 @@ impl Trainer {
             decayed,
             activations: Activations::default(),
             gradients: vec![0.0; state.plan.parameters],
-            output_gradients: Vec::new(),
+            output_gradients: Outputs::default(),
             state,
         }
     }
@@ -113,9 +114,14 @@ impl Trainer {
         let dropout = key(!*seed, *steps);
         let inputs = batch.inputs.as_slice();
         self.activations.forward(plan, parameters, inputs, Mode::Training { dropout });
-        let outputs = &self.activations.outputs;
-        self.output_gradients.resize(outputs.len(), 0.0);
-        let losses = losses(plan.heads(), outputs, &batch.targets, &mut self.output_gradients);
+        let Outputs { heads, masks } = &self.activations.outputs;
+        let of = &mut self.output_gradients;
+        of.heads.resize(heads.len(), 0.0);
+        let mut losses = losses(plan.heads(), heads, &batch.targets, &mut of.heads);
+        if let Some(plan) = &plan.masks {
+            of.masks.resize(masks.len(), 0.0);
+            losses.masks = mask_loss(plan, masks, &batch.masks, &batch.targets, &mut of.masks);
+        }
         let (from, to) = (&self.output_gradients, &mut self.gradients);
         self.activations.backward(plan, parameters, inputs, dropout, from, to);
         losses
@@ -137,7 +143,7 @@ impl Trainer {
         let mut outputs = Vec::with_capacity(complete / plan.inputs() * plan.heads());
         for inputs in inputs[..complete].chunks(SAMPLES_AT_ONCE * plan.inputs()) {
             activations.forward(plan, averaged, inputs, mode);
-            outputs.extend(&activations.outputs);
+            outputs.extend(&activations.outputs.heads);
         }
         outputs
     }

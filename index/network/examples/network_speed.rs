@@ -1,7 +1,7 @@
-//! How long a picture takes, on each path that this machine has:
-//! `cargo run -p grasp-network --example network_speed`.
+//! How long a picture takes, on each path that this machine has, by the shipped network and by one
+//! with masks: `cargo run -p grasp-network --example network_speed`.
 
-use grasp_network::{Architecture, Convolution, Layer, Network, Path, Scratch};
+use grasp_network::{Architecture, Convolution, Layer, Masks, Network, Path, Scratch};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -9,25 +9,36 @@ use std::time::{Duration, Instant};
 const PICTURES: usize = 1001;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
-    let architecture = Architecture {
-        side: 48,
-        planes: 2,
-        convolutions: vec![
-            convolution(5, 2, 16),
-            convolution(3, 2, 32),
-            convolution(3, 1, 48),
-            convolution(3, 2, 96),
-            convolution(3, 1, 96),
-        ],
-        embedding: 128,
-        heads: 15,
-    };
+    measure(architecture(48, 2, &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 96)], 15, None))?;
+    println!();
+    measure(architecture(
+        64,
+        3,
+        &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 112), (3, 1, 112), (3, 2, 160)],
+        17,
+        Some(Masks { convolution: 5, count: 2, cells: 4 }),
+    ))
+}
+
+fn architecture(
+    side: u32,
+    planes: u32,
+    convolutions: &[(u32, u32, u32)],
+    heads: u32,
+    masks: Option<Masks>,
+) -> Architecture {
+    let convolution = |&(kernel, stride, outputs)| Convolution { kernel, stride, outputs };
+    let convolutions = convolutions.iter().map(convolution).collect();
+    Architecture { side, planes, convolutions, embedding: 128, heads, masks }
+}
+
+fn measure(architecture: Architecture) -> Result<(), Box<dyn Error>> {
     let multiply_adds: u64 = architecture.layers()?.iter().map(Layer::multiply_adds).sum();
     println!("{} weights, {multiply_adds} multiply-adds a picture\n", architecture.parameters()?);
     let weights = (0..architecture.parameters()?).map(|at| wave(at) * 0.1).collect();
+    let inputs = (architecture.side * architecture.side * architecture.planes) as usize;
     let network = Network::from_weights(architecture, weights)?;
-    let input: Vec<f32> = (0..48 * 48 * 2).map(|at| wave(at).max(0.0)).collect();
+    let input: Vec<f32> = (0..inputs).map(|at| wave(at).max(0.0)).collect();
 
     println!("| path     | median us a picture | fastest |");
     println!("|----------|---------------------|---------|");

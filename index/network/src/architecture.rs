@@ -1,7 +1,8 @@
 //! The network's shape, and what shapes are supported.
 
 use crate::layer::{Layer, Rectifier};
-use thiserror::Error;
+use crate::masks::Masks;
+use crate::supported::{ArchitectureError, check};
 
 /// One convolution with its bias, followed by a rectifier. Borders are padded with `kernel / 2`
 /// zeros, so that a stride of 1 keeps the size and a stride of 2 halves an even one.
@@ -15,15 +16,17 @@ pub struct Convolution {
     pub outputs: u32,
 }
 
-/// The network's layers, from the input to the heads.
+/// The network's layers, from the input to the heads and the masks.
 ///
 /// A picture of `side * side * planes` values (row by row, the planes of a pixel together) passes
 /// the convolutions; all values of the last one become the embedding by a dense layer and a leaky
-/// rectifier of slope [`Self::LEAK`]; the heads are a dense layer on the embedding.
+/// rectifier of slope [`Self::LEAK`]; the heads are a dense layer on the embedding. [`Masks`] are read
+/// off one of the convolutions.
 ///
 /// The weights are one array, layer by layer: a convolution's kernel `[y][x][input][output]`, then
 /// its bias `[output]`; the embedding's matrix `[input][output]` (inputs row by row, the planes of
-/// a pixel together) and bias; the heads' matrix `[input][output]` and bias.
+/// a pixel together) and bias; the heads' matrix `[input][output]` and bias; last the masks' matrix
+/// `[input][output]` and bias, their outputs in the order `[mask][y][x]` of a pixel's cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Architecture {
     /// Pixels a side of the input.
@@ -36,18 +39,8 @@ pub struct Architecture {
     pub embedding: u32,
     /// Values of all heads together.
     pub heads: u32,
-}
-
-/// An architecture that is not supported.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("unsupported network: the {what} is {value}, where {supported}")]
-pub struct ArchitectureError {
-    /// Which number is out of range.
-    pub what: &'static str,
-    /// The number.
-    pub value: u64,
-    /// What is supported.
-    pub supported: &'static str,
+    /// The masks, where there are any.
+    pub masks: Option<Masks>,
 }
 
 impl Architecture {
@@ -63,14 +56,14 @@ impl Architecture {
         self.layers().map(|_| ())
     }
 
-    /// The layers with their sizes, from the input to the heads: each convolution, the embedding,
-    /// the heads.
+    /// The layers with their sizes, in the order of their weights: each convolution, the embedding,
+    /// the heads, and the masks where there are any.
     ///
     /// # Errors
     /// As [`Self::validate`].
     pub fn layers(&self) -> Result<Vec<Layer>, ArchitectureError> {
         self.check_ranges()?;
-        let mut layers = Vec::with_capacity(self.convolutions.len() + 2);
+        let mut layers = Vec::with_capacity(self.convolutions.len() + 3);
         let (mut side, mut planes) = (self.side as usize, self.planes as usize);
         for convolution in &self.convolutions {
             let stride = convolution.stride as usize;
@@ -89,8 +82,33 @@ impl Architecture {
         }
         layers.push(Layer::dense(side, planes, self.embedding as usize, Rectifier::Leaky));
         layers.push(Layer::dense(1, self.embedding as usize, self.heads as usize, Rectifier::None));
+        if let Some(masks) = self.masks {
+            let read = layers.get(masks.convolution as usize).map(|layer| masks.layer(layer));
+            layers.extend(read);
+        }
         check_totals(&layers)?;
         Ok(layers)
+    }
+
+    /// Pixels a side of the masks; 0 without any.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn mask_side(&self) -> Result<usize, ArchitectureError> {
+        let layers = self.layers()?;
+        let side = |masks: Masks| {
+            let read = layers.get(masks.convolution as usize);
+            read.map_or(0, |layer| layer.output_side * masks.cells as usize)
+        };
+        Ok(self.masks.map_or(0, side))
+    }
+
+    /// The layer whose output layer `at` reads; none reads the picture.
+    pub(crate) fn source(&self, at: usize) -> Option<usize> {
+        match self.masks {
+            Some(masks) if at == self.convolutions.len() + 2 => Some(masks.convolution as usize),
+            _ => at.checked_sub(1),
+        }
     }
 
     /// Weights and biases of all layers: the length of the array that
@@ -125,7 +143,7 @@ impl Architecture {
             check(matches!(stride, 1 | 2), stride, "stride", "1 and 2 are supported")?;
             planes(convolution.outputs, "number of output planes")?;
         }
-        Ok(())
+        self.masks.map_or(Ok(()), |masks| masks.check(self.convolutions.len()))
     }
 }
 
@@ -150,13 +168,4 @@ fn check_totals(layers: &[Layer]) -> Result<(), ArchitectureError> {
         "number of multiply-adds",
         "at most 1073741824 are supported (with outputs in multiples of 32)",
     )
-}
-
-fn check(
-    holds: bool,
-    value: u64,
-    what: &'static str,
-    supported: &'static str,
-) -> Result<(), ArchitectureError> {
-    if holds { Ok(()) } else { Err(ArchitectureError { what, value, supported }) }
 }

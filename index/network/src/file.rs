@@ -8,13 +8,17 @@
 //! | 16..24 | the file's length in bytes |
 //! | 24..40 | side, planes, embedding, heads: 4 bytes each |
 //! | 40..40 + 12 n | kernel, stride, outputs of each convolution: 4 bytes each |
+//! | 12 more, in version 2 | the masks' convolution, count and cells: 4 bytes each |
 //! | to 8 before the end | the weights in [`Architecture`]'s order, `f16` |
 //! | the last 8 | xxh3 of all before |
+//!
+//! Networks without masks are written in version 1, those with masks in version 2.
 //!
 //! The magic, the version, the length and the hash stay where they are in every version.
 
 use crate::architecture::{Architecture, Convolution};
 use crate::layer::Layer;
+use crate::masks::Masks;
 use crate::weights::WeightsError;
 use half::f16;
 use thiserror::Error;
@@ -22,12 +26,16 @@ use xxhash_rust::xxh3::xxh3_64;
 
 /// No text, and broken by transfers that rewrite line ends.
 const MAGIC: [u8; 8] = *b"\x89GRNN\r\n\x1a";
-/// What this crate reads and writes.
-const VERSION: u32 = 1;
+/// The version of networks without masks.
+const PLAIN: u32 = 1;
+/// The version of networks with masks.
+const WITH_MASKS: u32 = 2;
 /// The bytes before the convolutions.
 const HEADER: usize = 40;
 /// The bytes of one convolution.
 const CONVOLUTION: usize = 12;
+/// The bytes of the masks' numbers.
+const MASKS: usize = 12;
 /// The bytes of the hash.
 const HASH: usize = 8;
 
@@ -57,7 +65,7 @@ pub enum ReadError {
     #[error("damaged: the bytes do not match their hash")]
     Damaged,
     /// Another version of this crate wrote it.
-    #[error("written in version {found} of the format, where this program reads version {VERSION}")]
+    #[error("written in version {found} of the format, where this program reads {PLAIN} and {WITH_MASKS}")]
     Version {
         /// The file's version.
         found: u32,
@@ -77,21 +85,19 @@ pub enum ReadError {
 
 /// The bytes of a file, for an architecture that has been validated.
 pub(crate) fn encode(architecture: &Architecture, weights: &[f16]) -> Vec<u8> {
-    let length = length(architecture, weights.len());
+    let Architecture { side, planes, convolutions, embedding, heads, masks } = architecture;
+    let length = start(architecture) + size_of_val(weights) + HASH;
+    let version = if masks.is_some() { WITH_MASKS } else { PLAIN };
     let mut bytes = Vec::with_capacity(length);
     bytes.extend(MAGIC);
-    bytes.extend(VERSION.to_le_bytes());
-    bytes.extend((architecture.convolutions.len() as u32).to_le_bytes());
+    bytes.extend(version.to_le_bytes());
+    bytes.extend((convolutions.len() as u32).to_le_bytes());
     bytes.extend((length as u64).to_le_bytes());
-    let Architecture { side, planes, convolutions, embedding, heads } = architecture;
-    for value in [side, planes, embedding, heads] {
-        bytes.extend(value.to_le_bytes());
-    }
-    for Convolution { kernel, stride, outputs } in convolutions {
-        for value in [kernel, stride, outputs] {
-            bytes.extend(value.to_le_bytes());
-        }
-    }
+    let sizes = [side, planes, embedding, heads].into_iter();
+    let convolutions =
+        convolutions.iter().flat_map(|Convolution { kernel, stride, outputs }| [kernel, stride, outputs]);
+    let masks = masks.iter().flat_map(|Masks { convolution, count, cells }| [convolution, count, cells]);
+    bytes.extend(sizes.chain(convolutions).chain(masks).flat_map(|value| value.to_le_bytes()));
     bytes.extend(weights.iter().flat_map(|weight| weight.to_le_bytes()));
     let hash = xxh3_64(&bytes);
     bytes.extend(hash.to_le_bytes());
@@ -107,7 +113,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, Vec<f16>
     let mut numbers = bytes.as_chunks::<4>().0.iter().map(|number| u32::from_le_bytes(*number));
     let mut next = || numbers.next().ok_or_else(|| malformed(HEADER + HASH));
     let (_magic, version) = ([next()?, next()?], next()?);
-    if version != VERSION {
+    if ![PLAIN, WITH_MASKS].contains(&version) {
         return Err(ReadError::Version { found: version });
     }
     let (count, _length) = (next()? as usize, [next()?, next()?]);
@@ -117,10 +123,15 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, Vec<f16>
     for _ in 0..count {
         convolutions.push(Convolution { kernel: next()?, stride: next()?, outputs: next()? });
     }
-    let architecture = Architecture { side, planes, convolutions, embedding, heads };
+    let masks = match version {
+        WITH_MASKS => Some(Masks { convolution: next()?, count: next()?, cells: next()? }),
+        _ => None,
+    };
+    let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
     let layers = architecture.layers().map_err(WeightsError::from)?;
-    let expected = length(&architecture, layers.iter().map(Layer::parameters).sum());
-    let start = HEADER + count * CONVOLUTION;
+    let parameters: usize = layers.iter().map(Layer::parameters).sum();
+    let start = start(&architecture);
+    let expected = start + parameters * size_of::<f16>() + HASH;
     let weights = bytes
         .get(start..bytes.len() - HASH)
         .filter(|_| bytes.len() == expected)
@@ -153,7 +164,8 @@ fn check_whole(bytes: &[u8]) -> Result<(), ReadError> {
     }
 }
 
-/// The length of a file in bytes.
-fn length(architecture: &Architecture, weights: usize) -> usize {
-    HEADER + architecture.convolutions.len() * CONVOLUTION + weights * size_of::<f16>() + HASH
+/// Where the weights begin.
+fn start(architecture: &Architecture) -> usize {
+    let masks = if architecture.masks.is_some() { MASKS } else { 0 };
+    HEADER + architecture.convolutions.len() * CONVOLUTION + masks
 }

@@ -11,8 +11,8 @@ use crate::packed::{Lanes, Packed};
 /// Computes a layer, `PIXELS` of its pixels at a time: their sums, [`LANES`] a pixel, should fit
 /// into the registers of the path.
 ///
-/// `input` is padded as the layer says, and `output` as the next one does; only the pixels inside
-/// the padding are written.
+/// `input` and `output` have the borders that the layer was packed for; only the pixels inside the
+/// output's are written.
 #[inline(always)]
 pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output: &mut [f32]) {
     for (block, first) in layer.blocks().zip((0..).step_by(LANES)) {

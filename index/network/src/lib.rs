@@ -1,5 +1,5 @@
 //! A small convolutional network: from a picture of a hand to an embedding, whose nearest
-//! neighbours name the grasp.
+//! neighbours name the grasp, and to masks where it has been trained to answer with some.
 //!
 //! This crate runs a network and reads and writes its weights; it does not train. One input has one
 //! output, to the last bit, on every processor: a descriptor that was computed here can be compared
@@ -15,6 +15,7 @@
 //!     convolutions: vec![Convolution { kernel: 3, stride: 2, outputs: 4 }],
 //!     embedding: 16,
 //!     heads: 6,
+//!     masks: None,
 //! };
 //! let weights = vec![0.1; architecture.parameters()?];
 //! let network = Network::from_weights(architecture, weights)?;
@@ -34,14 +35,18 @@ mod architecture;
 mod file;
 mod kernel;
 mod layer;
+mod masks;
 mod network;
 mod packed;
 mod path;
+mod supported;
 mod weights;
 
-pub use architecture::{Architecture, ArchitectureError, Convolution};
+pub use architecture::{Architecture, Convolution};
 pub use file::ReadError;
 pub use layer::{Layer, Rectifier};
+pub use masks::Masks;
 pub use network::{Network, Output, Scratch};
 pub use path::Path;
+pub use supported::ArchitectureError;
 pub use weights::WeightsError;

@@ -2,7 +2,8 @@
 
 use crate::architecture::Architecture;
 use crate::layer::Layer;
-use crate::packed::Packed;
+use crate::masks::Masks;
+use crate::packed::{Borders, Packed};
 use crate::path::Path;
 use crate::weights::{self, WeightsError};
 use crate::{ReadError, file};
@@ -32,8 +33,11 @@ pub struct Network {
 pub struct Scratch {
     /// What the buffers fit.
     layers: Vec<Layer>,
-    /// The input of each layer with its padding, which stays 0, and the output of the last one.
+    /// The picture, then the output of each layer, with the padding that the next layer needs: it
+    /// stays 0.
     buffers: Vec<Vec<f32>>,
+    /// The masks in [`Output`]'s order.
+    masks: Vec<f32>,
 }
 
 /// What a network returns for one picture.
@@ -43,6 +47,8 @@ pub struct Output<'a> {
     pub embedding: &'a [f32],
     /// [`Architecture::heads`] values.
     pub heads: &'a [f32],
+    /// Logits `[mask][y][x]` of a side of [`Architecture::mask_side`]; empty without masks.
+    pub masks: &'a [f32],
 }
 
 impl Network {
@@ -82,13 +88,17 @@ impl Network {
         weights: &[f16],
         file: Vec<u8>,
     ) -> Result<Self, WeightsError> {
-        let weights = weights::check(&layers, weights)?;
+        let weights = weights::check(&architecture, &layers, weights)?;
         let mut rest = weights.as_slice();
         let mut packed = Vec::with_capacity(layers.len());
         for (at, layer) in layers.iter().enumerate() {
             let (parameters, after) = rest.split_at(layer.parameters());
-            let output_padding = layers.get(at + 1).map_or(0, |next| next.padding);
-            packed.push(Packed::new(layer, parameters, output_padding));
+            let source = architecture.source(at);
+            let borders = Borders {
+                input: source.map_or(layer.padding, |source| border(&layers, source)),
+                output: border(&layers, at),
+            };
+            packed.push(Packed::new(layer, parameters, borders));
             rest = after;
         }
         let fingerprint = xxh3_64(&file);
@@ -135,14 +145,18 @@ impl Network {
     pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
         scratch.fit(&self.layers);
         scratch.set_input(input);
-        for (layer, at) in self.packed.iter().zip(0..) {
-            if let [input, output, ..] = &mut scratch.buffers[at..] {
+        for (at, layer) in self.packed.iter().enumerate() {
+            let source = self.architecture.source(at).map_or(0, |source| source + 1);
+            let (before, from_here) = scratch.buffers.split_at_mut(at + 1);
+            if let (Some(input), Some(output)) = (before.get(source), from_here.first_mut()) {
                 self.path.compute(layer, input, output);
             }
         }
-        match scratch.buffers.as_slice() {
-            [.., embedding, heads] => Output { embedding, heads },
-            _ => Output { embedding: &[], heads: &[] },
+        scratch.spread(self.architecture.masks);
+        let dense = scratch.buffers.get(self.architecture.convolutions.len() + 1..);
+        match dense {
+            Some([embedding, heads, ..]) => Output { embedding, heads, masks: &scratch.masks },
+            _ => Output { embedding: &[], heads: &[], masks: &[] },
         }
     }
 }
@@ -166,9 +180,12 @@ impl Scratch {
         if self.layers == layers {
             return;
         }
-        let inputs = layers.iter().map(Layer::padded_values);
-        let output = layers.last().map(Layer::output_values);
-        self.buffers = inputs.chain(output).map(|values| vec![0.0; values]).collect();
+        let picture = layers.first().map(Layer::padded_values);
+        let outputs = layers.iter().enumerate().map(|(at, layer)| {
+            let side = layer.output_side + 2 * border(layers, at);
+            side * side * layer.output_planes
+        });
+        self.buffers = picture.into_iter().chain(outputs).map(|values| vec![0.0; values]).collect();
         self.layers = layers.to_vec();
     }
 
@@ -183,6 +200,25 @@ impl Scratch {
             padded[padding..][..row].copy_from_slice(values);
         }
     }
+
+    /// Brings the outputs of the last layer, the masks', into the masks' order.
+    fn spread(&mut self, masks: Option<Masks>) {
+        let last = self.layers.last().zip(self.buffers.last());
+        let Some((masks, (layer, values))) = masks.zip(last) else {
+            self.masks.clear();
+            return;
+        };
+        self.masks.resize(values.len(), 0.0);
+        let cells = masks.cells as usize;
+        for (from, to) in masks.runs(layer.output_side) {
+            self.masks[to..][..cells].copy_from_slice(&values[from..][..cells]);
+        }
+    }
+}
+
+/// Pixels of zeros around the output of layer `at`: what the next layer needs.
+fn border(layers: &[Layer], at: usize) -> usize {
+    layers.get(at + 1).map_or(0, |next| next.padding)
 }
 
 /// Networks with the same bytes.

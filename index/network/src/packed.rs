@@ -10,10 +10,25 @@ pub(crate) struct Lanes(pub(crate) [f32; LANES]);
 /// Where an output pixel reads and writes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pixel {
-    /// The first value of its window in the padded input.
+    /// The first value of its window in the input's buffer.
     pub(crate) input: usize,
-    /// Its first value in the output, which is the padded input of the next layer.
+    /// Its first value in the output's buffer, which has the padding of the next layer.
     pub(crate) output: usize,
+}
+
+/// Pixels of zeros on each side of the buffers that a layer reads and writes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Borders {
+    /// At least the layer's own padding.
+    pub(crate) input: usize,
+    pub(crate) output: usize,
+}
+
+impl Borders {
+    /// Values from a row of the input's buffer to the next.
+    fn input_row(self, layer: &Layer) -> usize {
+        (layer.input_side + 2 * self.input) * layer.input_planes
+    }
 }
 
 /// A layer's weights in blocks of outputs, and where its pixels lie.
@@ -25,7 +40,7 @@ pub(crate) struct Packed {
     inputs: usize,
     /// Values of a window that lie together: the kernel's width times the input's planes.
     pub(crate) row_length: usize,
-    /// Values from a row of the padded input to the next.
+    /// Values from a row of the input's buffer to the next.
     pub(crate) row_step: usize,
     /// Outputs of a pixel, without those that fill the last block.
     pub(crate) outputs: usize,
@@ -36,9 +51,9 @@ pub(crate) struct Packed {
 }
 
 impl Packed {
-    /// Packs a layer. `parameters` are its matrix and bias, [`Layer::parameters`] values;
-    /// `output_padding` is the padding of the layer that reads its output.
-    pub(crate) fn new(layer: &Layer, parameters: &[f32], output_padding: usize) -> Self {
+    /// Packs a layer. `parameters` are its matrix and bias, [`Layer::parameters`] values. Its input
+    /// and output lie in buffers with these borders.
+    pub(crate) fn new(layer: &Layer, parameters: &[f32], borders: Borders) -> Self {
         let outputs = layer.output_planes;
         let (matrix, bias) = parameters.split_at(layer.inputs() * outputs);
         let mut weights = Vec::with_capacity(layer.padded_parameters() / LANES);
@@ -54,9 +69,9 @@ impl Packed {
             weights,
             inputs: layer.inputs(),
             row_length: layer.kernel * layer.input_planes,
-            row_step: layer.padded_side() * layer.input_planes,
+            row_step: borders.input_row(layer),
             outputs,
-            pixels: pixels(layer, output_padding),
+            pixels: pixels(layer, borders),
             rectifier: layer.rectifier,
         }
     }
@@ -68,12 +83,14 @@ impl Packed {
     }
 }
 
-fn pixels(layer: &Layer, output_padding: usize) -> Vec<Pixel> {
-    let side = layer.output_side;
+fn pixels(layer: &Layer, borders: Borders) -> Vec<Pixel> {
+    let (side, border) = (layer.output_side, borders.output);
+    // A layer that needs less padding than the buffer has begins inside of it.
+    let inset = borders.input - layer.padding;
     let place = |y: usize, x: usize| Pixel {
-        input: (y * layer.padded_side() + x) * layer.stride * layer.input_planes,
-        output: ((y + output_padding) * (side + 2 * output_padding) + x + output_padding)
-            * layer.output_planes,
+        input: (y * layer.stride + inset) * borders.input_row(layer)
+            + (x * layer.stride + inset) * layer.input_planes,
+        output: ((y + border) * (side + 2 * border) + x + border) * layer.output_planes,
     };
     (0..side * side).map(|pixel| place(pixel / side, pixel % side)).collect()
 }

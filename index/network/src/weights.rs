@@ -1,7 +1,8 @@
 //! What weights a network may have.
 
-use crate::architecture::ArchitectureError;
+use crate::architecture::Architecture;
 use crate::layer::Layer;
+use crate::supported::ArchitectureError;
 use half::f16;
 use thiserror::Error;
 
@@ -44,11 +45,15 @@ pub enum WeightsError {
     },
 }
 
-/// Checks the weights of a network. Returns them as `f32`, which is exact.
+/// Checks the weights of a network with these layers. Returns them as `f32`, which is exact.
 ///
 /// Where no sum overflows, none is infinite or NaN, and so no result depends on how a processor
 /// treats those.
-pub(crate) fn check(layers: &[Layer], weights: &[f16]) -> Result<Vec<f32>, WeightsError> {
+pub(crate) fn check(
+    architecture: &Architecture,
+    layers: &[Layer],
+    weights: &[f16],
+) -> Result<Vec<f32>, WeightsError> {
     let expected = layers.iter().map(Layer::parameters).sum();
     if weights.len() != expected {
         return Err(WeightsError::Count { expected, found: weights.len() });
@@ -58,14 +63,16 @@ pub(crate) fn check(layers: &[Layer], weights: &[f16]) -> Result<Vec<f32>, Weigh
     }
     let weights: Vec<f32> = weights.iter().map(|weight| weight.to_f32()).collect();
     let mut rest = weights.as_slice();
-    let mut input = f64::from(MAX_INPUT);
+    let mut sums: Vec<f64> = Vec::with_capacity(layers.len());
     for (at, layer) in layers.iter().enumerate() {
         let (parameters, after) = rest.split_at(layer.parameters());
-        let sum = largest_sum(layer, parameters, input);
+        let input = architecture.source(at).and_then(|source| sums.get(source)).copied();
+        let sum = largest_sum(layer, parameters, input.unwrap_or(f64::from(MAX_INPUT)));
         if sum > LARGEST_SUM {
             return Err(WeightsError::Overflow { layer: at, sum });
         }
-        (rest, input) = (after, sum);
+        sums.push(sum);
+        rest = after;
     }
     Ok(weights)
 }

@@ -2,10 +2,10 @@
 
 mod support;
 
-use grasp_network::{Architecture, Convolution, Network, Path, Scratch};
+use grasp_network::{Architecture, Convolution, Masks, Network, Path, Scratch};
 use half::f16;
 use proptest::prelude::*;
-use support::{picture, small, weights};
+use support::{masked, picture, small, weights};
 
 /// Values of a picture, `[y][x][plane]`, 0 outside of it.
 struct Picture {
@@ -50,8 +50,8 @@ fn convolve(input: &Picture, layer: Convolution, padding: usize, weights: &mut &
     Picture { side, planes: outputs, values }
 }
 
-/// The embedding and the heads.
-fn naive(architecture: &Architecture, weights: &[f32], input: &[f32]) -> (Vec<f32>, Vec<f32>) {
+/// The embedding, the heads and the masks.
+fn naive(architecture: &Architecture, weights: &[f32], input: &[f32]) -> [Vec<f32>; 3] {
     let weights: Vec<f32> = weights.iter().map(|&weight| f16::from_f32(weight).to_f32()).collect();
     let mut weights = weights.as_slice();
     let mut picture = Picture {
@@ -59,10 +59,14 @@ fn naive(architecture: &Architecture, weights: &[f32], input: &[f32]) -> (Vec<f3
         planes: architecture.planes as usize,
         values: input.to_vec(),
     };
-    for &layer in &architecture.convolutions {
+    let mut read = None;
+    for (at, &layer) in (0..).zip(&architecture.convolutions) {
         picture = convolve(&picture, layer, layer.kernel as usize / 2, &mut weights);
         for value in &mut picture.values {
             *value = if *value > 0.0 { *value } else { 0.0 };
+        }
+        if let Some(masks) = architecture.masks.filter(|masks| masks.convolution == at) {
+            read = Some((masks, Picture { values: picture.values.clone(), ..picture }));
         }
     }
     let mut dense = |input: &Picture, outputs| {
@@ -74,7 +78,22 @@ fn naive(architecture: &Architecture, weights: &[f32], input: &[f32]) -> (Vec<f3
         *value = if *value > 0.0 { *value } else { *value * 0.25 };
     }
     let heads = dense(&embedding, architecture.heads);
-    (embedding.values, heads.values)
+    let masks = read.map(|(masks, picture)| masks_of(masks, &picture, &mut weights));
+    [embedding.values, heads.values, masks.unwrap_or_default()]
+}
+
+/// The masks, value by value.
+fn masks_of(masks: Masks, picture: &Picture, weights: &mut &[f32]) -> Vec<f32> {
+    let (count, cells) = (masks.count as usize, masks.cells as usize);
+    let layer = Convolution { kernel: 1, stride: 1, outputs: (count * cells * cells) as u32 };
+    let outputs = convolve(picture, layer, 0, weights);
+    let side = picture.side * cells;
+    let value = |at: usize| {
+        let (mask, y, x) = (at / side / side, at / side % side, at % side);
+        let plane = (mask * cells + y % cells) * cells + x % cells;
+        outputs.at((y / cells) as isize, (x / cells) as isize, plane)
+    };
+    (0..count * side * side).map(value).collect()
 }
 
 fn bits(values: &[f32]) -> Vec<u32> {
@@ -89,10 +108,16 @@ fn architectures() -> impl Strategy<Value = Architecture> {
         outputs,
     });
     let convolutions = prop::collection::vec(convolution, 0..=3);
-    (1..=13u32, 1..=4u32, convolutions, 1..=70u32, 1..=40u32).prop_map(
-        |(side, planes, convolutions, embedding, heads)| Architecture {
+    let masks = (0..3u32, 1..=3u32, 1..=5u32).prop_map(|(convolution, count, cells)| Masks {
+        convolution,
+        count,
+        cells,
+    });
+    (1..=13u32, 1..=4u32, convolutions, 1..=70u32, 1..=40u32, prop::option::of(masks)).prop_map(
+        |(side, planes, convolutions, embedding, heads, masks)| Architecture {
             side,
             planes,
+            masks: masks.filter(|masks| (masks.convolution as usize) < convolutions.len()),
             convolutions,
             embedding,
             heads,
@@ -111,13 +136,14 @@ proptest! {
         // Used again: nothing of one picture may be left in the next one's.
         let mut scratch = Scratch::default();
         for picture in [picture(&architecture, seed ^ 1), picture(&architecture, seed ^ 2)] {
-            let (embedding, heads) = naive(&architecture, &weights, &picture);
+            let [embedding, heads, masks] = naive(&architecture, &weights, &picture);
             for path in Path::available() {
                 for network in [&network, &copy] {
                     let network = network.clone().with_path(path);
                     let output = network.run(&mut scratch, &picture);
                     prop_assert_eq!(bits(output.embedding), bits(&embedding), "{}", path.name());
                     prop_assert_eq!(bits(output.heads), bits(&heads), "{}", path.name());
+                    prop_assert_eq!(bits(output.masks), bits(&masks), "{}", path.name());
                 }
             }
         }
@@ -131,6 +157,13 @@ fn the_bits_are_those_of_every_other_machine() {
     let output = network.run(&mut scratch, &picture(&small(), 2));
     assert_eq!(bits(output.heads), [3199133199, 1047402878, 1041938834, 3204052308, 1032221047]);
     assert_eq!(bits(&output.embedding[..3]), [1039924188, 1053411510, 3185752449]);
+    let network = Network::from_weights(masked(), weights(&masked(), 1)).unwrap();
+    let output = network.run(&mut scratch, &picture(&masked(), 2));
+    assert_eq!(bits(output.heads)[..2], [3199133199, 1047402878]);
+    assert_eq!(
+        (bits(&output.masks[..3]), output.masks.len()),
+        (vec![3197283234, 1060079294, 3192804792], 2 * 15 * 15)
+    );
 }
 
 #[test]
@@ -141,10 +174,22 @@ fn a_scratch_fits_itself_to_another_network() {
         convolutions: vec![Convolution { kernel, stride: 1, outputs: 3 }],
         embedding: 4,
         heads: 2,
+        masks: None,
     };
-    // Padded inputs of equal sizes, whose zeros lie elsewhere.
-    let networks = [shape(5, 4), shape(3, 6), shape(1, 8), shape(5, 4)]
-        .map(|shape| Network::from_weights(shape.clone(), weights(&shape, 3)).unwrap());
+    let masked = |convolution| Architecture {
+        convolutions: [3, 5, 1].map(|kernel| Convolution { kernel, stride: 1, outputs: 3 }).to_vec(),
+        masks: Some(Masks { convolution, count: 1, cells: 2 }),
+        ..shape(3, 6)
+    };
+    // Padded inputs of equal sizes, whose zeros lie elsewhere; equal layers, whose masks are read
+    // elsewhere.
+    let shapes = [shape(5, 4), shape(3, 6), shape(1, 8), shape(5, 4)];
+    let networks = [masked(0), masked(1), masked(2), shape(3, 6), masked(0)];
+    let networks = [shapes.as_slice(), &networks].concat();
+    let networks: Vec<_> = networks
+        .into_iter()
+        .map(|shape| Network::from_weights(shape.clone(), weights(&shape, 3)).unwrap())
+        .collect();
     let mut shared = Scratch::default();
     for network in &networks {
         let input = picture(network.architecture(), 4);

@@ -10,6 +10,7 @@
 use super::view::Matrix;
 use std::arch::x86_64::{__m512, _mm512_add_ps, _mm512_fmadd_ps, _mm512_set1_ps, _mm512_setzero_ps};
 use std::array::from_fn;
+use std::ops::Range;
 
 /// Values of a register.
 const LANES: usize = 16;
@@ -44,8 +45,8 @@ impl Panel {
 #[target_feature(enable = "avx512f")]
 pub(super) fn multiply(left: Matrix<'_>, right: Matrix<'_>, add: bool, out: &mut [f32]) {
     let mut panel = Panel([[0.0; WIDTH]; DEPTH]);
-    for first in (0..right.columns).step_by(WIDTH) {
-        let width = WIDTH.min(right.columns - first);
+    for Range { start: first, end } in panels(right.columns) {
+        let width = end - first;
         for start in (0..left.columns).step_by(DEPTH) {
             let depth = DEPTH.min(left.columns - start);
             panel.pack(right, start, depth, first, width);
@@ -58,6 +59,15 @@ pub(super) fn multiply(left: Matrix<'_>, right: Matrix<'_>, add: bool, out: &mut
             }
         }
     }
+}
+
+/// The columns of each panel: as few panels as there can be, all about as wide, because a narrow one
+/// makes less use of what is read of the left factor.
+fn panels(columns: usize) -> impl Iterator<Item = Range<usize>> {
+    let registers = columns.div_ceil(LANES);
+    let count = columns.div_ceil(WIDTH);
+    let start = move |panel: usize| (panel * registers / count * LANES).min(columns);
+    (0..count).map(move |panel| start(panel)..start(panel + 1))
 }
 
 /// Which part of a product is computed.
@@ -141,15 +151,24 @@ fn sums<const R: usize, const V: usize>(
 /// Writes or adds the registers' values to a line, which may be shorter.
 #[inline]
 #[target_feature(enable = "avx512f")]
-fn write(sums: &[__m512], line: &mut [f32], add: bool) {
-    for (sum, line) in sums.iter().zip(line.chunks_mut(LANES)) {
-        if let Some(line) = line.first_chunk_mut() {
-            *line = lanes(if add { _mm512_add_ps(register(*line), *sum) } else { *sum });
-            continue;
-        }
-        for (value, sum) in line.iter_mut().zip(lanes(*sum)) {
-            *value = if add { *value + sum } else { sum };
-        }
+fn write<const V: usize>(sums: &[__m512; V], line: &mut [f32], add: bool) {
+    let (whole, rest) = line.as_chunks_mut();
+    for (sum, line) in sums.iter().zip(&mut *whole) {
+        *line = lanes(if add { _mm512_add_ps(register(*line), *sum) } else { *sum });
+    }
+    if let Some(sum) = sums.get(whole.len()) {
+        write_part(*sum, rest, add);
+    }
+}
+
+/// The same of the last register, where the line ends within it. Apart, so that the common case
+/// becomes part of the loops.
+#[cold]
+#[inline(never)]
+#[target_feature(enable = "avx512f")]
+fn write_part(sum: __m512, line: &mut [f32], add: bool) {
+    for (value, sum) in line.iter_mut().zip(lanes(sum)) {
+        *value = if add { *value + sum } else { sum };
     }
 }
 

@@ -1,6 +1,6 @@
 //! Checkpoints: what is loaded goes on as what was saved, and nothing else is loaded.
 
-use super::{batch, trainer};
+use super::{batch, masked_batch, masked_trainer, trainer};
 use crate::{CheckpointError, Trainer};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -9,6 +9,16 @@ fn saved() -> (Trainer, Vec<u8>) {
     let mut trainer = trainer(6);
     for step in 0..4 {
         trainer.step(&batch(20, step), 1e-2).expect("a valid batch");
+    }
+    let bytes = trainer.save();
+    (trainer, bytes)
+}
+
+/// The same with masks.
+fn masked_saved() -> (Trainer, Vec<u8>) {
+    let mut trainer = masked_trainer(6);
+    for step in 0..4 {
+        trainer.step(&masked_batch(20, step), 1e-2).expect("a valid batch");
     }
     let bytes = trainer.save();
     (trainer, bytes)
@@ -28,31 +38,34 @@ fn changed(bytes: &[u8], at: usize, value: &[u8]) -> Vec<u8> {
 
 #[test]
 fn a_resumed_training_gives_the_same_bytes() {
-    let (mut through, bytes) = saved();
-    let mut resumed = Trainer::load(&bytes).expect("a checkpoint");
-    assert_eq!((resumed.steps(), resumed.save()), (4, bytes));
-    for step in 4..9 {
-        for trainer in [&mut through, &mut resumed] {
-            trainer.step(&batch(20, step), 1e-2).expect("a valid batch");
+    for ((mut through, bytes), batch) in [(saved(), batch as fn(_, _) -> _), (masked_saved(), masked_batch)] {
+        let mut resumed = Trainer::load(&bytes).expect("a checkpoint");
+        assert_eq!(resumed.architecture(), through.architecture());
+        assert_eq!((resumed.steps(), resumed.save()), (4, bytes));
+        for step in 4..9 {
+            for trainer in [&mut through, &mut resumed] {
+                trainer.step(&batch(20, step), 1e-2).expect("a valid batch");
+            }
         }
+        assert!(through.save() == resumed.save());
+        assert_eq!(through.weights(), resumed.weights());
     }
-    assert!(through.save() == resumed.save());
-    assert_eq!(through.weights(), resumed.weights());
 }
 
 #[test]
 fn every_truncation_and_every_changed_byte_is_an_error() {
-    let (_, bytes) = saved();
-    for length in (0..bytes.len()).step_by(97).chain(0..100) {
-        let short = error(&bytes[..length]);
-        assert!(matches!(short, CheckpointError::NotACheckpoint | CheckpointError::Length { .. }));
-    }
-    let longer = [bytes.as_slice(), &[0]].concat();
-    assert!(matches!(error(&longer), CheckpointError::Length { .. }));
-    for at in (0..bytes.len()).step_by(89).chain(0..100) {
-        let mut damaged = bytes.clone();
-        damaged[at] ^= 0x10;
-        error(&damaged);
+    for (_, bytes) in [saved(), masked_saved()] {
+        for length in (0..bytes.len()).step_by(97).chain(0..100) {
+            let short = error(&bytes[..length]);
+            assert!(matches!(short, CheckpointError::NotACheckpoint | CheckpointError::Length { .. }));
+        }
+        let longer = [bytes.as_slice(), &[0]].concat();
+        assert!(matches!(error(&longer), CheckpointError::Length { .. }));
+        for at in (0..bytes.len()).step_by(89).chain(0..100) {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 0x10;
+            error(&damaged);
+        }
     }
 }
 
@@ -63,6 +76,11 @@ fn an_error_says_what_is_wrong() {
     assert_eq!(error(&changed(&bytes, 8, &[9])), CheckpointError::Version { found: 9 });
     let huge = changed(&bytes, 12, &u32::MAX.to_le_bytes());
     assert!(matches!(error(&huge), CheckpointError::Architecture(_)));
+    // The masks' numbers follow six others and three for each convolution.
+    let (_, masked) = masked_saved();
+    let hostile = changed(&masked, 8 + 4 * (6 + 9), &u32::MAX.to_le_bytes());
+    assert!(matches!(error(&hostile), CheckpointError::Architecture(_)));
+    assert!(matches!(error(&changed(&masked, 8, &[1])), CheckpointError::Length { .. }));
     let last = bytes.len() - 8;
     let nan = changed(&bytes, last - 4, &f32::NAN.to_le_bytes());
     assert_eq!(error(&nan), CheckpointError::Value { what: "a statistic" });

@@ -1,28 +1,44 @@
 //! Gradients against central differences of the reference.
 
 use super::reference::forward;
-use super::{batch, trainer};
-use crate::Trainer;
-use crate::network::{Activations, Mode};
+use super::{batch, masked, masked_batch, masked_trainer, small, trainer};
+use crate::network::{Activations, Mode, Outputs};
+use crate::{Batch, Trainer};
+use grasp_network::{Architecture, Masks};
 
 /// A forward and a backward pass with the loss `sum(outputs * weights)`, which is smooth wherever
-/// no rectifier switches: the outputs, and the gradient of every parameter.
+/// no rectifier switches: the outputs, heads before masks, and the gradient of every parameter.
 fn gradients(trainer: &Trainer, inputs: &[f32], dropout: u64, weights: &[f32]) -> (Vec<f32>, Vec<f32>) {
     let plan = &trainer.state.plan;
     let mut activations = Activations::default();
     let mut gradients = vec![f32::NAN; plan.parameters];
     let parameters = &trainer.state.parameters;
     activations.forward(plan, parameters, inputs, Mode::Training { dropout });
-    activations.backward(plan, parameters, inputs, dropout, weights, &mut gradients);
-    (activations.outputs, gradients)
+    let (heads, masks) = weights.split_at(activations.outputs.heads.len());
+    let weights = Outputs { heads: heads.to_vec(), masks: masks.to_vec() };
+    activations.backward(plan, parameters, inputs, dropout, &weights, &mut gradients);
+    let Outputs { heads, masks } = activations.outputs;
+    ([heads, masks].concat(), gradients)
 }
 
 #[test]
 fn every_parameter_has_the_gradient_of_the_reference() {
+    compare_gradients(&small());
+}
+
+#[test]
+fn masks_of_any_convolution_have_the_gradient_of_the_reference() {
+    for convolution in 0..3 {
+        let masks = Some(Masks { convolution, count: 1 + convolution, cells: 2 });
+        compare_gradients(&Architecture { masks, ..masked() });
+    }
+}
+
+fn compare_gradients(architecture: &Architecture) {
     const DROPOUT: u64 = 9;
     // More than one slice, the last one incomplete.
     let samples = 19;
-    let mut trainer = trainer(3);
+    let mut trainer = Trainer::new(architecture, 3).expect("a supported architecture");
     let inputs = batch(samples, 4).inputs;
     // Scales and shifts that differ, so that none is taken for another.
     let noise = crate::random::symmetric;
@@ -30,11 +46,13 @@ fn every_parameter_has_the_gradient_of_the_reference() {
         *value += 0.2 * noise(5, index as u64);
     }
     let plan = &trainer.state.plan;
-    let weights: Vec<_> = (0..samples * plan.heads()).map(|i| noise(6, i as u64)).collect();
+    let outputs = samples * (plan.heads() + plan.mask_values());
+    let weights: Vec<_> = (0..outputs).map(|i| noise(6, i as u64)).collect();
     let (outputs, gradients) = gradients(&trainer, &inputs, DROPOUT, &weights);
 
     let mut parameters: Vec<_> = trainer.state.parameters.iter().map(|&v| f64::from(v)).collect();
     let expected = forward(plan, &parameters, &inputs, DROPOUT);
+    assert_eq!(outputs.len(), expected.len());
     for (output, expected) in outputs.iter().zip(&expected) {
         assert!((f64::from(*output) - expected).abs() < 1e-4, "{output} {expected}");
     }
@@ -58,8 +76,11 @@ fn every_parameter_has_the_gradient_of_the_reference() {
 
 #[test]
 fn the_gradient_of_a_step_is_that_of_its_losses() {
-    let batch = batch(19, 8);
-    let mut trainer = trainer(7);
+    compare_slope(trainer(7), batch(19, 8));
+    compare_slope(masked_trainer(7), masked_batch(19, 8));
+}
+
+fn compare_slope(mut trainer: Trainer, batch: Batch) {
     let total = |trainer: &mut Trainer| f64::from(trainer.differentiate(&batch).total());
     total(&mut trainer);
     let gradients = trainer.gradients.clone();

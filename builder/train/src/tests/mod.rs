@@ -6,7 +6,7 @@ mod learning;
 mod reference;
 
 use crate::{Batch, LossWeights, Target, Trainer, rotation_of};
-use grasp_network::{Architecture, Convolution};
+use grasp_network::{Architecture, Convolution, Masks};
 
 /// Small, with every kind of layer: both strides, kernels that reach over the border, an odd side.
 fn small() -> Architecture {
@@ -15,11 +15,32 @@ fn small() -> Architecture {
         stride,
         outputs,
     });
-    Architecture { side: 7, planes: 2, convolutions: convolutions.to_vec(), embedding: 6, heads: 13 }
+    let convolutions = convolutions.to_vec();
+    Architecture { side: 7, planes: 2, convolutions, embedding: 6, heads: 13, masks: None }
+}
+
+/// The same with masks of 8 x 8 values that are read from a convolution in the middle.
+fn masked() -> Architecture {
+    Architecture { masks: Some(Masks { convolution: 1, count: 2, cells: 2 }), ..small() }
 }
 
 fn trainer(seed: u64) -> Trainer {
     Trainer::new(&small(), seed).expect("a supported architecture")
+}
+
+fn masked_trainer(seed: u64) -> Trainer {
+    Trainer::new(&masked(), seed).expect("a supported architecture")
+}
+
+/// A batch with masks of any shares, of which a few samples have none or count twice.
+fn masked_batch(samples: usize, seed: u64) -> Batch {
+    let mut batch = batch(samples, seed);
+    let random = |index: usize| crate::random::symmetric(!seed, index as u64);
+    batch.masks = (0..samples * 2 * 8 * 8).map(|index| (random(index) + 1.0) / 2.0).collect();
+    for (target, weight) in batch.targets.iter_mut().zip([1.0, 0.0, 1.0, 2.0].into_iter().cycle()) {
+        target.weights.masks = weight;
+    }
+    batch
 }
 
 /// Some samples, of which a few have no class or count differently.
@@ -32,9 +53,13 @@ fn batch(samples: usize, seed: u64) -> Batch {
         rotation: rotation_of([0, 1, 2, 3, 4, 5].map(|i| random(1_000_000 + sample * 6 + i))),
         weights: match sample % 5 {
             0 => LossWeights { class: 0.0, ..LossWeights::ALL },
-            1 => LossWeights { class: 2.0, stage: 0.5, rotation: 0.0 },
+            1 => LossWeights { class: 2.0, stage: 0.5, rotation: 0.0, masks: 1.0 },
             _ => LossWeights::ALL,
         },
     };
-    Batch { inputs: (0..samples * inputs).map(random).collect(), targets: (0..samples).map(target).collect() }
+    Batch {
+        inputs: (0..samples * inputs).map(random).collect(),
+        targets: (0..samples).map(target).collect(),
+        masks: Vec::new(),
+    }
 }

@@ -1,7 +1,8 @@
 //! The network as its definition says, in f64 and plain loops.
 
+use crate::affine::Affine;
 use crate::dropout::drop_values;
-use crate::plan::Plan;
+use crate::plan::{MaskPlan, Plan};
 use grasp_network::{Architecture, Layer};
 
 /// One sample through one convolution, without a bias.
@@ -54,14 +55,26 @@ fn normalise(samples: &mut [Vec<f64>], scale: &[f64], shift: &[f64], slope: f64)
     }
 }
 
-/// The outputs of a batch in training.
+/// One sample through a layer with a bias.
+fn affine(layer: &Affine, parameters: &[f64], input: &[f64]) -> Vec<f64> {
+    let outputs = dense(&parameters[layer.matrix.clone()], layer.shape.outputs, input);
+    outputs.into_iter().zip(&parameters[layer.bias.clone()]).map(|(v, bias)| v + bias).collect()
+}
+
+/// The outputs of a batch in training: the heads of all samples, then the masks of all in the order
+/// of their layer.
 pub(super) fn forward(plan: &Plan, parameters: &[f64], inputs: &[f32], dropout: u64) -> Vec<f64> {
     let wide = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();
     let mut samples: Vec<_> = inputs.chunks(plan.inputs()).map(wide).collect();
-    for (shape, block) in plan.convolutions.iter().zip(&plan.blocks) {
+    let mut masks = Vec::new();
+    for (index, (shape, block)) in plan.convolutions.iter().zip(&plan.blocks).enumerate() {
         let kernel = &parameters[block.matrix.clone()];
         samples.iter_mut().for_each(|sample| *sample = convolve(shape, kernel, sample));
         normalise(&mut samples, &parameters[block.scale.clone()], &parameters[block.shift.clone()], 0.0);
+        if let Some(MaskPlan { layer, .. }) = plan.masks_of(index) {
+            let pixels = samples.iter().flat_map(|sample| sample.chunks(layer.shape.inputs));
+            masks.extend(pixels.flat_map(|pixel| affine(layer, parameters, pixel)));
+        }
     }
     let block = plan.blocks.last().expect("the embedding");
     for (index, sample) in samples.iter_mut().enumerate() {
@@ -72,12 +85,7 @@ pub(super) fn forward(plan: &Plan, parameters: &[f64], inputs: &[f32], dropout: 
     }
     let (scale, shift) = (&parameters[block.scale.clone()], &parameters[block.shift.clone()]);
     normalise(&mut samples, scale, shift, f64::from(Architecture::LEAK));
-    let heads = |sample: &Vec<f64>| {
-        let outputs = dense(&parameters[plan.heads_matrix.clone()], plan.heads(), sample);
-        let bias = &parameters[plan.heads_bias.clone()];
-        outputs.into_iter().zip(bias).map(|(v, bias)| v + bias).collect::<Vec<_>>()
-    };
-    samples.iter().flat_map(heads).collect()
+    samples.iter().flat_map(|sample| affine(&plan.head, parameters, sample)).chain(masks).collect()
 }
 
 /// The heads of one sample by folded weights, in the layout of [`Architecture`].

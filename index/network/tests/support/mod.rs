@@ -1,7 +1,7 @@
 //! Networks and pictures without a pattern, the same on every machine.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use grasp_network::{Architecture, Convolution};
+use grasp_network::{Architecture, Convolution, Masks};
 
 /// Numbers from -1 to 1 by a linear congruential generator.
 pub(crate) struct Numbers(pub(crate) u64);
@@ -26,7 +26,13 @@ pub(crate) fn small() -> Architecture {
         ],
         embedding: 20,
         heads: 5,
+        masks: None,
     }
+}
+
+/// The same with masks, read from a convolution whose output is padded for the next one.
+pub(crate) fn masked() -> Architecture {
+    Architecture { masks: Some(Masks { convolution: 0, count: 2, cells: 3 }), ..small() }
 }
 
 /// Weights of a size that keeps activations near 1.
