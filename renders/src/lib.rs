@@ -24,6 +24,7 @@
 //! knuckle, z out of the back of the hand, y toward the thumb; `camera` is an optical frame with z forward,
 //! x right, y down; `world` has z up. Metres; degrees only where a name says so.
 
+mod camera;
 mod grasp;
 mod hand;
 mod hand_model;
@@ -38,6 +39,7 @@ mod view;
 
 pub mod render_set;
 
+pub use camera::{CameraScene, Framing, Layers, Part, Picture};
 pub use grasp::{
     Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
     PoseGroup, RecordedPose, Stage, StagePose, UnknownStage,

@@ -39,12 +39,12 @@ pub(crate) struct Drawing {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Projected {
-    x: f32,
-    y: f32,
+pub(crate) struct Projected {
+    pub(crate) x: f32,
+    pub(crate) y: f32,
     /// One over the depth: linear across a triangle in the picture.
-    near: f32,
-    grey: f32,
+    pub(crate) near: f32,
+    pub(crate) grey: f32,
 }
 
 /// Draws into a square picture of `side` pixels, the hand filling the frame; 0 is outside the hand.
@@ -64,7 +64,13 @@ pub(crate) fn draw(
     let mut grey = vec![0f32; samples * samples];
     for (i, t) in drawing.triangles.iter().enumerate() {
         let corners = t.map(|v| projected[v as usize]);
-        fill(&corners, i < drawing.hand_triangles, samples, &mut depth, &mut grey);
+        let [a, b, c] = corners.map(|corner| corner.grey);
+        if i < drawing.hand_triangles {
+            let shade = |wb: f32, wc: f32, scale: f32| a + wb * ((b - a) * scale) + wc * ((c - a) * scale);
+            fill(&corners, samples, &mut depth, &mut grey, shade);
+        } else {
+            fill(&corners, samples, &mut depth, &mut grey, |_, _, _| 0.0);
+        }
     }
     shrink(&grey, side)
 }
@@ -108,7 +114,16 @@ fn project(
 }
 
 /// Fills one triangle whose front faces the camera.
-fn fill([a, b, c]: &[Projected; 3], is_hand: bool, samples: usize, depth: &mut [f32], grey: &mut [f32]) {
+///
+/// Where it is nearer than what was there, `out` becomes what `value` makes of the weights of the
+/// corners `b` and `c`, which are still to be multiplied by its third argument.
+pub(crate) fn fill<T>(
+    [a, b, c]: &[Projected; 3],
+    samples: usize,
+    depth: &mut [f32],
+    out: &mut [T],
+    value: impl Fn(f32, f32, f32) -> T,
+) {
     // Outside counter-clockwise becomes clockwise when y points down: fronts have a positive area here.
     let area = (b.y - a.y) * (c.x - a.x) - (b.x - a.x) * (c.y - a.y);
     if area <= 0.0 {
@@ -127,7 +142,6 @@ fn fill([a, b, c]: &[Projected; 3], is_hand: bool, samples: usize, depth: &mut [
     let (cx, cy) = (b.y - a.y, a.x - b.x);
     let scale = 1.0 / area;
     let (near_b, near_c) = ((b.near - a.near) * scale, (c.near - a.near) * scale);
-    let (grey_b, grey_c) = ((b.grey - a.grey) * scale, (c.grey - a.grey) * scale);
     let px = columns.start as f32 + 0.5 - a.x;
     for row in rows {
         let py = row as f32 + 0.5 - a.y;
@@ -140,12 +154,12 @@ fn fill([a, b, c]: &[Projected; 3], is_hand: bool, samples: usize, depth: &mut [
         }
         let start = row * samples + columns.start;
         let cells = start + span.start..start + span.end;
-        for (d, g) in depth[cells.clone()].iter_mut().zip(&mut grey[cells]) {
+        for (d, o) in depth[cells.clone()].iter_mut().zip(&mut out[cells]) {
             if wb >= 0.0 && wc >= 0.0 && wb + wc <= area {
                 let near = a.near + wb * near_b + wc * near_c;
                 if near > *d {
                     *d = near;
-                    *g = if is_hand { a.grey + wb * grey_b + wc * grey_c } else { 0.0 };
+                    *o = value(wb, wc, scale);
                 }
             }
             wb += bx;
@@ -261,7 +275,7 @@ mod tests {
         fn a_triangle_covers_the_samples_inside_it(corners in [corner(), corner(), corner()]) {
             const SIDE: usize = 40;
             let (mut depth, mut grey) = (vec![0f32; SIDE * SIDE], vec![0f32; SIDE * SIDE]);
-            fill(&corners, true, SIDE, &mut depth, &mut grey);
+            fill(&corners, SIDE, &mut depth, &mut grey, |_, _, _| 100.0);
             for (i, g) in grey.iter().enumerate() {
                 let (x, y) = ((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5);
                 // How far to the front's inside of each edge, in samples.

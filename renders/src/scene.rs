@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::grasp::{Example, Grasp, Object, Stage, grip, hold};
+use crate::grasp::{Example, Grasp, Object, PlacedObject, Stage, grip, hold};
 use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
 use crate::hand_model::HandModel;
 use crate::mesh::{Mesh, surface_nets};
@@ -103,6 +103,15 @@ pub struct Scene {
     noise: u64,
 }
 
+/// What a scene is put together from, in the frame of the hand.
+pub(crate) struct Pieces {
+    /// The posed hand's skin.
+    pub(crate) hand: Mesh,
+    pub(crate) object: PlacedObject,
+    /// The middle of the place where the hand or its forearm is cut.
+    pub(crate) cut: Vector3<f64>,
+}
+
 /// One synthetic picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Render {
@@ -130,14 +139,9 @@ impl SceneSpec {
     /// [`SceneError::Look`] when a parameter of the look is out of its range.
     pub fn build(&self) -> Result<Scene, SceneError> {
         self.look.check()?;
-        let skeleton = match &self.hand_model {
-            None => Skeleton::new(&self.hand_shape),
-            Some(model) => model.skeleton(),
-        };
-        let (pose, object) = self.pose(&skeleton);
-        let (hand, cut) = self.hand(&skeleton, &pose);
+        let Pieces { hand, object, cut } = self.pieces();
         let sleeve = arm(&self.hand_shape, &cut, self.look.arm, self.look.sleeve);
-        let black = [object, sleeve];
+        let black = [object.mesh(), sleeve];
         let (drawing, centre) = assemble(hand, &black, cut.x);
         Ok(Scene {
             drawing,
@@ -147,6 +151,17 @@ impl SceneSpec {
             look: self.look.clone(),
             noise: self.params_hash(),
         })
+    }
+
+    /// The posed hand and what it holds.
+    pub(crate) fn pieces(&self) -> Pieces {
+        let skeleton = match &self.hand_model {
+            None => Skeleton::new(&self.hand_shape),
+            Some(model) => model.skeleton(),
+        };
+        let (pose, object) = self.pose(&skeleton);
+        let (hand, cut) = self.hand(&skeleton, &pose);
+        Pieces { hand, object, cut }
     }
 
     /// The posed hand, and the middle of the place where it is cut.
@@ -163,10 +178,10 @@ impl SceneSpec {
         (hand, Vector3::new(surface.cut_x(), 0.0, 0.0))
     }
 
-    /// The hand's joint angles and the object's mesh at this stage.
-    fn pose(&self, skeleton: &Skeleton) -> (HandPose, Mesh) {
+    /// The hand's joint angles and the object's place at this stage.
+    fn pose(&self, skeleton: &Skeleton) -> (HandPose, PlacedObject) {
         if let Some(example) = &self.example {
-            return (example.pose, example.object.mesh());
+            return (example.pose, example.object);
         }
         let held = match &self.held {
             None => grip(skeleton, &self.grasp, self.object),
@@ -175,12 +190,12 @@ impl SceneSpec {
         let stage = self.grasp.stage(self.stage);
         let mut object = held.object;
         object.centre += held.away * stage.away;
-        (self.grasp.relaxed.toward(&held.pose, stage.closure), object.mesh())
+        (self.grasp.relaxed.toward(&held.pose, stage.closure), object)
     }
 }
 
 impl Look {
-    fn check(&self) -> Result<(), SceneError> {
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
         let side = self.side as f64;
         let rules = [
             ("the picture's side in pixels", side, 8.0, 1024.0, "8 to 1024"),
@@ -230,7 +245,7 @@ fn assemble(hand: Mesh, black: &[Mesh], cut_x: f64) -> (Drawing, Vector3<f64>) {
 
 /// The arm in its sleeve, backwards from the middle of the cut: an elliptic cone that begins `sleeve` times as wide as the
 /// wrist.
-fn arm(shape: &HandShape, cut: &Vector3<f64>, length: f64, sleeve: f64) -> Mesh {
+pub(crate) fn arm(shape: &HandShape, cut: &Vector3<f64>, length: f64, sleeve: f64) -> Mesh {
     const SIDES: u32 = 32;
     let mut mesh = Mesh::default();
     if length == 0.0 {

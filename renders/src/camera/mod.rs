@@ -1,0 +1,22 @@
+//! Camera pictures: a hand with its arm and the thing that it holds, in colour, before a
+//! background, as a camera sees them.
+//!
+//! A [`CameraScene`] is posed and meshed once; [`Layers`] are what one view of it shows: the part,
+//! the normal and the place on the part of every texel. [`Layers::paint`] makes pictures of them,
+//! as many as are wanted, each with a random [`Framing`], skin, materials, background, light and
+//! optics: what a picture of a stranger's hand in a stranger's room may look like.
+
+mod background;
+mod dress;
+mod lattice;
+mod layers;
+mod optics;
+mod paint;
+mod palette;
+mod scene;
+mod solid;
+mod surface;
+
+pub use layers::{Framing, Layers};
+pub use paint::{Part, Picture};
+pub use scene::CameraScene;

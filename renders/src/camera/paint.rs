@@ -1,0 +1,257 @@
+//! A view becomes a picture.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::background::Background;
+use super::lattice::Lattice;
+use super::layers::{Framing, Layers, Texel};
+use super::optics::develop;
+use super::palette::{Rgb, scale};
+use super::scene::FIRST_OBJECT;
+use super::surface::{Light, Material, Skin};
+use crate::random::{between, normal, unit};
+
+/// Samples a pixel along each side.
+const SUPER: usize = 2;
+/// How often an arm wears a watch or the like.
+const WATCH: f64 = 0.2;
+/// Materials that are ready for the parts of a thing.
+const MATERIALS: usize = 6;
+
+/// What the masks of a [`Picture`] show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The hand to its wrist.
+    Hand,
+    /// The bare skin of the arm.
+    Forearm,
+    /// What the hand holds.
+    Object,
+}
+
+impl Part {
+    /// All, in the order of [`Picture::masks`].
+    pub const ALL: [Part; 3] = [Part::Hand, Part::Forearm, Part::Object];
+}
+
+/// A square picture in colour, and where the hand is in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Pixels a side.
+    pub side: usize,
+    /// Red, green and blue of each pixel, row by row, 0 to 1, as in a picture file (sRGB).
+    pub rgb: Vec<f32>,
+    /// The share of each pixel that is of a part, 0 to 1.
+    pub masks: [Vec<f32>; Part::ALL.len()],
+}
+
+/// What covers a view's texels in one picture.
+struct Surfaces {
+    skin: Skin,
+    /// Of the sleeve, if there is one.
+    cloth: Option<Material>,
+    /// Where a watch or the like is worn, from and to, in metres behind the wrist.
+    watch: Option<[f32; 2]>,
+    strap: Material,
+    things: Vec<Material>,
+    light: Light,
+    field: Lattice,
+}
+
+impl Layers {
+    /// A picture of what a framing shows of the view, `side` pixels a side; everything that a view
+    /// leaves open is random.
+    pub fn paint(&self, framing: &Framing, side: usize, rng: &mut ChaCha8Rng) -> Picture {
+        let surfaces = Surfaces::random(self.is_sleeved, rng);
+        let background = Background::random(rng);
+        let shadow = Shadow::random(framing.side, rng);
+        let map = framing.map();
+        let mut picture = Picture {
+            side,
+            rgb: Vec::with_capacity(3 * side * side),
+            masks: [0; Part::ALL.len()].map(|_| Vec::with_capacity(side * side)),
+        };
+        for y in 0..side {
+            for x in 0..side {
+                let (mut sum, mut parts) = ([0.0; 3], [0.0; Part::ALL.len()]);
+                // Neighbouring samples of the same surface have the same colour: one look is enough.
+                let mut seen: Option<(u8, Option<Part>, Rgb)> = None;
+                for sample in 0..SUPER * SUPER {
+                    let place =
+                        |at: usize, i: usize| (at as f32 + (i as f32 + 0.5) / SUPER as f32) / side as f32;
+                    let (u, v) = (place(x, sample % SUPER), place(y, sample / SUPER));
+                    let [tx, ty] = map.place(u, v);
+                    let texel = self.at(tx, ty);
+                    let part = surfaces.part(texel);
+                    let colour = match seen {
+                        Some((number, of, colour)) if (number, of) == (texel.part, part) => colour,
+                        _ if texel.part == 0 => {
+                            scale(background.at(u, v, &surfaces.field), shadow.at(self, tx, ty))
+                        }
+                        _ => surfaces.seen(texel),
+                    };
+                    seen = Some((texel.part, part, colour));
+                    (0..3).for_each(|i| sum[i] += colour[i]);
+                    if let Some(part) = part {
+                        parts[part as usize] += 1.0;
+                    }
+                }
+                let share = 1.0 / (SUPER * SUPER) as f32;
+                picture.rgb.extend(sum.map(|v| v * share));
+                picture.masks.iter_mut().zip(parts).for_each(|(mask, count)| mask.push(count * share));
+            }
+        }
+        develop(&mut picture.rgb, side, rng);
+        picture
+    }
+}
+
+impl Surfaces {
+    fn random(is_sleeved: bool, rng: &mut ChaCha8Rng) -> Self {
+        let cloth = is_sleeved.then(|| Material::cloth(rng));
+        let watch = (unit(rng) < WATCH).then(|| {
+            let from = between(rng, [0.022, 0.05]) as f32;
+            [from, from + between(rng, [0.012, 0.035]) as f32]
+        });
+        Self {
+            skin: Skin::random(rng),
+            cloth,
+            watch,
+            strap: Material::random(rng),
+            things: (0..MATERIALS).map(|_| Material::random(rng)).collect(),
+            light: Light::random(rng),
+            field: Lattice::random(rng),
+        }
+    }
+
+    /// Which of the masks a texel belongs to.
+    fn part(&self, texel: &Texel) -> Option<Part> {
+        if texel.is_hand() {
+            return Some(Part::Hand);
+        }
+        if texel.is_object() {
+            return Some(Part::Object);
+        }
+        (texel.is_arm() && self.cover(texel).is_none()).then_some(Part::Forearm)
+    }
+
+    /// What covers a texel of the arm.
+    fn cover(&self, texel: &Texel) -> Option<&Material> {
+        let back = -texel.place()[0];
+        let sleeve = self.cloth.as_ref().filter(|_| texel.is_far_arm());
+        sleeve.or_else(|| self.watch.filter(|[from, to]| (from..to).contains(&&back)).map(|_| &self.strap))
+    }
+
+    fn seen(&self, texel: &Texel) -> Rgb {
+        let (place, normal) = (texel.place(), texel.normal());
+        if texel.is_object() {
+            let material = &self.things[usize::from(texel.part - FIRST_OBJECT) % self.things.len()];
+            return material.seen(place, normal, &self.light, &self.field);
+        }
+        match self.cover(texel).filter(|_| texel.is_arm()) {
+            Some(material) => material.seen(place, normal, &self.light, &self.field),
+            None => self.skin.seen(place, normal, &self.light, &self.field),
+        }
+    }
+}
+
+/// The hand's shadow on what lies behind.
+struct Shadow {
+    /// By how many texels it is moved.
+    by: [f32; 2],
+    strength: f32,
+}
+
+impl Shadow {
+    fn random(side: f32, rng: &mut ChaCha8Rng) -> Self {
+        let strength = if unit(rng) < 0.4 { (0.7 * unit(rng)) as f32 } else { 0.0 };
+        Self { by: [0; 2].map(|_| 0.08 * side * normal(rng) as f32), strength }
+    }
+
+    /// The share of the light that is left at a texel.
+    fn at(&self, layers: &Layers, x: f32, y: f32) -> f32 {
+        if self.strength == 0.0 {
+            return 1.0;
+        }
+        let [dx, dy] = self.by;
+        let hit = [[-2.0, 0.0], [2.0, 0.0], [0.0, -2.0], [0.0, 2.0]]
+            .iter()
+            .filter(|[sx, sy]| layers.at(x + dx + sx, y + dy + sy).part != 0)
+            .count();
+        1.0 - self.strength * hit as f32 / 4.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraScene;
+    use crate::plan::{Preset, RenderPlan};
+    use crate::view::View;
+    use rand::SeedableRng;
+
+    const SIDE: usize = 48;
+
+    fn view(scene: usize, is_held: bool, view: u64) -> Layers {
+        let specs = RenderPlan::preset(Preset::Paper).scenes();
+        let scene = CameraScene::build(&specs[scene], is_held, view).expect("a scene");
+        let mut rng = ChaCha8Rng::seed_from_u64(view);
+        scene.layers(&View::random(&mut rng), 3.0)
+    }
+
+    fn area(mask: &[f32]) -> f32 {
+        mask.iter().sum()
+    }
+
+    #[test]
+    fn the_same_seed_paints_the_same_picture_and_another_one_another() {
+        let layers = view(0, true, 1);
+        let paint = |seed| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let framing = Framing::far(&layers, &mut rng);
+            layers.paint(&framing, SIDE, &mut rng)
+        };
+        assert_eq!(paint(3), paint(3));
+        assert_ne!(paint(3).rgb, paint(4).rgb);
+    }
+
+    #[test]
+    fn a_pixel_is_shared_by_the_parts_and_what_lies_behind() {
+        for seed in 0..12 {
+            let layers = view(seed as usize % 6, true, seed);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let framing = Framing::near(&layers, &mut rng);
+            let picture = layers.paint(&framing, SIDE, &mut rng);
+            assert_eq!(picture.rgb.len(), 3 * SIDE * SIDE);
+            assert!(picture.rgb.iter().all(|value| (0.0..=1.0).contains(value)));
+            for at in 0..SIDE * SIDE {
+                let shares: f32 = picture.masks.iter().map(|mask| mask[at]).sum();
+                assert!((0.0..=1.0).contains(&shares), "{shares}");
+            }
+            let hand = area(&picture.masks[Part::Hand as usize]) / (SIDE * SIDE) as f32;
+            assert!((0.02..0.5).contains(&hand), "a near picture shows the hand large: {hand}");
+        }
+    }
+
+    #[test]
+    fn a_near_picture_has_the_arm_below_the_hand_and_empty_hands_hold_nothing() {
+        let (mut below, mut seen) = (0, 0);
+        for seed in 0..24 {
+            let layers = view(seed as usize % 6, false, seed);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let framing = Framing::near(&layers, &mut rng);
+            let picture = layers.paint(&framing, SIDE, &mut rng);
+            assert_eq!(area(&picture.masks[Part::Object as usize]), 0.0);
+            let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| {
+                let mask = &picture.masks[part as usize];
+                let rows = mask.iter().enumerate().map(|(at, share)| share * (at / SIDE) as f32);
+                (area(mask), rows.sum::<f32>() / area(mask).max(1e-3))
+            });
+            if forearm.0 > 20.0 {
+                seen += 1;
+                below += usize::from(forearm.1 > hand.1);
+            }
+        }
+        assert!(seen > 5 && below * 10 >= seen * 8, "{below} of {seen}");
+    }
+}

@@ -1,0 +1,80 @@
+//! Colours: linear RGB, 0 to 1.
+
+use rand_chacha::ChaCha8Rng;
+
+use crate::random::{between, normal, unit};
+
+/// Linear red, green and blue.
+pub(super) type Rgb = [f32; 3];
+
+pub(super) fn scale(colour: Rgb, by: f32) -> Rgb {
+    colour.map(|v| v * by)
+}
+
+pub(super) fn mix(a: Rgb, b: Rgb, share: f32) -> Rgb {
+    std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+}
+
+pub(super) fn times(a: Rgb, b: Rgb) -> Rgb {
+    std::array::from_fn(|i| a[i] * b[i])
+}
+
+/// From the values of a picture file (sRGB) to linear ones.
+fn linear(srgb: [f64; 3]) -> Rgb {
+    srgb.map(|v| libm::pow(v.clamp(0.0, 1.0), 2.2) as f32)
+}
+
+/// A person's skin: from very light to very dark, as sRGB, and what lies between.
+pub(super) fn skin(rng: &mut ChaCha8Rng) -> Rgb {
+    const TONES: [[f64; 3]; 6] = [
+        [0.97, 0.84, 0.77],
+        [0.92, 0.74, 0.63],
+        [0.84, 0.62, 0.49],
+        [0.70, 0.48, 0.36],
+        [0.48, 0.31, 0.23],
+        [0.28, 0.18, 0.14],
+    ];
+    // Light to brown skins are the most frequent.
+    let at = between(rng, [0.0, 4.999]) * if unit(rng) < 0.7 { 0.72 } else { 1.0 };
+    let (tone, share) = (at as usize, at - libm::floor(at));
+    let (red, bright) = (0.035 * normal(rng), 0.04 * normal(rng));
+    linear(std::array::from_fn(|i| {
+        let tone = TONES[tone][i] + (TONES[tone + 1][i] - TONES[tone][i]) * share;
+        tone + bright + [red, -0.3 * red, -0.6 * red][i] + 0.012 * normal(rng)
+    }))
+}
+
+/// Any colour; greys, white and black, and colours of wood and skin, have shares of their own.
+pub(super) fn any(rng: &mut ChaCha8Rng) -> Rgb {
+    match unit(rng) {
+        x if x < 0.22 => {
+            let grey = unit(rng);
+            linear(std::array::from_fn(|_| grey + 0.02 * normal(rng)))
+        }
+        x if x < 0.34 => linear(std::array::from_fn(|_| 0.88 + 0.1 * unit(rng))),
+        x if x < 0.44 => linear(std::array::from_fn(|_| 0.12 * unit(rng))),
+        x if x < 0.60 => {
+            // Wood, cardboard, sand, brick.
+            let bright = between(rng, [0.25, 0.9]);
+            let (green, blue) = (between(rng, [0.6, 0.88]), between(rng, [0.3, 0.75]));
+            linear([bright, bright * green, bright * blue])
+        }
+        x if x < 0.66 => skin(rng),
+        _ => hue(unit(rng), between(rng, [0.2, 1.0]), between(rng, [0.2, 1.0])),
+    }
+}
+
+/// A colour of walls, tables and the like: pale or earthen more often than not.
+pub(super) fn muted(rng: &mut ChaCha8Rng) -> Rgb {
+    let colour = any(rng);
+    let grey = colour.iter().sum::<f32>() / 3.0;
+    mix(colour, [grey; 3], (0.75 * unit(rng)) as f32)
+}
+
+/// Hue, saturation and value, each 0 to 1, to linear RGB.
+fn hue(hue: f64, saturation: f64, value: f64) -> Rgb {
+    linear(std::array::from_fn(|i| {
+        let at = (hue * 6.0 + [5.0, 3.0, 1.0][i]) % 6.0;
+        value - value * saturation * at.min(4.0 - at).clamp(0.0, 1.0)
+    }))
+}

@@ -1,0 +1,78 @@
+//! A hand with its arm and a thing, meshed once.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::dress::dress;
+use crate::mesh::Mesh;
+use crate::random::{between, unit};
+use crate::scene::{Pieces, SceneError, SceneSpec, arm};
+use crate::view::world_from_hand;
+
+/// Length of the arm that goes on behind the hand's own forearm, in metres: out of the picture.
+const ARM_LENGTH: f64 = 0.45;
+/// How much wider than the wrist it begins: bare, or in a sleeve from tight to wide.
+const BARE: f64 = 1.04;
+const SLEEVE: [f64; 2] = [1.06, 1.6];
+/// How often it is in a sleeve.
+const SLEEVED: f64 = 0.45;
+/// Numbers of the parts.
+const HAND: u8 = 1;
+const ARM: u8 = 2;
+pub(super) const FIRST_OBJECT: u8 = 3;
+
+/// A posed hand with its arm and what it holds.
+#[derive(Debug, Clone)]
+pub struct CameraScene {
+    pub(super) vertices: Vec<Vector3<f32>>,
+    /// One unit normal a vertex of the hand.
+    pub(super) normals: Vec<Vector3<f32>>,
+    /// Corners, and the part that they are of.
+    pub(super) triangles: Vec<([u32; 3], u8)>,
+    /// Vertices before these are the hand's with what it has of a forearm.
+    pub(super) hand_vertices: usize,
+    /// Whether the arm that goes on behind the hand's own forearm is in a sleeve.
+    pub(super) is_sleeved: bool,
+    pub(super) world_from_hand: UnitQuaternion<f64>,
+    pub(super) hand_length: f64,
+}
+
+impl CameraScene {
+    /// Poses and meshes a scene, and makes of the plain body that is held a thing that people hold,
+    /// by `seed`; empty hands where `is_held` is false.
+    ///
+    /// # Errors
+    /// As [`SceneSpec::build`].
+    pub fn build(spec: &SceneSpec, is_held: bool, seed: u64) -> Result<Self, SceneError> {
+        spec.look.check()?;
+        let Pieces { hand, object, cut } = spec.pieces();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let is_sleeved = unit(&mut rng) < SLEEVED;
+        let width = if is_sleeved { between(&mut rng, SLEEVE) } else { BARE };
+        let arm = arm(&spec.hand_shape, &cut, ARM_LENGTH, width);
+        let mut scene = Self {
+            hand_vertices: hand.vertices.len(),
+            vertices: Vec::new(),
+            normals: hand.normals.clone(),
+            triangles: Vec::new(),
+            is_sleeved,
+            world_from_hand: world_from_hand(&spec.grasp.up),
+            hand_length: spec.hand_shape.length(),
+        };
+        scene.add(&hand, HAND);
+        scene.add(&arm, ARM);
+        if is_held {
+            for (part, mesh) in dress(&object, &mut rng).iter().enumerate() {
+                scene.add(mesh, FIRST_OBJECT.saturating_add(part as u8));
+            }
+        }
+        Ok(scene)
+    }
+
+    fn add(&mut self, mesh: &Mesh, part: u8) {
+        let offset = self.vertices.len() as u32;
+        self.vertices.extend(&mesh.vertices);
+        self.triangles.extend(mesh.triangles.iter().map(|corners| (corners.map(|c| c + offset), part)));
+    }
+}

@@ -1,0 +1,206 @@
+//! What surfaces look like: skin, cloth, and the materials of things.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::lattice::Lattice;
+use super::palette::{self, Rgb, mix, scale, times};
+use crate::random::{between, normal, unit};
+
+/// One far light, an even one, and what shines.
+#[derive(Debug, Clone)]
+pub(super) struct Light {
+    toward: [f32; 3],
+    colour: Rgb,
+    even: Rgb,
+}
+
+impl Light {
+    pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
+        // From the camera's side, mostly from above.
+        let toward = [normal(rng), normal(rng) - 0.7, -0.4 - unit(rng)].map(|v| v as f32);
+        let length = toward.iter().map(|v| v * v).sum::<f32>().sqrt();
+        let even = between(rng, [0.2, 0.8]) as f32;
+        let warm = 0.12 * normal(rng) as f32;
+        let tint = |warm: f32| [1.0 + warm, 1.0, 1.0 - warm];
+        Self {
+            toward: toward.map(|v| v / length),
+            colour: scale(tint(warm), 1.25 * (1.0 - even)),
+            even: scale(tint(-0.5 * warm), even),
+        }
+    }
+
+    /// The light that a surface of a normal sends back, and the mirrored light.
+    fn on(&self, normal: [f32; 3], wrap: f32) -> (Rgb, f32) {
+        let dot: f32 = normal.iter().zip(&self.toward).map(|(a, b)| a * b).sum();
+        let lit = ((dot + wrap) / (1.0 + wrap)).max(0.0);
+        // Half way between the light and the camera, which looks along z.
+        let half = [self.toward[0], self.toward[1], self.toward[2] - 1.0];
+        let length = half.iter().map(|v| v * v).sum::<f32>().sqrt().max(1e-6);
+        let shine = normal.iter().zip(&half).map(|(a, b)| a * b).sum::<f32>() / length;
+        // Surfaces that face up are brighter where light comes from all around.
+        let open = 0.85 - 0.15 * normal[1] - 0.1 * normal[2];
+        (std::array::from_fn(|i| self.even[i] * open + self.colour[i] * lit), shine.max(0.0))
+    }
+}
+
+/// What a material's colour follows.
+#[derive(Debug, Clone, Copy)]
+enum Pattern {
+    Plain,
+    /// Blots of the second colour.
+    Blots {
+        size: f32,
+        level: f32,
+    },
+    /// Bands across a direction.
+    Bands {
+        across: [f32; 3],
+        width: f32,
+        share: f32,
+    },
+    /// Squares.
+    Checks {
+        size: f32,
+    },
+    /// A printed patch: blots in the second and third colour within bands.
+    Print {
+        across: [f32; 3],
+        width: f32,
+        size: f32,
+    },
+}
+
+/// How a thing, a sleeve or a piece of skin looks.
+#[derive(Debug, Clone)]
+pub(super) struct Material {
+    colours: [Rgb; 3],
+    pattern: Pattern,
+    gloss: f32,
+    /// The shine's exponent.
+    polish: f32,
+    metal: f32,
+}
+
+impl Material {
+    /// Of a thing.
+    pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
+        let direction = |rng: &mut ChaCha8Rng| [0; 3].map(|_| normal(rng) as f32 * 0.7);
+        let pattern = match unit(rng) {
+            x if x < 0.42 => Pattern::Plain,
+            x if x < 0.58 => Pattern::Blots {
+                size: between(rng, [60.0, 300.0]) as f32,
+                level: between(rng, [0.35, 0.65]) as f32,
+            },
+            x if x < 0.74 => Pattern::Bands {
+                across: direction(rng),
+                width: between(rng, [0.006, 0.05]) as f32,
+                share: between(rng, [0.2, 0.7]) as f32,
+            },
+            x if x < 0.82 => Pattern::Checks { size: between(rng, [0.005, 0.025]) as f32 },
+            _ => Pattern::Print {
+                across: direction(rng),
+                width: between(rng, [0.03, 0.09]) as f32,
+                size: between(rng, [80.0, 400.0]) as f32,
+            },
+        };
+        let gloss = if unit(rng) < 0.5 { between(rng, [0.05, 0.9]) } else { 0.0 };
+        Self {
+            colours: [0; 3].map(|_| palette::any(rng)),
+            pattern,
+            gloss: gloss as f32,
+            polish: between(rng, [4.0, 60.0]) as f32,
+            metal: if unit(rng) < 0.12 { between(rng, [0.3, 0.9]) as f32 } else { 0.0 },
+        }
+    }
+
+    /// Of a sleeve.
+    pub(super) fn cloth(rng: &mut ChaCha8Rng) -> Self {
+        Self { gloss: 0.0, metal: 0.0, ..Self::random(rng) }
+    }
+
+    fn colour(&self, place: [f32; 3], field: &Lattice) -> Rgb {
+        let [first, second, third] = self.colours;
+        let along = |across: [f32; 3]| across.iter().zip(&place).map(|(a, p)| a * p).sum::<f32>();
+        let blot = |size: f32, level: f32| field.at_place(place.map(|v| v * size)) > level;
+        match self.pattern {
+            Pattern::Plain => first,
+            Pattern::Blots { size, level } => {
+                if blot(size, level) {
+                    second
+                } else {
+                    first
+                }
+            }
+            Pattern::Bands { across, width, share } => {
+                let at = along(across) / width;
+                if at - at.floor() < share { second } else { first }
+            }
+            Pattern::Checks { size } => {
+                let sum: f32 = place.iter().map(|v| (v / size).floor()).sum();
+                if (sum as i32).rem_euclid(2) == 0 { first } else { second }
+            }
+            Pattern::Print { across, width, size } => {
+                let at = along(across) / width;
+                match at - at.floor() {
+                    share if share < 0.45 => first,
+                    _ if blot(size, 0.5) => third,
+                    _ => second,
+                }
+            }
+        }
+    }
+
+    /// As the camera sees it: linear RGB.
+    pub(super) fn seen(&self, place: [f32; 3], normal: [f32; 3], light: &Light, field: &Lattice) -> Rgb {
+        let (lit, shine) = light.on(normal, 0.0);
+        let colour = times(self.colour(place, field), lit);
+        let glint = glint(self.gloss, shine, self.polish);
+        // Metal mirrors a room of light and dark.
+        let mirrored = field.at(3.0 * normal[0] + 5.0, 3.0 * normal[1]) * 1.2;
+        mix(colour.map(|v| v + glint), [mirrored; 3], self.metal)
+    }
+}
+
+/// What shines; far from the mirrored light there is nothing to compute.
+fn glint(gloss: f32, shine: f32, polish: f32) -> f32 {
+    if gloss == 0.0 || shine < 0.5 { 0.0 } else { gloss * libm::powf(shine, polish) }
+}
+
+/// A person's skin.
+#[derive(Debug, Clone)]
+pub(super) struct Skin {
+    colour: Rgb,
+    red: Rgb,
+    uneven: f32,
+    size: f32,
+    gloss: f32,
+    hairy: f32,
+}
+
+impl Skin {
+    pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
+        let colour = palette::skin(rng);
+        let red = [1.1, 0.72, 0.7].map(|v: f64| v + 0.05 * normal(rng));
+        Self {
+            colour,
+            red: std::array::from_fn(|i| (f64::from(colour[i]) * red[i]) as f32),
+            uneven: (0.9 * unit(rng)) as f32,
+            size: between(rng, [25.0, 90.0]) as f32,
+            gloss: (0.25 * unit(rng) * unit(rng)) as f32,
+            hairy: if unit(rng) < 0.3 { (0.5 * unit(rng)) as f32 } else { 0.0 },
+        }
+    }
+
+    /// As the camera sees it: linear RGB.
+    pub(super) fn seen(&self, place: [f32; 3], normal: [f32; 3], light: &Light, field: &Lattice) -> Rgb {
+        // Light comes through a little: the shadow's edge is soft and red.
+        let (lit, shine) = light.on(normal, 0.25);
+        let red = (field.at_place(place.map(|v| v * self.size)) - 0.3).max(0.0) * self.uneven;
+        let mut colour = mix(self.colour, self.red, red);
+        if self.hairy > 0.0 && place[0] < 0.0 {
+            colour = scale(colour, 1.0 - self.hairy * field.at_place(place.map(|v| v * 330.0)));
+        }
+        let glint = glint(self.gloss, shine, 9.0);
+        times(colour, lit).map(|v| v + glint)
+    }
+}
