@@ -60,4 +60,11 @@ mod tests {
             assert_eq!(by_name(name, None).expect("a descriptor").params().name(), name);
         }
     }
+
+    #[test]
+    fn the_shipped_network_is_the_one_that_its_page_names() {
+        let fingerprint = shipped_network().expect("a network").fingerprint();
+        let page = include_str!("../data/README.md");
+        assert!(page.contains(&format!("`{fingerprint:016x}`")), "{fingerprint:016x}");
+    }
 }

@@ -7,9 +7,7 @@ use grasp_terminal::text::{counted, shown};
 
 use super::Global;
 use crate::interrupt;
-use crate::train::{
-    DEFAULT_SAMPLES, DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Files, Options, Schedule, Trained, train,
-};
+use crate::train::{DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Trained, train};
 
 /// Train the network of a learned descriptor on renders that are drawn as it goes.
 ///
@@ -35,9 +33,13 @@ pub(crate) struct Train {
     /// The network to write; the curve goes to FILE.csv.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Pictures to show the network in all; full batches of 64 are.
-    #[arg(long, default_value_t = DEFAULT_SAMPLES, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
-    samples: u64,
+    /// Which network: the learned descriptor's, or the one that finds a hand in a camera picture.
+    #[arg(long, value_enum, default_value_t)]
+    kind: Kind,
+    /// Pictures to show the network in all; full batches of 64 are. By default as many as the shipped
+    /// network of that kind was shown: 2,200,000 (hand), 2,000,000 (scene).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
+    samples: Option<u64>,
     /// What all randomness comes from.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
@@ -58,17 +60,18 @@ impl Train {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let options = Options {
-            samples: self.samples,
+            kind: self.kind,
+            samples: self.samples.unwrap_or_else(|| self.kind.default_samples()),
             seed: self.seed,
             hold_out_poses: self.hold_out_poses,
             validate_every: self.validate_every,
         };
         let files = self.files();
-        let schedule = Schedule::STANDARD;
+        let schedule = Schedule::standard(self.kind);
         let Trained { network, curve } =
             train(&options, schedule, &files, global.progress(), &interrupt::check)?;
         let mut stdout = std::io::stdout().lock();
-        let samples = counted(schedule.samples(schedule.steps(self.samples)), ["sample", "samples"]);
+        let samples = counted(schedule.samples(schedule.steps(options.samples)), ["sample", "samples"]);
         writeln!(
             stdout,
             "{}: network {:016x}, {:.1} MB, trained on {samples}, seed {}",

@@ -9,71 +9,52 @@ use grasp_terminal::text::{counted, percent};
 use grasp_train::Losses;
 use serde::{Deserialize, Serialize};
 
-use super::Figures;
+use super::course::Figure;
 
-/// One validation. The columns are an interface: they may be added to, never renamed.
+/// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Pictures that the network has been shown.
     pub samples: u64,
-    /// The mean losses of the batches since the row before, as they are summed up.
-    pub loss: f64,
-    /// The class's.
-    pub class_loss: f64,
-    /// The stage's.
-    pub stage_loss: f64,
-    /// The rotation's.
-    pub rotation_loss: f64,
-    /// Other hands: the share of right classes, 0 to 1.
-    pub hands_top1: f64,
-    /// The median error of the rotation in degrees.
-    pub hands_rotation_deg: f64,
-    /// The share of right classes by the nearest neighbours.
-    pub hands_neighbours_top1: f64,
-    /// The same of other hands in the fifth of the recorded poses that can be held out.
-    pub poses_top1: f64,
-    /// The median error of the rotation in degrees.
-    pub poses_rotation_deg: f64,
-    /// The share of right classes by the nearest neighbours.
-    pub poses_neighbours_top1: f64,
+    /// The mean losses of the batches since the row before, `loss` as they are summed up.
+    pub losses: Vec<Figure>,
+    /// How well the network does.
+    pub figures: Vec<Figure>,
 }
 
 impl Row {
-    pub(super) fn new(samples: u64, losses: &MeanLosses, [hands, poses]: [Figures; 2]) -> Self {
-        let [class, stage, rotation, total] = losses.mean();
-        Self {
-            samples,
-            loss: rounded(total),
-            class_loss: rounded(class),
-            stage_loss: rounded(stage),
-            rotation_loss: rounded(rotation),
-            hands_top1: rounded(hands.top1),
-            hands_rotation_deg: rounded(hands.rotation_deg),
-            hands_neighbours_top1: rounded(hands.neighbours_top1),
-            poses_top1: rounded(poses.top1),
-            poses_rotation_deg: rounded(poses.rotation_deg),
-            poses_neighbours_top1: rounded(poses.neighbours_top1),
-        }
+    pub(super) fn new(samples: u64, losses: &MeanLosses, has_masks: bool, figures: Vec<Figure>) -> Self {
+        let names = ["loss", "class_loss", "stage_loss", "rotation_loss", "mask_loss"];
+        let count = if has_masks { names.len() } else { names.len() - 1 };
+        let losses =
+            names.iter().zip(losses.mean()).take(count).map(|(name, value)| Figure::new(name, value));
+        Self { samples, losses: losses.collect(), figures }
     }
-}
 
-/// Four decimals: more mean nothing.
-fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
+    /// The columns' names: an interface, which may be added to and is never renamed.
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let figures = self.losses.iter().chain(&self.figures);
+        std::iter::once("samples").chain(figures.map(|figure| figure.name.as_str()))
+    }
+
+    fn values(&self) -> impl Iterator<Item = String> {
+        let figures = self.losses.iter().chain(&self.figures);
+        std::iter::once(self.samples.to_string()).chain(figures.map(|figure| figure.value.to_string()))
+    }
 }
 
 impl fmt::Display for Row {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let samples = counted(self.samples, ["sample", "samples"]);
-        write!(formatter, "{samples}: loss {:.3}", self.loss)?;
-        let groups = [
-            ("other hands", self.hands_top1, self.hands_rotation_deg, self.hands_neighbours_top1),
-            // Held out or trained on, as the training was asked to.
-            ("recorded poses", self.poses_top1, self.poses_rotation_deg, self.poses_neighbours_top1),
-        ];
-        for (group, top1, rotation, neighbours) in groups {
-            let [top1, neighbours] = [top1, neighbours].map(percent);
-            write!(formatter, "; {group} {top1}, {rotation:.1} deg, by neighbours {neighbours}")?;
+        write!(formatter, "{samples}")?;
+        for loss in self.losses.iter().take(1) {
+            write!(formatter, ": loss {:.3}", loss.value)?;
+        }
+        for Figure { name, value } in &self.figures {
+            match name.strip_suffix("_deg") {
+                Some(name) => write!(formatter, "; {} {value:.1} deg", name.replace('_', " "))?,
+                None => write!(formatter, "; {} {}", name.replace('_', " "), percent(*value))?,
+            }
         }
         Ok(())
     }
@@ -82,19 +63,19 @@ impl fmt::Display for Row {
 /// The losses of the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct MeanLosses {
-    /// Class, stage, rotation, total.
-    sums: [f64; 4],
+    /// Total, class, stage, rotation, masks.
+    sums: [f64; 5],
     steps: u64,
 }
 
 impl MeanLosses {
     pub(super) fn add(&mut self, losses: &Losses) {
-        let values = [losses.class, losses.stage, losses.rotation, losses.total()];
+        let values = [losses.total(), losses.class, losses.stage, losses.rotation, losses.masks];
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
         self.steps += 1;
     }
 
-    fn mean(&self) -> [f64; 4] {
+    fn mean(&self) -> [f64; 5] {
         self.sums.map(|sum| sum / self.steps.max(1) as f64)
     }
 }
@@ -106,8 +87,11 @@ impl MeanLosses {
 pub(super) fn write(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
     let failed = || format!("cannot write {}", path.display());
     let mut table = csv::Writer::from_writer(AtomicFile::create(path)?);
+    if let Some(first) = rows.first() {
+        table.write_record(first.names()).with_context(failed)?;
+    }
     for row in rows {
-        table.serialize(row).with_context(failed)?;
+        table.write_record(row.values()).with_context(failed)?;
     }
     Ok(table.into_inner().map_err(|error| error.into_error()).with_context(failed)?.commit()?)
 }

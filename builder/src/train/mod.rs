@@ -1,33 +1,35 @@
-//! Trains the network behind the learned descriptor on renders that are drawn as it goes.
+//! Trains networks on renders that are drawn as it goes.
 //!
-//! [`Scenes`] are drawn by number, rendered in parts, and stay in a [`Window`] for a while, out of
-//! which every batch is picked and varied anew ([`Sample`], `augment`). Which parts are in the
+//! A [`Course`] is what a network is taught: [`Hand`], of the learned descriptor, or [`Scene`], which
+//! finds a hand in a camera picture. [`Scenes`] are drawn by number, rendered in parts, and stay in a
+//! [`Window`] for a while, out of which every batch is picked and varied anew. Which parts are in the
 //! window at which step follows from the step alone ([`Schedule`]), so that the trained network
-//! depends on neither the number of threads nor on how often the training was stopped.
-//! [`Validation`] measures on hands that no training draws.
+//! depends on neither the number of threads nor on how often the training was stopped. It is
+//! measured on hands that no training draws.
 
-mod augment;
 mod check;
 mod checkpoint;
+mod course;
 mod curve;
+mod hand;
 mod options;
 mod run;
-mod sample;
+mod scene;
 mod scenes;
 mod schedule;
 mod training;
-mod validation;
 mod window;
 
 #[cfg(test)]
 mod tests;
 
 pub use check::Check;
+pub use course::{Course, Figure, Lesson, Showing};
 pub use curve::Row;
-pub use options::{DEFAULT_SAMPLES, DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Options};
+pub use hand::Hand;
+pub use options::{DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Kind, Options};
 pub use run::{Files, Trained, train};
-pub use sample::{Labels, Sample, Shown};
+pub use scene::Scene;
 pub use scenes::Scenes;
 pub use schedule::Schedule;
-pub use validation::{Figures, Validation};
-pub use window::{Window, render};
+pub use window::Window;

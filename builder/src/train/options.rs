@@ -2,14 +2,10 @@
 
 use std::fmt;
 
-use grasp_network::{Architecture, Convolution};
 use grasp_renders::PoseGroup;
-use grasp_train::{ROTATION, STAGES};
 use serde::{Deserialize, Serialize};
 
-/// Samples of the shipped network.
-pub const DEFAULT_SAMPLES: u64 = 2_200_000;
-/// The seed of the shipped network.
+/// The seed of the shipped networks.
 pub const DEFAULT_SEED: u64 = 7;
 /// Samples from one validation to the next, unless others are asked for.
 pub const DEFAULT_VALIDATE_EVERY: u64 = 100_000;
@@ -23,9 +19,33 @@ const HARDENING: f64 = 0.6;
 /// The largest share of a batch that is augmented hard.
 const HARD_AT_MOST: f64 = 0.5;
 
+/// Which network.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// The learned descriptor's, which sees a hand that was cut out and turned upright.
+    #[default]
+    Hand,
+    /// The scene network, which sees a part of a camera picture: it finds hand, arm and object, and
+    /// names the grasp by all that it sees.
+    Scene,
+}
+
+impl Kind {
+    /// Samples of the shipped network.
+    pub fn default_samples(self) -> u64 {
+        match self {
+            Self::Hand => 2_200_000,
+            Self::Scene => 2_000_000,
+        }
+    }
+}
+
 /// What the trained network and its curve follow from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Options {
+    /// Which network is trained.
+    pub kind: Kind,
     /// Pictures that the network is shown in all, in full batches.
     pub samples: u64,
     /// What all randomness comes from.
@@ -39,7 +59,10 @@ pub struct Options {
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { samples, seed, hold_out_poses, validate_every } = self;
+        let Self { kind, samples, seed, hold_out_poses, validate_every } = self;
+        if *kind == Kind::Scene {
+            write!(formatter, "--kind scene ")?;
+        }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
         if *hold_out_poses { write!(formatter, " --hold-out-poses") } else { Ok(()) }
     }
@@ -71,22 +94,4 @@ impl Options {
 pub(super) fn hard_samples(batch: usize, step: u64, steps: u64) -> usize {
     let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(HARD_AT_MOST);
     (share * batch as f64).ceil() as usize
-}
-
-/// The network that is trained to distinguish so many classes, and hands that are mirrored.
-pub(super) fn architecture(classes: usize) -> Architecture {
-    let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
-    Architecture {
-        side: grasp_index::PLANES_SIDE as u32,
-        planes: 2,
-        convolutions: vec![
-            convolution(5, 2, 16),
-            convolution(3, 2, 32),
-            convolution(3, 1, 48),
-            convolution(3, 2, 96),
-            convolution(3, 1, 96),
-        ],
-        embedding: 128,
-        heads: (classes + 1 + STAGES + ROTATION) as u32,
-    }
 }

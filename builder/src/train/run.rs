@@ -11,8 +11,12 @@ use grasp_network::Network;
 use grasp_terminal::Progress;
 
 use super::check::Check;
+use super::course::Course;
+use super::hand::Hand;
+use super::options::Kind;
+use super::scene::Scene;
 use super::training::Training;
-use super::{Options, Row, Schedule, Validation, checkpoint, curve};
+use super::{Options, Row, Schedule, checkpoint, curve};
 use crate::interrupt::Interrupted;
 
 /// How much work is lost, at most, when the program is killed.
@@ -63,6 +67,19 @@ pub fn train(
     progress: Progress,
     check: Check<'_>,
 ) -> anyhow::Result<Trained> {
+    match options.kind {
+        Kind::Hand => train_on::<Hand>(options, schedule, files, progress, check),
+        Kind::Scene => train_on::<Scene>(options, schedule, files, progress, check),
+    }
+}
+
+fn train_on<C: Course>(
+    options: &Options,
+    schedule: Schedule,
+    files: &Files,
+    progress: Progress,
+    check: Check<'_>,
+) -> anyhow::Result<Trained> {
     // From the beginning: nobody else trains the same network, and it can be written in the end.
     let mut out = AtomicFile::create(&files.network)?;
     // What cannot be written is reported now, not after an hour.
@@ -70,11 +87,11 @@ pub fn train(
         drop(AtomicFile::create(path)?);
     }
     let saved = checkpoint::read(&files.checkpoint, options)?;
-    let mut training = Training::new(options, schedule, saved)?;
+    let mut training = Training::<C>::new(options, schedule, saved)?;
     if !training.is_done() {
-        let work =
-            progress.bar(Validation::scenes(&schedule) + training.scenes_at_start(), "rendering", "scenes");
-        let validation = Validation::render(&schedule, options.poses(), check, &work)?;
+        let scenes = C::validation_scenes(&schedule) + training.scenes_at_start();
+        let work = progress.bar(scenes, "rendering", "scenes");
+        let validation = training.course().validation(&schedule, check, &work)?;
         training.fill(check, &work)?;
         drop(work);
         go_on(&mut training, options, &validation, files, progress, check)?;
@@ -93,10 +110,10 @@ pub fn train(
 }
 
 /// Does all rounds, and saves the state every now and then and when the work is stopped.
-fn go_on(
-    training: &mut Training,
+fn go_on<C: Course>(
+    training: &mut Training<C>,
     options: &Options,
-    validation: &Validation,
+    validation: &C::Validation,
     files: &Files,
     progress: Progress,
     check: Check<'_>,

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-/// One sample in so many is shown mirrored.
-const MIRRORED: usize = 8;
+use super::options::Kind;
 
 /// Training goes in rounds: while the steps of one are done, the part of the list of renders that
 /// comes in after it is rendered.
@@ -21,14 +20,32 @@ pub struct Schedule {
     pub window: usize,
     /// How often a render is shown, on average.
     pub reuse: u64,
+    /// One sample in so many is shown mirrored.
+    pub mirrored: usize,
     /// Scenes of each kind that a validation is made on.
     pub validation: u64,
 }
 
 impl Schedule {
-    /// That of the shipped network.
-    pub const STANDARD: Self =
-        Self { batch: 64, scenes: 48, views: 16, parts_at_first: 4, window: 40, reuse: 3, validation: 48 };
+    /// That of the shipped network of a kind. What the scene network's renders take in memory is
+    /// fifteen times as much.
+    pub fn standard(kind: Kind) -> Self {
+        match kind {
+            Kind::Hand => Self::HAND,
+            Kind::Scene => Self { scenes: 24, parts_at_first: 8, window: 20, mirrored: 5, ..Self::HAND },
+        }
+    }
+
+    const HAND: Self = Self {
+        batch: 64,
+        scenes: 48,
+        views: 16,
+        parts_at_first: 4,
+        window: 40,
+        reuse: 3,
+        mirrored: 8,
+        validation: 48,
+    };
 
     /// The steps in which so many samples are shown, in full batches.
     pub fn steps(&self, samples: u64) -> u64 {
@@ -61,10 +78,10 @@ impl Schedule {
         part * self.scenes..(part + 1) * self.scenes
     }
 
-    /// Whether a sample of a batch is shown mirrored: one in eight, at other places among those that
-    /// are augmented hard than among the others.
+    /// Whether a sample of a batch is shown mirrored, at other places among those that are augmented
+    /// hard than among the others.
     pub fn is_mirrored(&self, at: usize) -> bool {
-        (at * MIRRORED / self.batch.max(1) + at).is_multiple_of(MIRRORED)
+        (at * self.mirrored / self.batch.max(1) + at).is_multiple_of(self.mirrored.max(1))
     }
 
     fn steps_a_round(&self) -> u64 {
@@ -78,7 +95,7 @@ mod tests {
 
     #[test]
     fn parts_come_in_one_a_round_and_leave_when_the_window_is_full() {
-        let schedule = Schedule::STANDARD;
+        let schedule = Schedule::standard(Kind::Hand);
         assert_eq!((schedule.round(35), schedule.round(36), schedule.end(0)), (0, 1, 36));
         assert_eq!((schedule.parts(0), schedule.parts(36), schedule.parts(37)), (0..4, 0..40, 1..41));
         assert_eq!(schedule.scenes(2), 96..144);

@@ -7,13 +7,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use grasp_terminal::Progress;
 use tempfile::TempDir;
 
-use super::{Files, Options, Schedule, Trained, train};
+use super::{Files, Kind, Options, Schedule, Trained, train};
 use crate::interrupt::Interrupted;
 
-const OPTIONS: Options = Options { samples: 170, seed: 7, hold_out_poses: false, validate_every: 80 };
+const OPTIONS: Options =
+    Options { kind: Kind::Hand, samples: 170, seed: 7, hold_out_poses: false, validate_every: 80 };
 /// Twenty-one steps in three rounds.
-const SCHEDULE: Schedule =
-    Schedule { batch: 8, scenes: 6, views: 4, parts_at_first: 1, window: 2, reuse: 3, validation: 6 };
+const SCHEDULE: Schedule = Schedule {
+    batch: 8,
+    scenes: 6,
+    views: 4,
+    parts_at_first: 1,
+    window: 2,
+    reuse: 3,
+    mirrored: 8,
+    validation: 6,
+};
 
 /// Trains on so many threads, until `checks` pieces of work were begun.
 fn run(options: &Options, folder: &Path, threads: usize, checks: u64) -> anyhow::Result<Trained> {
@@ -39,18 +48,25 @@ fn written(folder: &Path) -> [Vec<u8>; 2] {
 
 #[test]
 fn threads_and_interruptions_change_no_byte() {
+    // Of each, scenes to measure by, the first part and some more take so many pieces.
+    for (kind, pieces) in [(Kind::Hand, 46), (Kind::Scene, 22)] {
+        changes_no_byte(&Options { kind, ..OPTIONS }, pieces);
+    }
+}
+
+/// Stopped after every so many pieces of work, a training writes what it writes in one go.
+fn changes_no_byte(options: &Options, pieces: u64) {
     let folders: [TempDir; 3] = std::array::from_fn(|_| tempfile::tempdir().unwrap());
     let [once, twice, stopped] = folders.each_ref().map(TempDir::path);
-    let trained = run(&OPTIONS, once, 2, u64::MAX).unwrap();
+    let trained = run(options, once, 2, u64::MAX).unwrap();
     let samples: Vec<u64> = trained.curve.iter().map(|row| row.samples).collect();
     assert_eq!(samples, [80, 160, 168]);
     assert_eq!(trained.network.as_bytes(), written(once)[0]);
-    run(&OPTIONS, twice, 1, u64::MAX).unwrap();
+    run(options, twice, 1, u64::MAX).unwrap();
     assert!(written(once) == written(twice));
 
-    // 24 scenes to measure by and the first part take 30 pieces, and the steps the rest.
     let mut stops = 0;
-    while let Err(error) = run(&OPTIONS, stopped, 2, 30 + SCHEDULE.scenes + 10) {
+    while let Err(error) = run(options, stopped, 2, pieces) {
         assert!(error.is::<Interrupted>(), "{error:#}");
         assert!(!files(stopped).network.exists());
         stops += 1;

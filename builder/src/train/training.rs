@@ -10,24 +10,26 @@ use rayon::prelude::*;
 
 use super::check::Check;
 use super::checkpoint::State;
+use super::course::{Course, Figure, Lesson, Showing};
 use super::curve::{MeanLosses, Row};
-use super::options::{PEAK_RATE, architecture, hard_samples};
-use super::{Options, Sample, Scenes, Schedule, Shown, Validation, Window, render};
+use super::options::{PEAK_RATE, hard_samples};
+use super::window::{Window, render_all};
+use super::{Options, Schedule};
 
 /// A training that goes on where its state says.
-pub(super) struct Training {
+pub(super) struct Training<C: Course> {
     options: Options,
     schedule: Schedule,
-    scenes: Scenes,
-    window: Window,
+    course: C,
+    window: Window<C::Render>,
     state: State,
 }
 
-impl Training {
+impl<C: Course> Training<C> {
     /// Goes on from a checkpoint, or begins.
     pub(super) fn new(options: &Options, schedule: Schedule, saved: Option<State>) -> anyhow::Result<Self> {
-        let scenes = Scenes::training(options.seed, options.poses());
-        let architecture = architecture(scenes.classes());
+        let course = C::new(options);
+        let architecture = course.architecture();
         let state = match saved {
             Some(state) => state,
             None => State {
@@ -40,7 +42,11 @@ impl Training {
             *state.trainer.architecture() == architecture,
             "the checkpoint is of another network: remove it to begin again"
         );
-        Ok(Self { options: options.clone(), window: Window::new(schedule.window), schedule, scenes, state })
+        Ok(Self { options: options.clone(), window: Window::new(schedule.window), schedule, course, state })
+    }
+
+    pub(super) fn course(&self) -> &C {
+        &self.course
     }
 
     pub(super) fn state(&self) -> &State {
@@ -65,7 +71,7 @@ impl Training {
     /// Renders what is in the window at the next step.
     pub(super) fn fill(&mut self, check: Check<'_>, work: &Work) -> anyhow::Result<()> {
         for part in self.schedule.parts(self.round()) {
-            let part = render(&self.scenes, self.schedule.scenes(part), self.schedule.views, check)?;
+            let part = render_part(&self.course, &self.schedule, part, check)?;
             self.window.advance(part);
             work.inc(self.schedule.scenes);
         }
@@ -76,23 +82,24 @@ impl Training {
     /// the work is stopped, the steps that were done count.
     pub(super) fn advance(
         &mut self,
-        validation: &Validation,
+        validation: &C::Validation,
         check: Check<'_>,
         work: &Work,
     ) -> anyhow::Result<()> {
         let round = self.round();
         let (end, steps) = (self.schedule.end(round), self.steps());
-        let Self { options, schedule, scenes, window, state } = self;
-        let next = schedule.scenes(schedule.parts(round).end);
+        let Self { options, schedule, course, window, state } = self;
+        let next = schedule.parts(round).end;
         let render_next = || match end < steps {
-            true => render(scenes, next, schedule.views, check),
+            true => render_part(course, schedule, next, check),
             false => Ok(Vec::new()),
         };
         let take_steps = || {
             while state.trainer.steps() < end.min(steps) {
                 check()?;
-                let batch = batch(options, schedule, scenes.classes(), window, state.trainer.steps())?;
-                step(options, schedule, validation, state, &batch, work)?;
+                let batch = batch(options, schedule, course, window, state.trainer.steps());
+                let measure = |network: &Network| course.measure(validation, network);
+                step(options, schedule, state, &batch, work, &measure)?;
             }
             anyhow::Ok(())
         };
@@ -120,10 +127,10 @@ impl Training {
 fn step(
     options: &Options,
     schedule: &Schedule,
-    validation: &Validation,
     state: &mut State,
     batch: &Batch,
     work: &Work,
+    measure: &dyn Fn(&Network) -> Vec<Figure>,
 ) -> anyhow::Result<()> {
     let State { trainer, curve, losses } = state;
     let (before, steps) = (trainer.steps(), schedule.steps(options.samples));
@@ -135,8 +142,9 @@ fn step(
     show(work, schedule.samples(before + 1), &found);
     let rows = |step: u64| schedule.samples(step) / options.validate_every;
     if rows(before + 1) > rows(before) || before + 1 == steps {
-        let figures = validation.measure(&network(trainer)?);
-        let row = Row::new(schedule.samples(before + 1), &std::mem::take(losses), figures);
+        let figures = measure(&network(trainer)?);
+        let has_masks = trainer.architecture().masks.is_some();
+        let row = Row::new(schedule.samples(before + 1), &std::mem::take(losses), has_masks, figures);
         work.line(&row.to_string());
         curve.push(row);
     }
@@ -154,33 +162,40 @@ fn network(trainer: &Trainer) -> anyhow::Result<Network> {
 }
 
 /// The batch of a step, picked from the window and varied by its number alone.
-fn batch(
+fn batch<C: Course>(
     options: &Options,
     schedule: &Schedule,
-    classes: usize,
-    window: &Window,
+    course: &C,
+    window: &Window<C::Render>,
     step: u64,
-) -> anyhow::Result<Batch> {
+) -> Batch {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_picks());
     rng.set_stream(step);
-    let picks: Vec<&Sample> = (0..schedule.batch).filter_map(|_| window.pick(&mut rng)).collect();
+    let picks: Vec<&C::Render> = (0..schedule.batch).filter_map(|_| window.pick(&mut rng)).collect();
     let hard = hard_samples(schedule.batch, step, schedule.steps(options.samples));
     let first = schedule.samples(step);
-    let vary = |(at, sample): (usize, &&Sample)| {
+    let lesson = |(at, render): (usize, &&C::Render)| {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_variations());
         rng.set_stream(first + at as u64);
-        sample.varied(at < hard, &mut rng)
+        let showing = Showing { is_hard: at < hard, is_mirrored: schedule.is_mirrored(at) };
+        course.lesson(render, showing, &mut rng)
     };
-    let shown: Vec<Option<Shown>> = picks.par_iter().enumerate().map(vary).collect();
+    let lessons: Vec<Option<Lesson>> = picks.par_iter().enumerate().map(lesson).collect();
     let mut batch = Batch::default();
-    for (at, shown) in shown.into_iter().flatten().enumerate() {
-        if schedule.is_mirrored(at) {
-            batch.targets.push(shown.labels.target_mirrored(classes));
-            batch.inputs.extend(shown.mirrored().planes);
-        } else {
-            batch.targets.push(shown.labels.target());
-            batch.inputs.extend(shown.planes);
-        }
+    for Lesson { planes, target, masks } in lessons.into_iter().flatten() {
+        batch.inputs.extend(planes);
+        batch.targets.push(target);
+        batch.masks.extend(masks);
     }
-    Ok(batch)
+    batch
+}
+
+/// Renders a part of the list of scenes.
+fn render_part<C: Course>(
+    course: &C,
+    schedule: &Schedule,
+    part: u64,
+    check: Check<'_>,
+) -> anyhow::Result<Vec<C::Render>> {
+    render_all(schedule.scenes(part), check, |number| course.render(number, schedule.views))
 }

@@ -50,7 +50,7 @@ impl Labels {
     /// What it shall answer to the picture's mirror image, where there are so many classes: the one
     /// beyond them, a hand that is mirrored. Of its stage and rotation nothing is asked.
     pub fn target_mirrored(&self, classes: usize) -> Target {
-        let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0 };
+        let weights = LossWeights { stage: 0.0, rotation: 0.0, ..LossWeights::ALL };
         Target { class: classes as u32, weights, ..self.target() }
     }
 }

@@ -8,8 +8,11 @@ use grasp_train::{ROTATION, STAGES, rotation_of};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use rayon::prelude::*;
 
-use super::check::Check;
-use super::{Sample, Scenes, Schedule, Shown, render};
+use super::render::render;
+use super::sample::{Sample, Shown};
+use crate::train::course::Figure;
+use crate::train::window::render_all;
+use crate::train::{Check, Scenes, Schedule};
 
 /// The same for every training, so that their figures can be compared.
 const SEED: u64 = 999;
@@ -32,13 +35,13 @@ pub struct Validation {
 
 /// How a network does on one group of renders.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figures {
+struct Figures {
     /// The share whose class is right, by the network itself.
-    pub top1: f64,
+    top1: f64,
     /// The median error of the rotation, in degrees.
-    pub rotation_deg: f64,
+    rotation_deg: f64,
     /// The share whose class is that of most of the 10 nearest reference renders.
-    pub neighbours_top1: f64,
+    neighbours_top1: f64,
 }
 
 impl Validation {
@@ -46,7 +49,7 @@ impl Validation {
     ///
     /// # Errors
     /// Where a scene cannot be built, or `check` has stopped the work.
-    pub fn render(
+    pub(super) fn render(
         schedule: &Schedule,
         poses: PoseGroup,
         check: Check<'_>,
@@ -54,7 +57,7 @@ impl Validation {
     ) -> anyhow::Result<Self> {
         let asked = schedule.validation;
         let plain = |scenes: &Scenes, count: u64, views: usize| -> anyhow::Result<Vec<Shown>> {
-            let renders = render(scenes, 0..count, views, check)?;
+            let renders = render_all(0..count, check, |number| render(scenes, number, views))?;
             let shown: Vec<Shown> = renders.par_iter().filter_map(Sample::plain).collect();
             work.inc(count);
             if shown.is_empty() {
@@ -76,10 +79,20 @@ impl Validation {
         (REFERENCE_SCENES + 2) * schedule.validation
     }
 
-    /// How a network does on other hands, and on them in the recorded poses that can be held out.
-    pub fn measure(&self, network: &Network) -> [Figures; 2] {
+    /// How a network does on other hands, and on them in the recorded poses that can be held out:
+    /// held out or trained on, as the training was asked to.
+    pub(super) fn measure(&self, network: &Network) -> Vec<Figure> {
         let reference = answers(network, &self.reference);
-        self.groups.each_ref().map(|group| figures(&answers(network, group), &reference))
+        let of_group = |(name, group): (&str, &Vec<Shown>)| {
+            let Figures { top1, rotation_deg, neighbours_top1 } =
+                figures(&answers(network, group), &reference);
+            [
+                Figure::new(&format!("{name}_top1"), top1),
+                Figure::new(&format!("{name}_rotation_deg"), rotation_deg),
+                Figure::new(&format!("{name}_neighbours_top1"), neighbours_top1),
+            ]
+        };
+        ["hands", "poses"].into_iter().zip(&self.groups).flat_map(of_group).collect()
     }
 }
 

@@ -1,0 +1,78 @@
+//! The network of the learned descriptor: it sees a hand that was cut out and stands upright.
+
+mod augment;
+mod render;
+mod sample;
+mod validation;
+
+use grasp_network::{Architecture, Convolution, Network};
+use grasp_terminal::Work;
+use grasp_train::{ROTATION, STAGES};
+use rand_chacha::ChaCha8Rng;
+
+use super::course::{Course, Figure, Lesson, Showing};
+use super::{Check, Options, Scenes, Schedule};
+use render::render;
+use sample::Sample;
+use validation::Validation;
+
+/// See the module.
+#[derive(Debug)]
+pub struct Hand {
+    scenes: Scenes,
+    options: Options,
+}
+
+impl Course for Hand {
+    type Render = Sample;
+    type Validation = Validation;
+
+    fn new(options: &Options) -> Self {
+        Self { scenes: Scenes::training(options.seed, options.poses()), options: options.clone() }
+    }
+
+    /// It distinguishes the classes, and hands that are mirrored.
+    fn architecture(&self) -> Architecture {
+        let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
+        Architecture {
+            side: grasp_index::PLANES_SIDE as u32,
+            planes: 2,
+            convolutions: vec![
+                convolution(5, 2, 16),
+                convolution(3, 2, 32),
+                convolution(3, 1, 48),
+                convolution(3, 2, 96),
+                convolution(3, 1, 96),
+            ],
+            embedding: 128,
+            heads: (self.scenes.classes() + 1 + STAGES + ROTATION) as u32,
+            masks: None,
+        }
+    }
+
+    fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<Sample>> {
+        render(&self.scenes, number, views)
+    }
+
+    fn lesson(&self, sample: &Sample, showing: Showing, rng: &mut ChaCha8Rng) -> Option<Lesson> {
+        let shown = sample.varied(showing.is_hard, rng)?;
+        let (target, planes) = if showing.is_mirrored {
+            (shown.labels.target_mirrored(self.scenes.classes()), shown.mirrored().planes)
+        } else {
+            (shown.labels.target(), shown.planes)
+        };
+        Some(Lesson { planes, target, masks: Vec::new() })
+    }
+
+    fn validation_scenes(schedule: &Schedule) -> u64 {
+        Validation::scenes(schedule)
+    }
+
+    fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
+        Validation::render(schedule, self.options.poses(), check, work)
+    }
+
+    fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {
+        validation.measure(network)
+    }
+}

@@ -1,0 +1,99 @@
+//! What the network is shown of a view.
+
+use grasp_index::turned_orientation;
+use grasp_renders::random::unit;
+use grasp_renders::{Framing, Layers, Part, Picture};
+use grasp_train::{LossWeights, Target};
+use rand_chacha::ChaCha8Rng;
+
+use super::views::{SceneView, Views};
+use crate::train::course::{Lesson, Showing};
+
+/// Pixels a side of the network's input.
+pub(super) const SIDE: usize = 64;
+/// How often the hand is yet to be found in a larger picture.
+const FAR: f64 = 0.2;
+/// How often there is no hand at all.
+const NOTHING: f64 = 0.04;
+/// How much its class and stage count there.
+const WEIGHT_OF_FAR: f32 = 0.4;
+/// The least area that is seen of a hand, in texels.
+const LEAST: f32 = 150.0;
+/// Pixels a side of a value of the masks.
+const CELL: usize = 2;
+
+/// A picture of a view with a new background, light and materials; `None` where the hand is hidden.
+pub(super) fn lesson(
+    views: &Views,
+    view: &SceneView,
+    showing: Showing,
+    rng: &mut ChaCha8Rng,
+) -> Option<Lesson> {
+    if view.layers.hand_area() < LEAST {
+        return None;
+    }
+    if unit(rng) < NOTHING {
+        return Some(of_nothing(views, rng));
+    }
+    let is_far = unit(rng) < FAR;
+    let framing = if is_far { Framing::far(&view.layers, rng) } else { Framing::near(&view.layers, rng) };
+    let mut picture = view.layers.paint(&framing, SIDE, rng);
+    let weight = if is_far { WEIGHT_OF_FAR } else { 1.0 };
+    let orientation = turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
+    let matrix = orientation.to_rotation_matrix();
+    let mut target = Target {
+        class: view.class.map_or(views.none(), |class| class as u32),
+        stage: view.stage as u32,
+        rotation: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)] as f32)),
+        weights: LossWeights { class: weight, stage: weight, rotation: 1.0, masks: 1.0 },
+    };
+    if view.class.is_none() {
+        target.weights.stage = 0.0;
+    }
+    if showing.is_mirrored {
+        mirror(&mut picture);
+        target.weights = LossWeights { stage: 0.0, rotation: 0.0, ..target.weights };
+        if view.class.is_some() {
+            target.class = views.mirrored();
+        }
+    }
+    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture) })
+}
+
+/// A picture without a hand.
+fn of_nothing(views: &Views, rng: &mut ChaCha8Rng) -> Lesson {
+    let layers = Layers::of_nothing();
+    let picture = layers.paint(&Framing::near(&layers, rng), SIDE, rng);
+    let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0, masks: 1.0 };
+    let target = Target { class: views.none(), stage: 0, rotation: [[0.0; 3]; 3], weights };
+    Lesson { planes: planes(&picture), target, masks: masks(&picture) }
+}
+
+/// A picture as the network's input.
+pub(super) fn planes(picture: &Picture) -> Vec<f32> {
+    picture.rgb.iter().map(|value| 2.0 * value - 1.0).collect()
+}
+
+/// The shares of hand, forearm and object, at the resolution that the network answers in.
+pub(super) fn masks(picture: &Picture) -> Vec<f32> {
+    let cells = picture.side / CELL;
+    let mut out = Vec::with_capacity(Part::ALL.len() * cells * cells);
+    for mask in &picture.masks {
+        for cell in 0..cells * cells {
+            let at = cell / cells * CELL * picture.side + cell % cells * CELL;
+            let pixels = (0..CELL).flat_map(|y| (0..CELL).map(move |x| y * picture.side + x));
+            out.push(pixels.map(|pixel| mask[at + pixel]).sum::<f32>() / (CELL * CELL) as f32);
+        }
+    }
+    out
+}
+
+/// Flips a picture, left to right.
+fn mirror(picture: &mut Picture) {
+    for row in picture.rgb.chunks_exact_mut(3 * picture.side) {
+        row.as_chunks_mut::<3>().0.reverse();
+    }
+    for mask in &mut picture.masks {
+        mask.chunks_exact_mut(picture.side).for_each(<[f32]>::reverse);
+    }
+}

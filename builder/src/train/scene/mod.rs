@@ -1,0 +1,75 @@
+//! The scene network: it sees a part of a camera picture and finds the hand, its arm and what it
+//! holds, whether it is a left hand, the grasp, its stage and how the hand is turned.
+
+mod empty;
+mod lesson;
+mod validation;
+mod views;
+
+use grasp_network::{Architecture, Convolution, Masks, Network};
+use grasp_renders::Part;
+use grasp_terminal::Work;
+use grasp_train::{ROTATION, STAGES};
+use rand_chacha::ChaCha8Rng;
+
+use super::course::{Course, Figure, Lesson, Showing};
+use super::{Check, Options, Scenes, Schedule};
+use lesson::SIDE;
+use validation::Validation;
+use views::{SceneView, Views};
+
+/// See the module.
+#[derive(Debug)]
+pub struct Scene {
+    views: Views,
+}
+
+impl Course for Scene {
+    type Render = SceneView;
+    type Validation = Validation;
+
+    fn new(options: &Options) -> Self {
+        Self { views: Views::new(Scenes::training(options.seed, options.poses()), options.seed) }
+    }
+
+    /// 27 million multiply-adds.
+    fn architecture(&self) -> Architecture {
+        let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
+        Architecture {
+            side: SIDE as u32,
+            planes: 3,
+            convolutions: vec![
+                convolution(5, 2, 16),
+                convolution(3, 2, 32),
+                convolution(3, 1, 48),
+                convolution(3, 2, 96),
+                convolution(3, 1, 112),
+                convolution(3, 1, 112),
+                convolution(3, 2, 160),
+            ],
+            embedding: 128,
+            heads: (self.views.classes() + 2 + STAGES + ROTATION) as u32,
+            masks: Some(Masks { convolution: 5, count: Part::ALL.len() as u32, cells: 4 }),
+        }
+    }
+
+    fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
+        self.views.render(number, views)
+    }
+
+    fn lesson(&self, view: &SceneView, showing: Showing, rng: &mut ChaCha8Rng) -> Option<Lesson> {
+        lesson::lesson(&self.views, view, showing, rng)
+    }
+
+    fn validation_scenes(schedule: &Schedule) -> u64 {
+        schedule.validation
+    }
+
+    fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
+        Validation::render(schedule, check, work)
+    }
+
+    fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {
+        validation.measure(network)
+    }
+}

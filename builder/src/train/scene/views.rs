@@ -1,0 +1,76 @@
+//! Views of scenes in colour, before they are painted.
+
+use grasp_renders::random::{between, unit};
+use grasp_renders::{CameraScene, Layers, Stage, View};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::empty;
+use crate::train::Scenes;
+
+/// How often a hand is in none of the grasps.
+const EMPTY: f64 = 0.09;
+/// How often what is not yet held is there at all.
+const IN_SIGHT: f64 = 0.8;
+/// Distances of the camera, in hand lengths.
+const DISTANCE: [f64; 2] = [2.0, 8.0];
+/// What the thing in the hand looks like is drawn by another seed than the hand.
+const SEED_OF_THINGS: u64 = 3;
+
+/// Endless scenes, and what is seen of them.
+#[derive(Debug)]
+pub(super) struct Views {
+    scenes: Scenes,
+    seed: u64,
+}
+
+/// One view of a scene.
+#[derive(Debug)]
+pub struct SceneView {
+    pub(super) layers: Layers,
+    /// The grasp's place in the list of classes; `None` of a hand in none of them.
+    pub(super) class: Option<usize>,
+    pub(super) stage: Stage,
+}
+
+impl Views {
+    pub(super) fn new(scenes: Scenes, seed: u64) -> Self {
+        Self { scenes, seed }
+    }
+
+    /// How many grasps there are.
+    pub(super) fn classes(&self) -> usize {
+        self.scenes.classes()
+    }
+
+    /// The place in the heads of a hand that is mirrored: behind the grasps.
+    pub(super) fn mirrored(&self) -> u32 {
+        self.classes() as u32
+    }
+
+    /// The place of a hand in none of the grasps, and of no hand.
+    pub(super) fn none(&self) -> u32 {
+        self.mirrored() + 1
+    }
+
+    /// Random views of a numbered scene.
+    pub(super) fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
+        let (mut spec, class) = self.scenes.scene(number);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ SEED_OF_THINGS);
+        rng.set_stream(number);
+        let is_empty = unit(&mut rng) < EMPTY;
+        let mut is_held = spec.stage == Stage::Grasp || unit(&mut rng) < IN_SIGHT;
+        if is_empty {
+            spec = empty::posed(spec, &mut rng);
+            is_held = false;
+        }
+        let stage = spec.stage;
+        let scene = CameraScene::build(&spec, is_held, self.seed ^ number)?;
+        let class = (!is_empty).then_some(class);
+        let view = |rng: &mut ChaCha8Rng| {
+            let distance = between(rng, DISTANCE);
+            SceneView { layers: scene.layers(&View::random(rng), distance), class, stage }
+        };
+        Ok((0..views).map(|_| view(&mut rng)).collect())
+    }
+}
