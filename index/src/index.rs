@@ -1,6 +1,6 @@
 //! An opened index.
 
-use crate::descriptor::{Describer, DescriptorModel};
+use crate::descriptor::{Describer, DescriptorModel, NETWORK_STAGES};
 use crate::file::atomic::AtomicFile;
 use crate::file::bytes::Bytes;
 use crate::file::catalogue::Catalogue;
@@ -323,7 +323,7 @@ impl Index {
         let has_opinions = trained_on && !options.has_own_width();
         let each = 1.0 / looks.len().max(1) as f64;
         let (mut shares, mut probabilities) = (vec![0.0; count], vec![0.0; count]);
-        let (mut kernel_mass, mut ballots) = (0.0, Vec::new());
+        let (mut kernel_mass, mut ballots, mut stages) = (0.0, Vec::new(), None);
         for look in looks {
             let own: Vec<Ballot> = look.neighbours.iter().filter_map(|n| self.ballot(n)).collect();
             let voters = own.iter().map(|ballot| (ballot.class, ballot.distance));
@@ -338,6 +338,10 @@ impl Index {
                 Some(opinion) => probable.iter().zip(&opinion.classes).map(|(a, b)| 0.5 * (a + b)).collect(),
                 None => probable,
             };
+            if let Some(opinion) = opinion {
+                let stages = stages.get_or_insert([0.0; NETWORK_STAGES.len()]);
+                stages.iter_mut().zip(opinion.stages).for_each(|(sum, own)| *sum += each * own);
+            }
             shares.iter_mut().zip(of_look).for_each(|(sum, share)| *sum += each * share);
             probabilities.iter_mut().zip(probable).for_each(|(sum, own)| *sum += each * own);
             kernel_mass += each * vote::kernel_mass(own.iter().map(|ballot| ballot.distance), sigma);
@@ -359,7 +363,8 @@ impl Index {
         // Stable: equals stay in the order of their numbers.
         classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let first = classes.first().map_or(0, |score| score.class);
-        Vote { kernel_mass, orientation: vote::estimate(&ballots, first, sigma, options.euler_mean), classes }
+        let orientation = vote::estimate(&ballots, first, sigma, options.euler_mean);
+        Vote { classes, stages, kernel_mass, orientation }
     }
 
     fn ballot(&self, neighbour: &Neighbour) -> Option<Ballot> {

@@ -69,7 +69,7 @@ mod segments;
 mod vote;
 
 pub use descriptor::{
-    Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, Opinion, PLANES_SIDE,
+    Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, Opinion, PLANES_SIDE,
     PLANES_SOURCE_SIDE, ParamsError, Placement, SHOWN_LENGTHS, Sampling, Tone, planes, shown,
 };
 pub use file::atomic::{AtomicFile, WriteError};

@@ -20,6 +20,7 @@ fn network(seed: u32) -> Arc<Network> {
         convolutions: vec![Convolution { kernel: 5, stride: 2, outputs: 2 }],
         embedding: 12,
         heads: 3,
+        masks: None,
     };
     let count = architecture.parameters().expect("a small network");
     let weight = |at: usize| ((at as u32).wrapping_add(seed << 16).wrapping_mul(2_654_435_761) >> 20) as f32;
@@ -30,7 +31,7 @@ fn network(seed: u32) -> Arc<Network> {
 /// One that takes smaller pictures.
 fn network_of_other_pictures() -> Arc<Network> {
     let architecture =
-        Architecture { side: 24, planes: 2, convolutions: Vec::new(), embedding: 12, heads: 3 };
+        Architecture { side: 24, planes: 2, convolutions: Vec::new(), embedding: 12, heads: 3, masks: None };
     let count = architecture.parameters().expect("a small network");
     Arc::new(Network::from_weights(architecture, vec![0.1; count]).expect("a network"))
 }

@@ -41,8 +41,10 @@ impl Learned {
     }
 }
 
-/// Of the heads, those that follow the classes: the stages and the rotation.
-const OTHERS: usize = 3 + 6;
+/// Stages that networks are trained on: reach, close, grasp.
+pub const NETWORK_STAGES: [&str; 3] = ["reach", "close", "grasp"];
+/// Of the heads, those that follow the stages: the rotation.
+const ROTATION: usize = 6;
 
 /// What a network says of the last picture by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,20 +53,27 @@ pub struct Opinion {
     pub classes: Vec<f64>,
     /// How probably the picture shows the mirror image of a right hand, 0 to 1.
     pub mirrored: f64,
+    /// How probable each stage is: reach, close and grasp; all sum to 1.
+    pub stages: [f64; NETWORK_STAGES.len()],
 }
 
 impl Opinion {
-    /// The last of the classes' heads is no grasp but a hand that is mirrored; `None` of a network
-    /// with other heads.
+    /// The heads are the classes, one more for a hand that is mirrored, the stages and the rotation;
+    /// `None` of a network with other heads.
     fn of_heads(heads: &[f32]) -> Option<Self> {
-        let logits = heads.get(..heads.len().checked_sub(OTHERS)?)?;
+        let heads = heads.get(..heads.len().checked_sub(ROTATION)?)?;
+        let (logits, stages) = heads.split_last_chunk::<{ NETWORK_STAGES.len() }>()?;
         let largest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |logit: &f32| libm::exp(f64::from(logit - largest));
         let (mirrored, classes) = logits.split_last()?;
         // Not below the smallest number, lest nothing be divided by nothing.
         let sum = classes.iter().map(likelihood).sum::<f64>().max(f64::MIN_POSITIVE);
         let mirrored = likelihood(mirrored);
+        let highest = stages.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let stages = stages.map(|logit| libm::exp(f64::from(logit - highest)));
+        let all: f64 = stages.iter().sum();
         Some(Self {
+            stages: stages.map(|likelihood| likelihood / all),
             classes: classes.iter().map(|logit| likelihood(logit) / sum).collect(),
             mirrored: mirrored / (mirrored + sum),
         })

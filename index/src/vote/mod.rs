@@ -20,7 +20,7 @@ pub use reliability::{Reliability, ReliabilityBin};
 pub(crate) use sigma::measure as measure_sigma;
 pub use sigma::{Sigma, mean_distance};
 
-use crate::descriptor::Opinion;
+use crate::descriptor::{NETWORK_STAGES, Opinion};
 use crate::search::Neighbour;
 
 /// How neighbours are weighed. The default is what the index was calibrated with; with another width, the probabilities are the
@@ -61,6 +61,9 @@ pub struct Look<'a> {
 pub struct Vote {
     /// Every class of the index, most probable first; equals by class number.
     pub classes: Vec<ClassScore>,
+    /// How probable the stages reach, close and grasp are by the opinions of the looks, each 0 to 1;
+    /// `None` without opinions.
+    pub stages: Option<[f64; NETWORK_STAGES.len()]>,
     /// The sum of Equation 3's weights over all neighbours, from 0 (nothing alike in the index) to the number of neighbours.
     pub kernel_mass: f64,
     /// The orientation, from the neighbours of the first class alone.
