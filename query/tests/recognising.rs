@@ -7,7 +7,7 @@ use grasp_index::{
     ClassInfo, DescriptorParams, HandImage, Index, IndexParams, IndexWriter, NewEntry, mirror_orientation,
 };
 use grasp_query::evaluate::{self, labels, report};
-use grasp_recognise::segment::Mask;
+use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::{HandChoice, MaskSource, RecogniseError, RecogniseOptions, Recogniser, Side};
 use image::{ImageFormat, Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -92,7 +92,9 @@ fn camera(class: u16, n: u32) -> RgbImage {
 }
 
 fn recogniser(index: &Index, hand: HandChoice, rolls: usize) -> Recogniser<'_> {
-    Recogniser::new(index, RecogniseOptions { hand, rolls, ..RecogniseOptions::default() })
+    // These pictures have the colours of hands, and shapes that no hand has.
+    let segment = SegmentParams { by: Finder::Skin, ..SegmentParams::default() };
+    Recogniser::new(index, RecogniseOptions { hand, rolls, segment, ..RecogniseOptions::default() })
 }
 
 #[test]
@@ -139,7 +141,7 @@ fn a_mirrored_picture_shows_the_other_hand() {
 fn a_camera_picture_is_segmented_by_the_colour_of_skin() {
     let index = index();
     let found =
-        recogniser(&index, HandChoice::Right, 1).recognise(&png(camera(1, 9)), &MaskSource::Skin).unwrap();
+        recogniser(&index, HandChoice::Right, 1).recognise(&png(camera(1, 9)), &MaskSource::Camera).unwrap();
     let truth = Mask::from_values(SIDE as usize, SIDE as usize, &grey_of(1, 9), |value| value > 0);
     assert!(truth.iou(&found.prepared.mask).unwrap() > 0.8);
     assert_eq!(found.best.vote.classes[0].name, "power-sphere");
@@ -181,7 +183,7 @@ fn a_picture_without_a_hand_is_rejected() {
     let blue = png(RgbImage::from_pixel(80, 60, Rgb([40, 70, 160])));
     let black = png(RgbImage::new(80, 60));
     for (picture, source) in
-        [(&blue, MaskSource::Skin), (&black, MaskSource::Skin), (&black, MaskSource::Segmented)]
+        [(&blue, MaskSource::Camera), (&black, MaskSource::Camera), (&black, MaskSource::Segmented)]
     {
         let error = recogniser.recognise(picture, &source).unwrap_err();
         assert!(matches!(error, RecogniseError::NoHand), "{error}");
@@ -212,7 +214,7 @@ fn records_keep_their_keys() {
     };
     settings().bind(|| {
         insta::assert_snapshot!("answer", serde_json::to_string_pretty(&record).unwrap());
-        let error = recogniser.recognise(b"nothing", &MaskSource::Skin).unwrap_err();
+        let error = recogniser.recognise(b"nothing", &MaskSource::Camera).unwrap_err();
         let failure = Record::not_recognised("a/nothing.png".into(), None, &error);
         insta::assert_snapshot!("failure", serde_json::to_string_pretty(&failure).unwrap());
     });
@@ -274,7 +276,7 @@ fn an_evaluation_counts_what_is_right_what_is_wrong_and_what_is_broken() {
 fn an_explanation_is_drawn_for_every_answer() {
     let index = index();
     let found =
-        recogniser(&index, HandChoice::Auto, 3).recognise(&png(camera(1, 9)), &MaskSource::Skin).unwrap();
+        recogniser(&index, HandChoice::Auto, 3).recognise(&png(camera(1, 9)), &MaskSource::Camera).unwrap();
     let Record::Answer(answer) = Record::answer("hand.png".into(), None, &found, &index, false).unwrap()
     else {
         panic!("an answer is no failure")

@@ -147,6 +147,7 @@ fn output_and_exit_status_are_the_same() {
         &["segmented/09-pinch.png", "--mask", "labels.csv"],
         &["segmented/09-pinch.png", "--mask", "missing.png"],
         &["camera/09-pinch.jpg", "--mask", "mask/09-pinch.png"],
+        &["camera/09-pinch.jpg", "--segment", "skin"],
         &[
             "segmented/12-precision-disc.png",
             "--segmented",

@@ -52,6 +52,7 @@ fn answers_are_those_of_the_command_line() {
         ("camera/09-pinch.jpg", "", [].as_slice()),
         ("camera/10-power-sphere-left.jpg", "&rolls=4&k=5", &["--rolls", "4", "--k", "5"]),
         ("camera/no-hand.jpg", "", &[]),
+        ("camera/09-pinch.jpg", "&segment=skin", &["--segment", "skin"]),
         ("labels.csv", "", &[]),
         (
             "segmented/12-precision-disc.png",
@@ -220,6 +221,7 @@ fn nonsense_is_refused_and_nothing_falls() {
         ("rolls=1000000", "1 to 36"),
         ("nothing=1", "nothing"),
         ("hand=both", "hand"),
+        ("segment=colour", "segment"),
         ("recall=2", "recall"),
         ("depth_range=1..2", "depth picture"),
         ("k=99999999999999999999999", "k"),

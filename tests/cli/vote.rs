@@ -171,14 +171,17 @@ fn a_wooden_wall_of_the_colour_of_skin_is_warned_of_and_not_stated() {
             .arg(small_index())
             .args(arguments))
     };
-    let found = recognise(&["--json"]);
-    let record = &found.json_lines()[0];
-    assert!(record["probability"].as_f64().unwrap() < 0.25, "as good as a guess: {record}");
-    assert_eq!((record["grasp"].as_str(), found.status), (Some("unknown"), 1), "{record}");
-    for kind in ["segmentation_doubtful", "mask_touches_border", "picture_unlike_calibration"] {
-        assert!(kinds(record).contains(&kind), "{kind}: {record}");
+    let by_colour = ["segmentation_doubtful", "mask_touches_border", "picture_unlike_calibration"];
+    for (by, doubts) in [("scene", &by_colour[2..]), ("skin", &by_colour)] {
+        let found = recognise(&["--json", "--segment", by]);
+        let record = &found.json_lines()[0];
+        assert!(record["probability"].as_f64().unwrap() < 0.25, "as good as a guess: {record}");
+        assert_eq!((record["grasp"].as_str(), found.status), (Some("unknown"), 1), "{record}");
+        for kind in doubts {
+            assert!(kinds(record).contains(kind), "{kind}: {record}");
+        }
     }
-    let text = recognise(&[]).stdout;
+    let text = recognise(&["--segment", "skin"]).stdout;
     assert!(text.contains("    warning: ") && text.contains("the colour of skin"), "{text}");
 
     // Given for a segmented picture it is all hand, which no hand is.
@@ -261,7 +264,7 @@ fn trust_is_fitted_to_the_same_bytes_at_any_number_of_threads() {
         (model, fs::read_to_string(out).unwrap())
     };
     let (model, written) = fit("1");
-    assert_eq!(model["hand_tried"]["measures"].as_object().unwrap().len(), 7, "{model}");
+    assert_eq!(model["hand_tried"]["measures"].as_object().unwrap().len(), 10, "{model}");
     assert!(written.contains("# Made by: grasp-query experiment trust pictures/labels.csv"), "{written}");
     assert_eq!(fit("2"), (model, written));
 }

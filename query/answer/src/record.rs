@@ -42,6 +42,9 @@ pub struct Answer {
     pub probability: f64,
     /// All classes of the index, most probable first.
     pub classes: Vec<ClassRecord>,
+    /// How far the grasp is closed; left out where the index's descriptor does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stages: Option<StagesRecord>,
     /// The hand that was recognised.
     pub hand: Side,
     /// How far the picture was turned for that, in degrees clockwise.
@@ -139,6 +142,24 @@ pub struct ErrorRecord {
     /// Whether the input is sound but shows no hand that can be recognised (exit status 1, not 2).
     #[serde(skip)]
     pub is_rejection: bool,
+}
+
+/// How probable each stage of a grasp is; all sum to 1.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct StagesRecord {
+    /// The hand reaches for the object.
+    pub reach: f64,
+    /// It is about to grasp.
+    pub close: f64,
+    /// It grasps.
+    pub grasp: f64,
+}
+
+impl From<[f64; 3]> for StagesRecord {
+    fn from([reach, close, grasp]: [f64; 3]) -> Self {
+        Self { reach, close, grasp }
+    }
 }
 
 /// A reason to doubt an answer.
@@ -307,6 +328,7 @@ impl Record {
             warnings: found.warnings.iter().map(WarningRecord::new).collect(),
             probability,
             classes,
+            stages: best.vote.stages.map(StagesRecord::from),
             hand: best.side,
             roll_deg: best.roll_deg,
             orientation: OrientationRecord {

@@ -4,7 +4,10 @@ use grasp_index::{Calibration, Index, Vote, VoteOptions};
 
 use super::Hypothesis;
 use super::options::Accept;
-use super::trust::{Trust, temper};
+use super::trust::temper;
+
+/// How likely none of the grasps is, at least, where the answer is none of them.
+const LIKELY_NONE: f64 = 0.6;
 
 /// Why there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -12,6 +15,15 @@ pub enum Doubt {
     /// The neighbours make none.
     #[error(transparent)]
     Neighbours(#[from] grasp_index::Doubt),
+    /// The hand holds nothing, or something in another way.
+    #[error(
+        "the hand is in none of the grasps: {:.0} % likely by all that is seen (--accept always names one all the same)",
+        100.0 * probability
+    )]
+    NoneOfTheGrasps {
+        /// How likely that is, 0..=1.
+        probability: f64,
+    },
     /// What was found by its colour cannot be relied on.
     #[error(
         "pictures like this one are recognised about as well as by guessing: trust {trust:.3}, at least {least:.3} is needed (a mask can be given with --mask)"
@@ -32,21 +44,28 @@ impl Doubt {
 }
 
 impl Accept {
-    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`.
+    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`; below `least`
+    /// it makes no answer.
     pub(super) fn doubt(
         self,
         index: &Index,
         best: &Hypothesis,
-        trust: Option<f64>,
+        (trust, least): (Option<f64>, f64),
         vote: &VoteOptions,
     ) -> Option<Doubt> {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
         let far = self.limits(index, vote, trust).doubt(nearest, first_probability(&best.vote));
         let unreliable = || {
-            let (trust, least) = (trust?, Trust::of_descriptor(&index.catalogue().descriptor).least);
+            let trust = trust?;
             (self == Self::Calibrated && trust < least).then_some(Doubt::Unreliable { trust, least })
         };
         far.map(Doubt::from).filter(|doubt| !doubt.is_unsure()).or_else(unreliable).or(far.map(Doubt::from))
+    }
+
+    /// Whether the hand is rather in none of the grasps, which is so likely.
+    pub(super) fn none_of_the_grasps(self, probability: f64) -> Option<Doubt> {
+        let is_none = self == Self::Calibrated && probability > LIKELY_NONE;
+        is_none.then_some(Doubt::NoneOfTheGrasps { probability })
     }
 
     /// What speaks against the classes' probabilities, wherever the neighbours lie.

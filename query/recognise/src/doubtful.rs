@@ -4,7 +4,7 @@ use crate::recognition::Recognition;
 use crate::trust::MOST_FILLED;
 use crate::warning::Warning;
 
-/// A mask found by colour that fills more than that is rather a background; 1 of 1,000 development hands fills more.
+/// A mask that was found and fills more than that is rather a background; 1 of 1,000 development hands fills more.
 const FILLED_BY_COLOUR: f64 = 0.5;
 /// The share of a side's length that must lie in the mask for it to touch.
 const TOUCHED: f64 = 0.05;
@@ -16,6 +16,8 @@ const LITTLE_TRUST: f64 = 0.3;
 const FAR: f64 = 0.9;
 /// The disagreement from which on it is pointed out, in degrees.
 const DISAGREE_DEG: f64 = 45.0;
+/// The probability of none of the grasps from which on it is pointed out.
+const MAYBE_NONE: f64 = 0.3;
 /// Hands whose neighbours' distances differ by less than this share are told apart by chance.
 const AS_NEAR: f64 = 0.01;
 
@@ -29,14 +31,16 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
             warnings.push(warning);
         }
     };
-    let filled = if evidence.quality.is_some() { FILLED_BY_COLOUR } else { MOST_FILLED };
+    let filled = if found.prepared.skin.is_some() { FILLED_BY_COLOUR } else { MOST_FILLED };
     warn(share > filled, Warning::MaskFillsFrame { share });
     // A given mask may be cropped on purpose, and an arm that was cut off at the wrist crosses the border by its nature.
-    if let Some(quality) = &evidence.quality {
+    if found.prepared.skin.is_some() {
         let lengths = [mask.width(), mask.width(), mask.height(), mask.height()];
         let touches = |&(on_side, length): &(usize, usize)| on_side as f64 > TOUCHED * length as f64;
         let sides = mask.on_sides().into_iter().zip(lengths).filter(touches).count();
         warn(sides > 0, Warning::MaskTouchesBorder { sides });
+    }
+    if let Some(quality) = &evidence.quality {
         let skin_around = quality.skin_around;
         warn(skin_around > SKIN_AROUND, Warning::SegmentationDoubtful { skin_around });
     }
@@ -49,6 +53,10 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
     let spread_deg = evidence.spread_deg;
     warn(spread_deg > DISAGREE_DEG, Warning::NeighboursDisagree { spread_deg });
     warn(evidence.other_hand.is_some_and(|farther| farther < AS_NEAR), Warning::HandAmbiguous);
+    let none = found.prepared.scene.as_ref().map(|scene| scene.none(found.best.side));
+    if let Some(probability) = none {
+        warn(probability > MAYBE_NONE, Warning::NoneOfTheGrasps { probability });
+    }
     warn(!is_calibrated, Warning::IndexNotCalibrated);
     warnings
 }

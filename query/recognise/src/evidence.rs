@@ -2,8 +2,9 @@
 
 use grasp_index::Index;
 
-use super::{Hypothesis, Prepared};
-use crate::segment::Quality;
+use super::{Hypothesis, Prepared, Side};
+use crate::scene::Scene;
+use crate::segment::{Mask, Quality};
 
 /// Evidence about one answer.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,19 +20,52 @@ pub struct Evidence {
     pub spread_deg: f64,
     /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None` where it was not tried.
     pub other_hand: Option<f64>,
+    /// What the scene network makes of the picture, where it has found the hand.
+    pub scene: Option<SceneEvidence>,
+}
+
+/// What the scene network says about how far an answer can be relied on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneEvidence {
+    /// How surely it knows the hand from the other one: the logarithm of the odds, 0 or more.
+    pub side: f64,
+    /// The share of what it or the mask takes for hand and forearm that both do, 0..=1.
+    pub agrees: f64,
+    /// How probable it finds the likeliest of its grasps, 0..=1.
+    pub sure: f64,
+}
+
+impl SceneEvidence {
+    fn of(scene: &Scene, skin: &Mask, side: Side) -> Self {
+        let grasps = scene.probabilities(side);
+        let sure = grasps.iter().rev().skip(1).copied().fold(0.0, f64::max);
+        Self { side: scene.right_odds.abs(), agrees: scene.agreement(skin), sure }
+    }
 }
 
 /// No outline is shorter than a disc's, but for the pixels that it is drawn with.
 const MIN_RAGGEDNESS: f64 = 0.5;
 /// Fingers make no outline more ragged than that: nine of ten hands on plain ground have less. Beyond it a mask is no more a hand.
 const MAX_RAGGEDNESS: f64 = 4.0;
+/// Odds beyond this, as a logarithm, say no more.
+const MOST_ODDS: f64 = 4.0;
 /// A measure is no larger than this, so that nothing is infinite.
 const MOST: f64 = 10.0;
 
 impl Evidence {
     /// The names of [`Self::measures`].
-    pub const NAMES: [&str; 7] =
-        ["skin_around", "on_border", "raggedness", "thickness", "nearest", "spread", "other_hand"];
+    pub const NAMES: [&str; 10] = [
+        "skin_around",
+        "on_border",
+        "raggedness",
+        "thickness",
+        "nearest",
+        "spread",
+        "other_hand",
+        "scene_side",
+        "scene_agrees",
+        "scene_sure",
+    ];
 
     pub(super) fn of(index: &Index, prepared: &Prepared, best: &Hypothesis) -> Self {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
@@ -42,11 +76,16 @@ impl Evidence {
             nearest: index.catalogue().calibration.farthest.map(|farthest| nearest / farthest),
             spread_deg: best.vote.orientation.spread_deg,
             other_hand: best.rival,
+            scene: prepared
+                .scene
+                .as_ref()
+                .map(|scene| SceneEvidence::of(scene, prepared.skin.as_ref().unwrap_or(mask), best.side)),
         }
     }
 
     /// The measures as a model takes them: shares and the spread on scales on which equal steps mean about the same.
-    pub fn measures(&self) -> [Option<f64>; 7] {
+    pub fn measures(&self) -> [Option<f64>; Self::NAMES.len()] {
+        let scene = self.scene.as_ref();
         let quality = self.quality.as_ref();
         [
             quality.map(|quality| quality.skin_around.sqrt()),
@@ -57,6 +96,9 @@ impl Evidence {
             // Neighbours that agree to 5 degrees and to none do so alike.
             Some((self.spread_deg + 5.0).ln()),
             self.other_hand.map(|farther| farther.max(0.0).sqrt()),
+            scene.map(|scene| scene.side.min(MOST_ODDS)),
+            scene.map(|scene| scene.agrees),
+            scene.map(|scene| scene.sure),
         ]
         .map(|measure| measure.map(|measure| measure.clamp(-MOST, MOST)))
     }

@@ -11,6 +11,7 @@ use grasp_index::{
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
+use crate::scene::Scene;
 
 /// A hand, a roll, and what the index says to them.
 #[derive(Clone, Debug)]
@@ -43,11 +44,13 @@ impl Hypothesis {
     }
 
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
-    /// So it is where the descriptor's network takes the hand for the mirror image of a right one.
-    fn unlikeliness(&self, tried_deg: f64, mirrored: Option<f64>) -> f64 {
+    /// So it is where the descriptor's network takes the hand for the mirror image of a right one, and where the scene network does.
+    fn unlikeliness(&self, tried_deg: f64, mirrored: Option<f64>, scene: Option<&Scene>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
-        let mirrored = 1.0 + MIRROR_PENALTY * mirrored.unwrap_or_default();
-        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored
+        let other = scene.map(|scene| scene.is_other_hand(self.side));
+        let mirrored =
+            [mirrored, other].map(|probability| 1.0 + MIRROR_PENALTY * probability.unwrap_or_default());
+        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored[0] * mirrored[1]
     }
 }
 
@@ -79,6 +82,7 @@ type Candidate = (Hypothesis, Option<Opinion>);
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
+    scene: Option<&Scene>,
     options: &RecogniseOptions,
     timings: &mut Timings,
 ) -> Result<Hypothesis, RecogniseError> {
@@ -122,8 +126,8 @@ pub(super) fn best(
                 tried: 0,
                 rival: None,
             };
-            let distance =
-                hypothesis.unlikeliness(tried, describer.opinion().map(|opinion| opinion.mirrored));
+            let mirrored = describer.opinion().map(|opinion| opinion.mirrored);
+            let distance = hypothesis.unlikeliness(tried, mirrored, scene);
             let [of_first, of_other] = &mut best;
             let so_far = if side == first { of_first } else { of_other };
             if so_far.as_ref().is_none_or(|(least, _)| distance < *least) {

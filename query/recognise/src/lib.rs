@@ -20,6 +20,7 @@ pub mod picture;
 pub mod prior;
 mod recogniser;
 mod recognition;
+pub mod scene;
 pub mod segment;
 pub mod sequence;
 mod side;

@@ -63,12 +63,16 @@ impl<'a> Recogniser<'a> {
         let started = Instant::now();
         let hand_image = prepared.hand_image()?.shrunk_to(self.index.catalogue().descriptor.described_side());
         timings.descriptor_ms += timings::milliseconds(started);
-        let mut best = hypothesis::best(self.index, &hand_image, &self.options, &mut timings)?;
+        let mut best =
+            hypothesis::best(self.index, &hand_image, prepared.scene.as_ref(), &self.options, &mut timings)?;
+        if let Some(scene) = &prepared.scene {
+            scene.join(self.index, best.side, &mut best.vote);
+        }
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
-        let trust =
-            Trust::of_descriptor(&self.index.catalogue().descriptor).of(&evidence).filter(|_| is_calibrated);
+        let model = Trust::of_descriptor(&self.index.catalogue().descriptor, self.options.segment.by);
+        let trust = model.of(&evidence).filter(|_| is_calibrated);
         let applied = trust.filter(|_| self.options.temper);
         let classes = best.vote.classes.len();
         if let Some(trust) = applied {
@@ -76,7 +80,10 @@ impl<'a> Recogniser<'a> {
                 class.probability = temper(class.probability, trust, classes);
             }
         }
-        let doubt = self.options.accept.doubt(self.index, &best, applied, &self.options.vote);
+        let none = prepared.scene.as_ref().map(|scene| scene.none(best.side));
+        let none = none.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
+        let doubt = self.options.accept.doubt(self.index, &best, (applied, model.least), &self.options.vote);
+        let doubt = doubt.or(none);
         let warnings = Vec::new();
         let mut found = Recognition { prepared, hand_image, best, evidence, trust, warnings, doubt, timings };
         let is_measured = self.index.catalogue().calibration.measured.is_some();

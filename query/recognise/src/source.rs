@@ -4,16 +4,17 @@ use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
 use crate::error::{RecogniseError, SourceError};
 use crate::picture::{self, Picture, WORKING_SIDE};
+use crate::scene::{self, Scene, SceneNetwork};
 use crate::segment::depth::{DepthRange, mask_from_depth};
-use crate::segment::{self, Mask, Quality, SegmentParams};
+use crate::segment::{self, Finder, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
 
 /// What tells the hand from the rest.
 #[derive(Clone, Debug, Default)]
 pub enum MaskSource {
-    /// The colour of skin.
+    /// A camera picture: the hand is to be found, as [`SegmentParams::by`] says.
     #[default]
-    Skin,
+    Camera,
     /// The picture is segmented already: all that is not black is hand.
     Segmented,
     /// A mask made elsewhere, of the picture's size.
@@ -40,8 +41,10 @@ pub struct Prepared {
     pub picture: Picture,
     /// The hand, of the picture's size.
     pub mask: Mask,
-    /// The hand and its forearm, where the mask was found by colour.
+    /// The hand and its forearm, where the mask was found by colour or by the scene network.
     pub skin: Option<Mask>,
+    /// What the scene network says of the picture, where it has found the hand.
+    pub scene: Option<Scene>,
     /// What speaks for and against the mask, where it was found by colour.
     pub quality: Option<Quality>,
 }
@@ -77,11 +80,12 @@ impl Prepared {
     ) -> Result<Self, RecogniseError> {
         let (width, height) = (picture.width(), picture.height());
         let found = match source {
-            MaskSource::Skin => {
+            MaskSource::Camera => {
                 let picture = picture.shrunk_to(WORKING_SIDE);
-                let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
-                let (skin, quality) = (Some(found.skin), Some(found.quality));
-                return Ok(Self { picture, mask: found.hand, skin, quality });
+                return match params.by {
+                    Finder::Scene => Self::of_scene(picture, params),
+                    Finder::Skin => Self::of_skin(picture, params),
+                };
             }
             MaskSource::Segmented => not_black(&picture, is_jpeg),
             MaskSource::SegmentedAnd(mask) => {
@@ -105,7 +109,25 @@ impl Prepared {
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
         let mask = found.resized(picture.width(), picture.height());
-        Ok(Self { picture, mask, skin: None, quality: None })
+        Ok(Self { picture, mask, skin: None, scene: None, quality: None })
+    }
+
+    /// Finds the hand by the colour of skin.
+    fn of_skin(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
+        let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
+        let (skin, quality) = (Some(found.skin), Some(found.quality));
+        Ok(Self { picture, mask: found.hand, skin, scene: None, quality })
+    }
+
+    /// Finds the hand by the scene network, and its border by the colours on both sides.
+    fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
+        let network = SceneNetwork::built_in();
+        let mut scene = scene::find(network, &picture).ok_or(RecogniseError::NoHand)?;
+        let found = segment::segment_seen(&picture, params, Some(&|place| scene.skin(place)));
+        let found = found.ok_or(RecogniseError::NoHand)?;
+        scene.name(network, &picture, &found.hand);
+        let (skin, quality) = (Some(found.skin), Some(found.quality));
+        Ok(Self { picture, mask: found.hand, skin, scene: Some(scene), quality })
     }
 }
 

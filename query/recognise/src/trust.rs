@@ -18,6 +18,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use super::Evidence;
+use crate::segment::Finder;
 
 /// A mask that fills more of its picture is no hand's outline: the picture was not segmented.
 pub(super) const MOST_FILLED: f64 = 0.95;
@@ -62,18 +63,24 @@ static OF_LEARNED: LazyLock<Trust> = LazyLock::new(|| {
     toml::from_str(include_str!("../data/trust-learned.toml")).expect("a test reads the same file")
 });
 
+static OF_SCENES: LazyLock<Trust> = LazyLock::new(|| {
+    toml::from_str(include_str!("../data/trust-scene.toml")).expect("a test reads the same file")
+});
+
 impl Trust {
     /// The model that the program holds for descriptors of gradients.
     pub fn built_in() -> &'static Self {
         &OF_GRADIENTS
     }
 
-    /// The model that the program holds for a descriptor: distances to neighbours, and how far the
-    /// other hand's lie, mean something else for a learned one.
-    pub fn of_descriptor(descriptor: &DescriptorParams) -> &'static Self {
-        match descriptor.kind {
-            DescriptorKind::Learned { .. } => &OF_LEARNED,
-            _ => &OF_GRADIENTS,
+    /// The model that the program holds for a descriptor, and for what has found the hand: distances
+    /// to neighbours, and how far the other hand's lie, mean something else for a learned one, and
+    /// where the scene network looks, that says more than they do.
+    pub fn of_descriptor(descriptor: &DescriptorParams, by: Finder) -> &'static Self {
+        match (by, descriptor.kind) {
+            (Finder::Scene, _) => &OF_SCENES,
+            (Finder::Skin, DescriptorKind::Learned { .. }) => &OF_LEARNED,
+            (Finder::Skin, _) => &OF_GRADIENTS,
         }
     }
 
@@ -121,6 +128,7 @@ mod tests {
             nearest: Some(0.5),
             spread_deg: 12.0,
             other_hand: None,
+            scene: None,
         }
     }
 
@@ -130,7 +138,7 @@ mod tests {
     fn the_built_in_model_knows_every_measure_and_no_other() {
         let mut names = Evidence::NAMES.to_vec();
         names.sort_unstable();
-        let trusts = [&*OF_GRADIENTS, &*OF_LEARNED];
+        let trusts = [&*OF_GRADIENTS, &*OF_LEARNED, &*OF_SCENES];
         for model in trusts.iter().flat_map(|trust| [&trust.hand_tried, &trust.hand_given]) {
             assert!(model.measures.keys().eq(&names), "{model:?}");
             assert!(model.measures.values().all(|term| term.deviation > 0.0));

@@ -56,6 +56,12 @@ pub enum Warning {
     /// Both hands are about as likely.
     #[error("it may as well be the other hand: say which with --hand")]
     HandAmbiguous,
+    /// The hand may hold nothing, or something in another way.
+    #[error("the hand may be in none of the grasps: {:.0} % likely by all that is seen", 100.0 * probability)]
+    NoneOfTheGrasps {
+        /// How likely that is, 0..=1.
+        probability: f64,
+    },
     /// The index has no calibration.
     #[error("the index is not calibrated: probabilities are shares of the neighbours' votes")]
     IndexNotCalibrated,
@@ -73,6 +79,7 @@ impl Warning {
             Self::NeighboursFar { .. } => "neighbours_far",
             Self::NeighboursDisagree { .. } => "neighbours_disagree",
             Self::HandAmbiguous => "hand_ambiguous",
+            Self::NoneOfTheGrasps { .. } => "none_of_the_grasps",
             Self::IndexNotCalibrated => "index_not_calibrated",
         }
     }

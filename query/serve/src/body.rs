@@ -112,7 +112,7 @@ impl Input {
                 Err(Problem::bad_request("depth_range needs a depth picture, the part `depth`"))
             }
             _ if segmented => Ok(MaskSource::Segmented),
-            _ => Ok(MaskSource::Skin),
+            _ => Ok(MaskSource::Camera),
         }
     }
 

@@ -39,7 +39,8 @@ use super::tags::{DESCRIPTORS, INDEX, OPERATION, PICTURES};
     components(schemas(
         super::recognise::ExplainedRecord,
         grasp_recognise::HandChoice,
-        crate::wire::parameters::AcceptChoice
+        crate::wire::parameters::AcceptChoice,
+        crate::wire::parameters::SegmentBy
     )),
     modifiers(&Token)
 )]

@@ -35,7 +35,7 @@ pub(super) struct Evaluate {
     selection: Selection,
     #[command(flatten)]
     index: IndexFile,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Write each picture's answer as a table.

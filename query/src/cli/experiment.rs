@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::figures::print;
 use super::global::Global;
 use super::index_file::{self, IndexFile};
-use super::options::{FrameArguments, RecogniseArguments, parse_share};
+use super::options::{FrameArguments, RecogniseArguments, SegmentBy, parse_share};
 use super::overwriting::refuse_overwriting;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
@@ -66,7 +66,7 @@ struct PaperArguments {
     /// Write tables and drawings into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the figures as one JSON record.
@@ -97,7 +97,7 @@ struct ShapesArguments {
     /// Write table and drawing into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the figures as one JSON record.
@@ -131,7 +131,7 @@ struct UnknownArguments {
     /// Write table and drawing into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the figures as one JSON record.
@@ -141,8 +141,9 @@ struct UnknownArguments {
     recognise: RecogniseArguments,
 }
 
-/// How far to trust an answer whose mask was found by colour: fits the model that the program holds
-/// as query/recognise/data/trust.toml.
+/// How far to trust an answer about a camera picture: fits the models that the program holds in
+/// query/recognise/data: trust-scene.toml, and for --segment skin trust-learned.toml and, for descriptors
+/// of gradients, trust.toml.
 ///
 /// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are hard to tell from skin, and such
 /// backgrounds are tried alone. The model is fitted to seven tenths of them all and measured on the rest.
@@ -159,6 +160,9 @@ struct TrustArguments {
     labels: Vec<PathBuf>,
     #[command(flatten)]
     index: IndexFile,
+    /// What finds the hands.
+    #[arg(long, value_enum, default_value_t = SegmentBy::Scene)]
+    segment: SegmentBy,
     /// The trust below which a hand is unknown.
     #[arg(long, value_name = "P", default_value_t = Trust::built_in().least, value_parser = parse_share)]
     least: f64,
@@ -191,7 +195,7 @@ struct SequenceArguments {
     /// Write the table into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the figures as one JSON record.
@@ -312,7 +316,7 @@ impl TrustArguments {
         let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
         let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
         let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
-        let recognisers = Recognisers::new(&index);
+        let recognisers = Recognisers::new(&index, self.segment.into());
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
@@ -356,7 +360,12 @@ impl TrustArguments {
             parts.into_iter().rev().collect::<PathBuf>().display().to_string()
         };
         let labels: Vec<String> = self.labels.iter().map(last_two).collect();
-        format!("grasp-query experiment trust {} --least {} --out trust.toml", labels.join(" "), self.least)
+        let segment = match self.segment {
+            SegmentBy::Scene => "",
+            SegmentBy::Skin => " --segment skin",
+        };
+        let (labels, least) = (labels.join(" "), self.least);
+        format!("grasp-query experiment trust {labels}{segment} --least {least} --out trust.toml")
     }
 }
 

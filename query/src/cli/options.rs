@@ -3,6 +3,7 @@
 use grasp_index::VoteOptions;
 
 use super::effort::EffortArguments;
+use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
 use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
 
@@ -15,6 +16,9 @@ pub(super) struct RecogniseArguments {
     /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
+    /// What finds the hand in a camera picture.
+    #[arg(long, value_enum, default_value_t = SegmentBy::Scene)]
+    segment: SegmentBy,
     #[command(flatten)]
     effort: EffortArguments,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it
@@ -65,6 +69,25 @@ impl From<HandArgument> for HandChoice {
     }
 }
 
+/// `--segment`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum SegmentBy {
+    /// A network that was trained on scenes, and the colour of skin: it knows hands by their shape, and
+    /// sees the object.
+    Scene,
+    /// The colour of skin, as in the paper.
+    Skin,
+}
+
+impl From<SegmentBy> for Finder {
+    fn from(argument: SegmentBy) -> Self {
+        match argument {
+            SegmentBy::Scene => Self::Scene,
+            SegmentBy::Skin => Self::Skin,
+        }
+    }
+}
+
 /// `--accept`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum AcceptChoice {
@@ -92,6 +115,7 @@ impl RecogniseArguments {
                 (None, AcceptChoice::Always) => Accept::Always,
                 (None, AcceptChoice::Calibrated) => Accept::Calibrated,
             },
+            segment: SegmentParams { by: self.segment.into(), ..SegmentParams::default() },
             ..RecogniseOptions::default()
         }
     }

@@ -58,7 +58,7 @@ pub(super) struct Quizzing {
     /// Show at most N pictures.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     limit: Option<u32>,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the result as one JSON record.

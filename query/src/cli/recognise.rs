@@ -357,7 +357,7 @@ impl Recognise {
                 decoded.with_context(|| format!("cannot use the depth picture {}", path.display()))?;
             return Ok(MaskSource::Depth { width, height, depth, range });
         }
-        Ok(MaskSource::Skin)
+        Ok(MaskSource::Camera)
     }
 }
 

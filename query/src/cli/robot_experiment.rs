@@ -105,7 +105,7 @@ pub(super) struct ImitationArguments {
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
     #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: String,
-    /// Take the labelled masks of camera pictures instead of segmenting by colour.
+    /// Take the labelled masks of camera pictures instead of finding the hands.
     #[arg(long)]
     labelled_masks: bool,
     /// Print the figures as one JSON record.

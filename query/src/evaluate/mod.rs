@@ -87,7 +87,7 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
         let mask = labelled?;
         let source = source_of(label.kind, mask.clone(), labelled_masks);
         let found = recogniser.recognise(&bytes, &source);
-        if let (MaskSource::Skin, Some(mask)) = (&source, &mask) {
+        if let (MaskSource::Camera, Some(mask)) = (&source, &mask) {
             iou = overlap(&found, mask);
         }
         found.map(|found| guess(recogniser, &found)).map_err(|error| miss(&error))
@@ -123,7 +123,7 @@ fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource
         (Kind::Segmented, Some(mask)) => MaskSource::SegmentedAnd(mask),
         (Kind::Segmented, None) => MaskSource::Segmented,
         (Kind::Camera, Some(mask)) if labelled_masks => MaskSource::Given(mask),
-        (Kind::Camera, _) => MaskSource::Skin,
+        (Kind::Camera, _) => MaskSource::Camera,
     }
 }
 

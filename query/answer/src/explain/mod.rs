@@ -220,7 +220,11 @@ fn vote(canvas: &mut Canvas, (x, top): (u32, u32), answer: &Answer) {
         canvas.fill((x, y + LINE), ((f64::from(LARGE) * class.probability) as u32, 8), ink);
     }
     let below = top + LINE + LARGE + 4;
-    let note = "the probability of each grasp, by how near the neighbours of part 6 are";
+    // Where the descriptor's network says how far a grasp is closed, its opinion counts as well.
+    let note = match answer.stages {
+        None => "the probability of each grasp, by how near the neighbours of part 6 are",
+        Some(_) => "the probability of each grasp, by the neighbours of part 6 and what networks see",
+    };
     for (line, text) in (0u32..).zip(Font::BODY.wrap(note, LARGE)) {
         canvas.text((x, below + line * LINE), LARGE, Font::BODY, &text, colour::FAINT);
     }

@@ -30,6 +30,11 @@ pub struct AdaptParams {
     /// How decidedly a pixel is counted for one side: log-odds are multiplied by this first. A held object in the
     /// middle is none too likely to be skin; counted by halves it would come to look like it.
     pub decision: f32,
+    /// The weight of what something else has seen beside the published model, and beside the counted
+    /// colours. Masks of the scene network are coarse: with more, the border suffers.
+    pub seen_first: f32,
+    /// See [`Self::seen_first`].
+    pub seen: f32,
     /// The share of all pixels that a bin needs before it is believed.
     pub doubt: f32,
     /// The squared Mahalanobis distance from the hand's middle at which a pixel begins to be too far off.
@@ -54,6 +59,8 @@ impl Default for AdaptParams {
             cast: 0.7,
             centre: 3.0,
             decision: 4.0,
+            seen_first: 0.3,
+            seen: 0.1,
             doubt: 5e-4,
             near: 3.0,
             off: 0.5,
@@ -74,14 +81,20 @@ pub struct Odds {
 }
 
 /// The log-odds of skin at each pixel of a picture of at most some 160 pixels a side.
-pub fn log_odds(picture: &Picture, params: &AdaptParams) -> Odds {
+///
+/// `seen` are log-odds of a hand at each pixel by something else than colour, where there is such a
+/// thing: they are added to those of the published model.
+pub fn log_odds(picture: &Picture, params: &AdaptParams, seen: Option<&[f32]>) -> Odds {
     let (width, height) = (picture.width(), picture.height());
     let light = Light::of(picture, params.cast);
-    let trained: Vec<f32> = picture
+    let published = picture
         .rgb()
         .iter()
-        .map(|&rgb| (skin::log_odds(light.correct(rgb)) + params.prior).clamp(-params.trust, params.trust))
-        .collect();
+        .map(|&rgb| (skin::log_odds(light.correct(rgb)) + params.prior).clamp(-params.trust, params.trust));
+    let trained: Vec<f32> = match seen {
+        None => published.collect(),
+        Some(seen) => published.zip(seen).map(|(skin, seen)| skin + params.seen_first * seen).collect(),
+    };
     let bins: Vec<u16> = picture.rgb().iter().map(|&rgb| colours::bin(rgb)).collect();
     let smooth = Smooth::new(picture, params.reach, params.edge);
     let centred = centrality(width, height, params.centre);
@@ -98,6 +111,9 @@ pub fn log_odds(picture: &Picture, params: &AdaptParams) -> Odds {
         let distances = Ellipse::of(width, &hand).distances(width, height);
         for ((placed, colour), distance) in placed.iter_mut().zip(&colour).zip(distances) {
             *placed = colour - (params.off * (distance - params.near)).clamp(0.0, params.most_off);
+        }
+        if let Some(seen) = seen {
+            placed.iter_mut().zip(seen).for_each(|(placed, seen)| *placed += params.seen * seen);
         }
         smooth.apply(&mut placed);
     }
@@ -127,14 +143,14 @@ mod tests {
         // Indoors, by the window: the published model alone calls this brown no skin.
         let picture = patch([74, 51, 50], [178, 182, 186]);
         assert!(skin::log_odds([74, 51, 50]) < 0.5);
-        let odds = log_odds(&picture, &AdaptParams::default()).placed;
+        let odds = log_odds(&picture, &AdaptParams::default(), None).placed;
         assert!(odds[32 * 64 + 32] > 1.0, "hand {}", odds[32 * 64 + 32]);
         assert!(odds[5 * 64 + 5] < -1.0, "ground {}", odds[5 * 64 + 5]);
     }
 
     #[test]
     fn a_picture_of_one_blue_has_no_skin() {
-        let odds = log_odds(&patch([40, 70, 160], [40, 70, 160]), &AdaptParams::default());
+        let odds = log_odds(&patch([40, 70, 160], [40, 70, 160]), &AdaptParams::default(), None);
         assert!(odds.placed.iter().all(|&odds| odds < 0.0));
     }
 
@@ -144,7 +160,7 @@ mod tests {
         let hand = patch([200, 140, 110], [90, 130, 90]);
         let rgb =
             hand.rgb().iter().enumerate().map(|(at, &rgb)| if held(at) { [35; 3] } else { rgb }).collect();
-        let odds = log_odds(&Picture::new(64, 64, rgb).unwrap(), &AdaptParams::default()).placed;
+        let odds = log_odds(&Picture::new(64, 64, rgb).unwrap(), &AdaptParams::default(), None).placed;
         assert!(odds[32 * 64 + 32] < -0.5, "held {}", odds[32 * 64 + 32]);
         assert!(odds[22 * 64 + 32] > 1.0, "hand {}", odds[22 * 64 + 32]);
     }
@@ -155,7 +171,7 @@ mod tests {
         let wood = |at: usize| at % 64 >= 56;
         let rgb =
             hand.rgb().iter().enumerate().map(|(at, &rgb)| if wood(at) { [200, 140, 110] } else { rgb });
-        let odds = log_odds(&Picture::new(64, 64, rgb.collect()).unwrap(), &AdaptParams::default());
+        let odds = log_odds(&Picture::new(64, 64, rgb.collect()).unwrap(), &AdaptParams::default(), None);
         assert!(odds.placed[60] < odds.colour[60] - 1.0);
         assert!(odds.placed[32 * 64 + 32] > odds.placed[60]);
     }

@@ -31,9 +31,21 @@ pub use quality::Quality;
 
 use crate::picture::Picture;
 
+/// What finds the hand in a camera picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Finder {
+    /// A network that was trained on scenes ([`crate::scene`]).
+    #[default]
+    Scene,
+    /// The colour of skin, as in the paper's Section III ([`segment`]).
+    Skin,
+}
+
 /// The numbers of the segmentation; log-odds in natural units, above 0 where skin is the likelier.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentParams {
+    /// What finds the hand in a camera picture.
+    pub by: Finder,
     /// The longest side, in pixels, at which the hand is looked for; its border is found at the full size.
     pub side: usize,
     /// How a picture's own colours change the published model.
@@ -56,6 +68,7 @@ pub struct SegmentParams {
 impl Default for SegmentParams {
     fn default() -> Self {
         Self {
+            by: Finder::default(),
             side: 160,
             adapt: adapt::AdaptParams::default(),
             sure: 1.0,
@@ -81,9 +94,25 @@ pub struct Segmentation {
 
 /// Finds the hand in a colour picture, or `None` where nothing looks like one.
 pub fn segment(picture: &Picture, params: &SegmentParams) -> Option<Segmentation> {
+    segment_seen(picture, params, None)
+}
+
+/// The same where something else than colour has seen the hand, too: `seen` are its log-odds at a
+/// place of the picture, in pixels.
+pub(crate) fn segment_seen(
+    picture: &Picture,
+    params: &SegmentParams,
+    seen: Option<&dyn Fn([f64; 2]) -> f32>,
+) -> Option<Segmentation> {
     let factor = picture.shrink_factor(params.side);
     let shrunk = picture.shrunk(factor);
-    let (small, quality) = find(&shrunk, component::MIN_PIXELS / (factor * factor), params)?;
+    let seen: Option<Vec<f32>> = seen.map(|seen| {
+        let places =
+            (0..shrunk.width() * shrunk.height()).map(|at| [at % shrunk.width(), at / shrunk.width()]);
+        places.map(|place| seen(place.map(|v| (v as f64 + 0.5) * factor as f64))).collect()
+    });
+    let fewest = component::MIN_PIXELS / (factor * factor);
+    let (small, quality) = find(&shrunk, fewest, params, seen.as_deref())?;
     let mut skin = refine::enlarge(&small, &shrunk, picture, factor);
     for _ in 1..params.median_passes {
         skin = median::median3x3(&skin);
@@ -93,16 +122,21 @@ pub fn segment(picture: &Picture, params: &SegmentParams) -> Option<Segmentation
 }
 
 /// The hand and its forearm in a small picture; a hand has at least `fewest` pixels.
-fn find(picture: &Picture, fewest: usize, params: &SegmentParams) -> Option<(Mask, Quality)> {
+fn find(
+    picture: &Picture,
+    fewest: usize,
+    params: &SegmentParams,
+    seen: Option<&[f32]>,
+) -> Option<(Mask, Quality)> {
     let (width, height) = (picture.width(), picture.height());
-    let odds = adapt::log_odds(picture, &params.adapt);
+    let odds = adapt::log_odds(picture, &params.adapt, seen);
     let mut mask = hysteresis::grow(width, height, &odds.placed, params.sure, params.likely);
     if params.median_passes > 0 {
         mask = median::median3x3(&mask);
     }
     let smallest = (params.min_share * (width * height) as f32) as usize;
     let hand = component::most_hand_like(&mask, &odds.placed, smallest.max(fewest))?;
-    if published_share(picture, &hand, params.adapt.cast) < params.min_published {
+    if seen.is_none() && published_share(picture, &hand, params.adapt.cast) < params.min_published {
         return None;
     }
     let whole = band::bridge(&component::with_companions(&hand, &odds.colour, &params.companions));

@@ -87,6 +87,7 @@ function parameters(name) {
   const query = new URLSearchParams({ explained: "true", file: name });
   if ($("side").value !== "auto") query.set("hand", $("side").value);
   if ($("source").value === "segmented") query.set("segmented", "true");
+  if ($("source").value === "skin") query.set("segment", "skin");
   return query;
 }
 
@@ -164,12 +165,17 @@ const pause = (milliseconds) => new Promise((go) => setTimeout(go, milliseconds)
 // Why no hand was found, by how it was looked for, and what may help.
 function noHand() {
   const seen = {
+    scene: ["Nothing in the picture looks like a hand.", [
+      "The hand should be well lit, and large in the picture.",
+      "If it is bare and before another colour: choose “by the colour of skin” above.",
+      "If another program can find the hand: choose “by a mask” above.",
+    ]],
     skin: ["Nothing in the picture has the colour and the size of a hand.", [
       "The hand should be bare, well lit, and large in the picture.",
       "Skin-coloured things around it (wood, cardboard, a face) hide it: take another background.",
       "If another program can find the hand: choose “by a mask” above.",
     ]],
-    segmented: ["The picture is black all over.", ["For a picture as a camera takes it, choose “by the colour of skin” above."]],
+    segmented: ["The picture is black all over.", ["For a picture as a camera takes it, choose “by what hands look like” above."]],
     mask: ["The mask is black all over.", ["It must be white where the hand is."]],
     depth: ["Nothing of a hand's size lies between the two distances.", ["They are in the unit of the depth picture, often millimetres; 0 means that nothing was measured."]],
   }[$("source").value];

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use grasp_recognise::segment::depth::DepthRange;
+use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::{Accept, HandChoice, RecogniseOptions};
 
 /// The most turns that one request may ask for.
@@ -78,6 +79,9 @@ pub struct PictureParameters {
     /// Compare with every entry.
     #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
+    /// What finds the hand in a camera picture; without it, scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub segment: Option<SegmentBy>,
     /// The picture is segmented already: a hand on black.
     #[serde(skip_serializing_if = "is_false")]
     pub segmented: bool,
@@ -96,6 +100,16 @@ pub struct PictureParameters {
     /// Add mask, hand image and descriptor, to draw how the answer came about.
     #[serde(skip_serializing_if = "is_false")]
     pub explained: bool,
+}
+
+/// What finds the hand in a camera picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SegmentBy {
+    /// A network that was trained on scenes.
+    Scene,
+    /// The colour of skin.
+    Skin,
 }
 
 /// Whether a hand may be unknown.
@@ -165,6 +179,11 @@ impl PictureParameters {
             sigma_scale: vote.sigma_scale,
             literal_sigma: vote.literal_sigma,
             euler_mean: vote.euler_mean,
+            segment: match options.segment.by {
+                // An older service does not know the parameter.
+                Finder::Scene => None,
+                Finder::Skin => Some(SegmentBy::Skin),
+            },
             ..Self::default()
         };
         match options.accept {
@@ -207,8 +226,17 @@ impl PictureParameters {
                 literal_sigma: self.literal_sigma,
                 euler_mean: self.euler_mean,
             },
+            segment: SegmentParams { by: self.finder(), ..defaults.segment },
             ..defaults
         })
+    }
+
+    fn finder(&self) -> Finder {
+        match self.segment {
+            None => Finder::default(),
+            Some(SegmentBy::Scene) => Finder::Scene,
+            Some(SegmentBy::Skin) => Finder::Skin,
+        }
     }
 
     fn efforts(&self) -> Efforts {

@@ -100,6 +100,7 @@ mod tests {
             nearest: Some(0.5),
             spread_deg: 0.0,
             other_hand: None,
+            scene: None,
         };
         let [sure, unsure] = [0.01, 0.36].map(|skin| model.of(&evidence(skin)));
         assert!(sure > 0.8 && unsure < 0.2, "{sure} {unsure}");

@@ -18,7 +18,7 @@ use crate::evaluate::{Miss, labelled_hand};
 use draws::Draws;
 use fit::{Example, fit};
 use grasp_recognise::picture;
-use grasp_recognise::segment::SegmentParams;
+use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::{
     Accept, Evidence, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recogniser,
     Recognition, Side, Timings, Trust, temper,
@@ -95,17 +95,20 @@ pub struct Recognisers<'a> {
     tried: Recogniser<'a>,
     /// Left and right.
     given: [Recogniser<'a>; 2],
+    segment: SegmentParams,
 }
 
 impl<'a> Recognisers<'a> {
-    /// By one index, with the hand left open and given.
-    pub fn new(index: &'a Index) -> Self {
+    /// By one index, with the hand left open and given; hands are found `by` this.
+    pub fn new(index: &'a Index, by: Finder) -> Self {
+        let segment = SegmentParams { by, ..SegmentParams::default() };
         let of = |hand| {
-            let options =
-                RecogniseOptions { hand, temper: false, accept: Accept::Always, ..Default::default() };
+            let (accept, segment) = (Accept::Always, segment.clone());
+            let options = RecogniseOptions { hand, accept, segment, temper: false, ..Default::default() };
             Recogniser::new(index, options)
         };
-        Self { tried: of(HandChoice::Auto), given: [of(HandChoice::Left), of(HandChoice::Right)] }
+        let given = [of(HandChoice::Left), of(HandChoice::Right)];
+        Self { tried: of(HandChoice::Auto), given, segment }
     }
 
     /// What one label gives.
@@ -120,10 +123,10 @@ impl<'a> Recognisers<'a> {
             grasp: &label.grasp,
             hand: label.hand.unwrap_or_default(),
         };
-        let params = SegmentParams::default();
+        let params = &self.segment;
         if label.kind == Kind::Camera {
             let bytes = picture::read(&folder.join(&label.file)).map_err(RecogniseError::from);
-            let prepared = bytes.and_then(|bytes| Prepared::decode(&bytes, &MaskSource::Skin, &params));
+            let prepared = bytes.and_then(|bytes| Prepared::decode(&bytes, &MaskSource::Camera, params));
             return Ok(self.of(&shown(Scene::Camera, 1.0), prepared));
         }
         let (whole, mask) = labelled_hand(folder, label)?;
@@ -132,7 +135,7 @@ impl<'a> Recognisers<'a> {
         let composed = (0..BACKGROUNDS).flat_map(|number| {
             let picture = compose::hand(&hand, &mut Draws::of(&label.file, number));
             picture.map_or_else(Vec::new, |picture| {
-                self.of(&shown, Prepared::new(picture, false, &MaskSource::Skin, &params))
+                self.of(&shown, Prepared::new(picture, false, &MaskSource::Camera, params))
             })
         });
         Ok(composed.collect())
@@ -145,8 +148,7 @@ impl<'a> Recognisers<'a> {
         let shown = Shown { scene: Scene::Empty, part, weight: 1.0, grasp: OTHER, hand };
         let picture = compose::no_hand(&mut Draws::of("no hand", number));
         picture.map_or_else(Vec::new, |picture| {
-            let params = SegmentParams::default();
-            self.of(&shown, Prepared::new(picture, false, &MaskSource::Skin, &params))
+            self.of(&shown, Prepared::new(picture, false, &MaskSource::Camera, &self.segment))
         })
     }
 

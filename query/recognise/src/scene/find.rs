@@ -1,0 +1,184 @@
+//! From a picture to its hand: where it is, which it is, and what it holds it by.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::look::{Eye, Patch, largest_patch};
+use super::masks::{Masks, Part};
+use super::network::SceneNetwork;
+use super::square::Square;
+use crate::picture::Picture;
+use crate::segment::Mask;
+use crate::side::Side;
+
+/// The side of the square around a hand and what it holds, in roots of their area, while it is looked
+/// for, and where the grasp is named: the middle of what the network was trained on.
+const SIZES: f64 = 2.5;
+const NAMED_SIZES: f64 = 2.1;
+/// That of the first square, of the hand alone: not all of it may have been found. Its least side is a
+/// share of the picture's shorter one: what hides most of a hand is seen as well.
+const FIRST_SIZES: f64 = 3.0;
+const FIRST_LEAST: f64 = 0.8;
+/// Parts of a picture that are looked at where no hand is found in the whole: their sides, and how
+/// far they are apart, in shares of the shorter side.
+const TILE: f64 = 0.6;
+const TILE_STEP: f64 = 0.3;
+/// The most of them along a side: a picture that is hardly more than a line shows no hand.
+const MOST_TILES: f64 = 6.0;
+/// The least share of a square that a hand has.
+const LEAST: f64 = 0.004;
+/// How often a square is fitted to hand and object; the first time it is also turned.
+const FITS: usize = 2;
+/// A fit to a hand that has become smaller by more than this share of its area has lost it.
+const LOST: f64 = 0.35;
+/// Turns that are tried to see where the arm comes from.
+const TURNS: usize = 6;
+/// How much more a forearm counts for that, where it is seen, than one of these looks, for each share
+/// of the hand's area; and the most that it counts.
+const FOREARM: f64 = 25.0;
+const MOST_FOREARM: f64 = 8.0;
+/// One pixel in so many, along each side, is asked about.
+const AGREE_STEP: usize = 3;
+/// Log-odds of the masks beyond this say no more.
+const MOST_SURE: f32 = 3.0;
+/// Looks at the last square: turned and enlarged by so much.
+const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
+
+/// What the network says of a picture.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The square that it looked at in the end.
+    pub square: Square,
+    /// The logarithm of how much likelier a right hand is than a left one.
+    pub right_odds: f64,
+    /// For a right and for a left hand, the logarithm of each grasp's probability by all that is
+    /// seen, in the order of the network's names, then that of none.
+    by_side: [Vec<f64>; 2],
+    masks: Masks,
+}
+
+/// Finds the hand in a picture; `None` where the network sees none.
+pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Scene> {
+    let mut eye = Eye::new(network, picture);
+    let (whole, patch) = first_patch(&mut eye)?;
+    let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
+    let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
+    let mut square = Square { centre: whole.to_picture().of(patch.centre), side, turn: 0.0 };
+    square.turn = upright(&mut eye, &square);
+    let mut masks = Masks::of_square(&mut eye, square);
+    for _ in 0..FITS {
+        let Some(fitted) = masks.fitted(SIZES) else { break };
+        let found = Masks::of_square(&mut eye, fitted);
+        if found.hand_area() < LOST * masks.hand_area() {
+            break;
+        }
+        masks = found;
+    }
+    Some(Scene { square: masks.square, right_odds: 0.0, by_side: [Vec::new(), Vec::new()], masks })
+}
+
+/// The turn by which the arm comes from below: the mean of what the network says at several turns,
+/// which counts the more the nearer to upright it is said at, and of where the forearm lies.
+fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
+    let side = eye.network.mask_side();
+    let mut sum = [0.0; 2];
+    let mut add = |turn: f64, weight: f64| {
+        let (sin, cos) = turn.sin_cos();
+        sum = [sum[0] + weight * cos, sum[1] + weight * sin];
+    };
+    for step in 0..TURNS {
+        let turn = TAU * step as f64 / TURNS as f64;
+        let turned = Square { turn, ..*square };
+        let heads = eye.look(&turned, false);
+        let arm = heads.arm();
+        let upright = (0.5 + 0.5 * (arm - FRAC_PI_2).cos()).powi(2);
+        add(turn + FRAC_PI_2 - arm, upright);
+        let masks = Masks::new(turned, heads.masks, side);
+        let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| largest_patch(masks.part(part), side));
+        if let (Some(hand), Some(forearm)) = (hand, forearm) {
+            let [x, y] = [0, 1].map(|i| forearm.centre[i] - hand.centre[i]);
+            let share = (FOREARM * forearm.area / hand.area).min(MOST_FOREARM) / TURNS as f64;
+            add(turn + FRAC_PI_2 - y.atan2(x), share);
+        }
+    }
+    sum[1].atan2(sum[0])
+}
+
+/// The largest patch of a hand in the whole picture, or in that part of it in which most of one is
+/// seen; with the square that it was seen in.
+fn first_patch(eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
+    let whole = Square::around(eye.picture);
+    let mut seen = |square: Square| {
+        let masks = Masks::of_square(eye, square);
+        let patch = largest_patch(masks.part(Part::Hand), masks.side)?;
+        (patch.area > LEAST).then_some((square, patch))
+    };
+    if let Some(found) = seen(whole) {
+        return Some(found);
+    }
+    let [width, height] = whole.centre.map(|half| 2.0 * half);
+    let short = width.min(height);
+    let places = |length: f64| {
+        let (first, step) = (0.5 * TILE * short, TILE_STEP * short);
+        let count = ((length - 2.0 * first) / step).round().clamp(0.0, MOST_TILES);
+        (0..=count as usize).map(move |at| first + (length - 2.0 * first) * at as f64 / count.max(1.0))
+    };
+    let squares = places(height)
+        .flat_map(|y| places(width).map(move |x| Square { centre: [x, y], side: TILE * short, turn: 0.0 }));
+    squares.filter_map(seen).max_by(|a, b| a.1.area.total_cmp(&b.1.area))
+}
+
+impl Scene {
+    /// Looks at a hand, whose mask was found on the same picture, as a right one and as a left one.
+    pub(crate) fn name(&mut self, network: &SceneNetwork, picture: &Picture, hand: &Mask) {
+        if let Some(square) = self.masks.fitted_to(hand, NAMED_SIZES) {
+            self.square = square;
+        }
+        let eye = &mut Eye::new(network, picture);
+        let grasps = eye.network.grasps.len();
+        let mut odds = [0.0; 2];
+        for (side, is_mirrored) in [(0, false), (1, true)] {
+            let mut sum = vec![0.0; grasps + 1];
+            for (turn, size) in LOOKS {
+                let square =
+                    Square { turn: self.square.turn + turn, side: self.square.side * size, ..self.square };
+                let heads = eye.look(&square, is_mirrored);
+                let mirrored = heads.classes[grasps];
+                odds[side] += (-mirrored.exp_m1()).max(1e-6).ln() - mirrored;
+                let shown = heads.classes[..grasps].iter().chain(&heads.classes[grasps + 1..]);
+                sum.iter_mut().zip(shown).for_each(|(sum, log)| *sum += log);
+            }
+            let highest = sum.iter().copied().fold(f64::MIN, f64::max) / LOOKS.len() as f64;
+            let mean = sum.iter().map(|sum| sum / LOOKS.len() as f64 - highest);
+            let total = mean.clone().map(f64::exp).sum::<f64>().ln();
+            self.by_side[side] = mean.map(|log| log - total).collect();
+        }
+        self.right_odds = 0.5 * (odds[0] - odds[1]) / LOOKS.len() as f64;
+    }
+
+    /// How likely each grasp is if the hand is this one, in the order of the network's names; then
+    /// how likely it is in none of them. The probabilities sum to 1.
+    pub fn probabilities(&self, side: Side) -> Vec<f64> {
+        let logs = &self.by_side[usize::from(side == Side::Left)];
+        logs.iter().map(|log| log.exp()).collect()
+    }
+
+    /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in pixels.
+    pub(crate) fn skin(&self, place: [f64; 2]) -> f32 {
+        let logit = |part| self.masks.at(part, place).unwrap_or(-MOST_SURE);
+        logit(Part::Hand).max(logit(Part::Forearm)).clamp(-MOST_SURE, MOST_SURE)
+    }
+
+    /// The share of what the network or a mask of the picture takes for hand and forearm that both do,
+    /// 0 to 1.
+    pub fn agreement(&self, skin: &Mask) -> f64 {
+        let (mut both, mut either) = (0usize, 0usize);
+        for y in (0..skin.height()).step_by(AGREE_STEP) {
+            for x in (0..skin.width()).step_by(AGREE_STEP) {
+                let seen = self.skin([x as f64 + 0.5, y as f64 + 0.5]) > 0.0;
+                both += usize::from(seen && skin.get(x, y));
+                either += usize::from(seen || skin.get(x, y));
+            }
+        }
+        both as f64 / either.max(1) as f64
+    }
+}

@@ -1,0 +1,49 @@
+//! What the scene network says, together with what the neighbours say.
+
+use grasp_index::{Index, Vote};
+
+use super::Scene;
+use super::network::SceneNetwork;
+use crate::side::Side;
+
+/// The odds, as a logarithm, from which on the network has made out well which hand it sees. Where it
+/// has not, it has hardly made out the grasp, and counts for less.
+const MADE_OUT: f64 = 2.0;
+/// The least probability that is taken seriously: neither is so sure.
+const LEAST: f64 = 1e-3;
+
+impl Scene {
+    /// The probability that the hand is the other one than `side`.
+    pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
+        let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
+        1.0 / (1.0 + odds.exp())
+    }
+
+    /// How likely the hand is in none of the grasps, if it is this one.
+    pub fn none(&self, side: Side) -> f64 {
+        self.probabilities(side).last().copied().unwrap_or_default()
+    }
+
+    /// Weighs the neighbours' classes by what the network makes of hand and object. Classes that it
+    /// does not know count as its mean.
+    pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) {
+        let probabilities = self.probabilities(side);
+        let network = SceneNetwork::built_in();
+        let grasps = probabilities.len() - 1;
+        let weight = (self.right_odds.abs() / MADE_OUT).min(1.0);
+        let known: f64 = probabilities[..grasps].iter().sum();
+        let of_name = |name: &str| {
+            let at = network.grasps.iter().position(|grasp| grasp == name);
+            at.map_or(1.0 / grasps as f64, |at| probabilities[at] / known.max(LEAST))
+        };
+        for score in &mut vote.classes {
+            let name = index.catalogue().classes.get(usize::from(score.class));
+            let by_scene = name.map_or(0.0, |class| of_name(&class.name));
+            score.probability = score.probability.max(LEAST) * by_scene.max(LEAST).powf(weight);
+        }
+        let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
+        vote.classes.iter_mut().for_each(|score| score.probability /= total);
+        vote.classes.sort_by_key(|score| score.class);
+        vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    }
+}

@@ -1,0 +1,113 @@
+//! The network's coarse masks on the pixels of a picture.
+
+use super::look::Eye;
+use super::network::MASKS;
+use super::square::{Map, Square};
+use crate::segment::Mask;
+
+/// Which of the masks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Hand,
+    Forearm,
+    Object,
+}
+
+/// The masks of a square.
+#[derive(Clone, Debug)]
+pub(super) struct Masks {
+    pub(super) square: Square,
+    /// From the picture to the square.
+    map: Map,
+    /// Logits of hand, forearm and object, row by row.
+    logits: Vec<f32>,
+    /// Values a side.
+    pub(super) side: usize,
+}
+
+/// How much of an object's area counts for the size of what is looked at, in areas of its hand, and
+/// how much of it for its middle: as in the scenes that the network was trained on.
+const MOST_OF_OBJECT: f64 = 2.5;
+const OBJECT_IN_MIDDLE: f64 = 0.5;
+
+impl Masks {
+    /// What the network sees in a square.
+    pub(super) fn of_square(eye: &mut Eye<'_>, square: Square) -> Self {
+        let logits = eye.look(&square, false).masks;
+        Self::new(square, logits, eye.network.mask_side())
+    }
+
+    pub(super) fn new(square: Square, logits: Vec<f32>, side: usize) -> Self {
+        Self { square, map: square.from_picture(), logits, side }
+    }
+
+    /// The hand's area in pixels of the picture.
+    pub(super) fn hand_area(&self) -> f64 {
+        self.sum(Part::Hand)[2] * self.square.side * self.square.side
+    }
+
+    /// The square around hand and object, its side so many roots of their area, turned as this one;
+    /// `None` where there is no hand.
+    pub(super) fn fitted(&self, sizes: f64) -> Option<Square> {
+        self.around(self.sum(Part::Hand), sizes)
+    }
+
+    /// The same around a hand whose mask on the picture is known better.
+    pub(super) fn fitted_to(&self, hand: &Mask, sizes: f64) -> Option<Square> {
+        let (width, pixel) = (hand.width(), (self.square.side * self.square.side).recip());
+        let inside = hand.pixels().iter().enumerate().filter(|(_, inside)| **inside != 0);
+        let sum = inside.fold([0.0; 3], |sum, (at, _)| {
+            let place = [at % width, at / width].map(|v| v as f64 + 0.5);
+            let [x, y] = self.map.of(place);
+            [sum[0] + pixel * x, sum[1] + pixel * y, sum[2] + pixel]
+        });
+        self.around(sum, sizes)
+    }
+
+    fn around(&self, [x, y, hand]: [f64; 3], sizes: f64) -> Option<Square> {
+        let [object_x, object_y, object] = self.sum(Part::Object);
+        if hand == 0.0 {
+            return None;
+        }
+        let seen = object.min(MOST_OF_OBJECT * hand);
+        let share = OBJECT_IN_MIDDLE * seen / object.max(f64::MIN_POSITIVE);
+        let area = hand + share * object;
+        let centre = [(x + share * object_x) / area, (y + share * object_y) / area];
+        let side = sizes * (hand + seen).sqrt() * self.square.side;
+        Some(Square { centre: self.square.to_picture().of(centre), side, ..self.square })
+    }
+
+    /// The sums of the places, right and down, of the cells that are of a part, and their number, each
+    /// as a share of the square.
+    fn sum(&self, part: Part) -> [f64; 3] {
+        let cell = 1.0 / self.part(part).len().max(1) as f64;
+        let inside = self.part(part).iter().enumerate().filter(|(_, logit)| **logit > 0.0);
+        inside.fold([0.0; 3], |sum, (at, _)| {
+            let [x, y] = [at % self.side, at / self.side].map(|v| (v as f64 + 0.5) / self.side as f64);
+            [sum[0] + cell * x, sum[1] + cell * y, sum[2] + cell]
+        })
+    }
+
+    pub(super) fn part(&self, part: Part) -> &[f32] {
+        let cells = self.logits.len() / MASKS;
+        let start = part as usize * cells;
+        &self.logits[start..start + cells]
+    }
+
+    /// The logit of a part at a place of the picture, in pixels; `None` outside the square.
+    pub(super) fn at(&self, part: Part, place: [f64; 2]) -> Option<f32> {
+        let [u, v] = self.map.of(place);
+        if !(0.0..1.0).contains(&u) || !(0.0..1.0).contains(&v) {
+            return None;
+        }
+        let last = self.side - 1;
+        let cell = |share: f64| (share * self.side as f64 - 0.5).clamp(0.0, last as f64);
+        let (x, y) = (cell(u), cell(v));
+        let (fx, fy) = (x.fract() as f32, y.fract() as f32);
+        let (x, y) = (x as usize, y as usize);
+        let mask = self.part(part);
+        let value = |x: usize, y: usize| mask[y.min(last) * self.side + x.min(last)];
+        let row = |y: usize| value(x, y) * (1.0 - fx) + value(x + 1, y) * fx;
+        Some(row(y) * (1.0 - fy) + row(y + 1) * fy)
+    }
+}

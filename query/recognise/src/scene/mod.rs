@@ -1,0 +1,19 @@
+//! Finds a hand in a camera picture, and names its grasp, by a network that was trained on scenes
+//! of our own renders (`grasp-builder train --kind scene`).
+//!
+//! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
+//! at the square around the hand that it has found there, turned so that the arm comes from below,
+//! as in the scenes that it learned to name grasps by. What it says of the last squares is a
+//! [`Scene`]: where hand, forearm and object are, which hand it is, and how likely each grasp is by
+//! all that is seen, the object included.
+
+mod find;
+mod join;
+mod look;
+mod masks;
+mod network;
+mod square;
+
+pub use find::{Scene, find};
+pub use network::{SceneNetwork, SceneNetworkError};
+pub use square::{Map, Square};

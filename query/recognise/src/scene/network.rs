@@ -1,0 +1,154 @@
+//! The network that looks at scenes.
+
+use std::sync::LazyLock;
+
+use grasp_network::{Network, ReadError, Scratch};
+use thiserror::Error;
+
+/// Masks that it answers with: hand, forearm, object.
+pub(super) const MASKS: usize = 3;
+/// Values of the heads behind the classes: three stages, and a rotation as two columns.
+const STAGES: usize = 3;
+const ROTATION: usize = 6;
+
+/// A scene network, and what its heads mean.
+#[derive(Clone, Debug)]
+pub struct SceneNetwork {
+    pub(super) network: Network,
+    /// The grasps' names in the heads' order. Behind them comes a hand that is mirrored, then one in
+    /// none of the grasps.
+    pub(super) grasps: Vec<String>,
+}
+
+/// A network that does not look at scenes.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SceneNetworkError {
+    /// The bytes are no network's.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It takes or returns something else.
+    #[error("not a network of scenes: {what} is {found}, {expected} expected")]
+    Shape {
+        /// What differs.
+        what: &'static str,
+        /// The network's.
+        found: usize,
+        /// A scene network's.
+        expected: usize,
+    },
+}
+
+/// The grasps that the built-in network knows.
+const GRASPS: [&str; 6] =
+    ["large-diameter", "small-diameter", "abducted-thumb", "pinch", "power-sphere", "precision-disc"];
+
+static BUILT_IN: LazyLock<SceneNetwork> = LazyLock::new(|| {
+    let bytes = include_bytes!("../../data/scene.network");
+    SceneNetwork::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
+});
+
+impl SceneNetwork {
+    /// The network that the program holds.
+    pub fn built_in() -> &'static Self {
+        &BUILT_IN
+    }
+
+    /// Reads a network that `grasp-builder train --kind scene` has written, whose classes are these.
+    ///
+    /// # Errors
+    /// Where the bytes are no network's, or it is one of another kind.
+    pub fn from_bytes(bytes: &[u8], grasps: &[&str]) -> Result<Self, SceneNetworkError> {
+        let network = Network::from_bytes(bytes)?;
+        let architecture = network.architecture();
+        let masks = architecture.masks.map_or(0, |masks| masks.count as usize);
+        let shape = [
+            ("the number of planes", architecture.planes as usize, 3),
+            ("the number of masks", masks, MASKS),
+            ("the size of the heads", architecture.heads as usize, grasps.len() + 2 + STAGES + ROTATION),
+        ];
+        for (what, found, expected) in shape {
+            if found != expected {
+                return Err(SceneNetworkError::Shape { what, found, expected });
+            }
+        }
+        Ok(Self { network, grasps: grasps.iter().map(|name| (*name).to_owned()).collect() })
+    }
+
+    /// Pixels a side of the pictures that it takes.
+    pub(super) fn side(&self) -> usize {
+        self.network.architecture().side as usize
+    }
+
+    /// Values a side of the masks that it answers with.
+    pub(super) fn mask_side(&self) -> usize {
+        self.network.architecture().mask_side().unwrap_or_default()
+    }
+
+    /// What it answers to one picture.
+    pub(super) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
+        let output = self.network.run(scratch, planes);
+        let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
+        let mut rotation = [0.0; ROTATION];
+        rotation.iter_mut().zip(rest.iter().skip(STAGES)).for_each(|(to, from)| *to = f64::from(*from));
+        Heads { classes: log_softmax(classes), rotation, masks: output.masks.to_vec() }
+    }
+}
+
+/// The answer to one picture.
+#[derive(Clone, Debug)]
+pub(super) struct Heads {
+    /// The logarithm of each class's probability: the grasps, mirrored, none.
+    pub(super) classes: Vec<f64>,
+    /// The first and the second column of the rotation, of any length.
+    pub(super) rotation: [f64; ROTATION],
+    /// Logits of hand, forearm and object, row by row.
+    pub(super) masks: Vec<f32>,
+}
+
+impl Heads {
+    /// The direction of the arm in the picture, as an angle clockwise from the right.
+    pub(super) fn arm(&self) -> f64 {
+        (-self.rotation[1]).atan2(-self.rotation[0])
+    }
+}
+
+fn log_softmax(logits: &[f32]) -> Vec<f64> {
+    let highest = logits.iter().copied().fold(f32::MIN, f32::max);
+    let shifted = || logits.iter().map(|logit| f64::from(logit - highest));
+    let sum = shifted().map(f64::exp).sum::<f64>().ln();
+    shifted().map(|logit| logit - sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_networks_and_damaged_ones_are_rejected() {
+        let bytes = include_bytes!("../../data/scene.network");
+        assert!(SceneNetwork::from_bytes(bytes, &GRASPS).is_ok());
+        assert!(matches!(
+            SceneNetwork::from_bytes(bytes, &GRASPS[1..]),
+            Err(SceneNetworkError::Shape { what: "the size of the heads", .. })
+        ));
+        let architecture = grasp_network::Architecture {
+            side: 8,
+            planes: 2,
+            convolutions: Vec::new(),
+            embedding: 4,
+            heads: 17,
+            masks: None,
+        };
+        let weights = vec![0.0; architecture.parameters().unwrap()];
+        let other = Network::from_weights(architecture, weights).unwrap();
+        let error = SceneNetwork::from_bytes(other.as_bytes(), &GRASPS).unwrap_err();
+        assert_eq!(error.to_string(), "not a network of scenes: the number of planes is 2, 3 expected");
+        assert!(SceneNetwork::from_bytes(&bytes[..1000], &GRASPS).is_err());
+    }
+
+    #[test]
+    fn probabilities_of_the_classes_sum_to_one() {
+        let sum: f64 = log_softmax(&[3.0, -2.0, 900.0, 899.0]).iter().map(|log| log.exp()).sum();
+        assert!((sum - 1.0).abs() < 1e-9);
+    }
+}

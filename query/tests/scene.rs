@@ -1,0 +1,109 @@
+//! The scene network on real small pictures: those of `tests/pictures`.
+
+use std::f64::consts::FRAC_PI_2;
+use std::path::{Path, PathBuf};
+
+use grasp_recognise::picture::{self, Picture};
+use grasp_recognise::scene::{SceneNetwork, find};
+use grasp_recognise::segment::{Mask, SegmentParams};
+use grasp_recognise::{MaskSource, Prepared, Side};
+
+const NAMES: [&str; 6] = [
+    "01-large-diameter",
+    "02-small-diameter",
+    "04-abducted-thumb",
+    "09-pinch",
+    "10-power-sphere",
+    "12-precision-disc",
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/pictures")
+}
+
+fn read(path: &Path) -> Picture {
+    picture::decode(&picture::read(path).unwrap()).unwrap().picture
+}
+
+fn camera(name: &str) -> Picture {
+    read(&folder().join(format!("camera/{name}.jpg")))
+}
+
+fn found(name: &str) -> Prepared {
+    let bytes = picture::read(&folder().join(format!("camera/{name}.jpg"))).unwrap();
+    Prepared::decode(&bytes, &MaskSource::Camera, &SegmentParams::default()).expect(name)
+}
+
+/// A picture turned by a quarter, clockwise.
+fn turned(picture: &Picture) -> Picture {
+    let (width, height) = (picture.width(), picture.height());
+    let pixels = (0..width * height).map(|at| {
+        let (x, y) = (at % height, at / height);
+        picture.rgb()[(height - 1 - x) * width + y]
+    });
+    Picture::new(height, width, pixels.collect()).unwrap()
+}
+
+fn middle(mask: &Mask) -> [f64; 2] {
+    let inside = (0..mask.width() * mask.height()).filter(|at| mask.pixels()[*at] != 0);
+    let sum = inside.fold([0.0; 2], |sum: [f64; 2], at| {
+        [sum[0] + (at % mask.width()) as f64, sum[1] + (at / mask.width()) as f64]
+    });
+    sum.map(|sum| sum / mask.area() as f64)
+}
+
+#[test]
+fn the_hand_is_found_in_every_sample_by_colours_and_network_alike() {
+    for name in NAMES {
+        let found = found(name);
+        let share = found.mask.area() as f64 / found.mask.pixels().len() as f64;
+        assert!((0.03..0.4).contains(&share), "{name}: {share}");
+        // Colours and the network have found the same.
+        let agreement = found.scene.unwrap().agreement(&found.skin.unwrap());
+        assert!(agreement > 0.5, "{name}: {agreement}");
+    }
+}
+
+#[test]
+fn a_picture_that_is_turned_is_looked_at_as_it_was() {
+    for name in NAMES {
+        let picture = camera(name);
+        let network = SceneNetwork::built_in();
+        let [before, after] =
+            [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square);
+        let turn = (before.turn - FRAC_PI_2 - after.turn).cos();
+        assert!(turn > 0.7, "{name}: {before:?} {after:?}");
+        let [x, y] = before.centre;
+        let expected = [picture.height() as f64 - y, x];
+        let off = (expected[0] - after.centre[0]).hypot(expected[1] - after.centre[1]);
+        assert!(off < 0.2 * before.side, "{name}: {before:?} {after:?}");
+    }
+}
+
+#[test]
+fn what_hand_and_object_are_is_as_likely_for_either_hand_in_all() {
+    let scene = found(NAMES[0]).scene.unwrap();
+    for side in [Side::Left, Side::Right] {
+        let probabilities = scene.probabilities(side);
+        assert_eq!(probabilities.len(), 7, "six grasps, and none");
+        assert!((probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_hand_stands_in_the_middle_of_its_square() {
+    for name in NAMES {
+        let found = found(name);
+        let off = found.scene.unwrap().square.from_picture().of(middle(&found.mask));
+        assert!(off.iter().all(|place| (0.2..0.8).contains(place)), "{name}: {off:?}");
+    }
+}
+
+#[test]
+fn a_wall_has_no_hand() {
+    let wall = Picture::new(160, 120, vec![[120, 130, 140]; 160 * 120]).unwrap();
+    assert!(find(SceneNetwork::built_in(), &wall).is_none());
+    let single = Picture::new(1, 1, vec![[200, 150, 120]]).unwrap();
+    // Whatever it says of a pixel, it returns.
+    let _ = find(SceneNetwork::built_in(), &single);
+}
