@@ -1,9 +1,8 @@
 //! From light to a picture file: blur, exposure, noise, compression.
 
-use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 
-use crate::random::{between, normal, unit};
+use crate::random::{between, grain, normal, unit};
 
 /// Turns a square of linear RGB values into those of a picture, 0 to 1, in place.
 pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
@@ -120,12 +119,6 @@ fn blur(rgb: &mut [f32], side: usize, sigma: f32, shares: [f32; 2]) {
             }
         }
     }
-}
-
-/// About standard normal: the sum of four bytes.
-fn grain(rng: &mut ChaCha8Rng) -> f32 {
-    let sum: u32 = rng.next_u32().to_le_bytes().map(u32::from).iter().sum();
-    (sum as f32 - 510.0) / 147.8
 }
 
 #[cfg(test)]

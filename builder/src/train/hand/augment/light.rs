@@ -1,9 +1,9 @@
 //! Another light, another camera.
 
-use grasp_renders::random::{between, normal, unit};
+use grasp_renders::random::{between, grain, normal, unit};
 use rand_chacha::ChaCha8Rng;
 
-use super::noise::{blur, grain, smooth};
+use super::noise::{blur, smooth};
 use super::picture::Picture;
 
 /// Changes the tone curve, lets light fall from one side and in patches, blurs and adds grain.

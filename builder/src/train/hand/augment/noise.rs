@@ -1,7 +1,6 @@
 //! Random fields, cheaply.
 
 use grasp_renders::random::normal;
-use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
 /// A smooth random field of about unit variance over a square picture, with `cells` bumps a side.
@@ -20,12 +19,6 @@ pub(super) fn smooth(side: usize, cells: usize, rng: &mut ChaCha8Rng) -> Vec<f32
         }
     }
     field
-}
-
-/// About standard normal: the sum of four bytes.
-pub(super) fn grain(rng: &mut ChaCha8Rng) -> f32 {
-    let sum: u32 = rng.next_u32().to_le_bytes().map(u32::from).iter().sum();
-    (sum as f32 - 510.0) / 147.8
 }
 
 /// A Gaussian blur of standard deviation `sigma` pixels; what lies outside the picture counts as 0.
