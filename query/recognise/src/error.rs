@@ -23,9 +23,7 @@ pub enum RecogniseError {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// Nothing in the picture looks like a hand.
-    #[error(
-        "no hand found: nothing in the picture has the colour and the size of a hand (a mask can be given with --mask)"
-    )]
+    #[error("no hand found: nothing in the picture looks like one (a mask can be given with --mask)")]
     NoHand,
     /// The hand is too small or its buffers do not fit.
     #[error(transparent)]
