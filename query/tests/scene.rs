@@ -59,7 +59,7 @@ fn the_hand_is_found_in_every_sample_by_colours_and_network_alike() {
         let share = found.mask.area() as f64 / found.mask.pixels().len() as f64;
         assert!((0.03..0.4).contains(&share), "{name}: {share}");
         // Colours and the network have found the same.
-        let agreement = found.scene.unwrap().agreement(&found.skin.unwrap());
+        let agreement = found.scene.unwrap().found.agreement(&found.skin.unwrap());
         assert!(agreement > 0.5, "{name}: {agreement}");
     }
 }
@@ -70,7 +70,7 @@ fn a_picture_that_is_turned_is_looked_at_as_it_was() {
         let picture = camera(name);
         let network = SceneNetwork::built_in();
         let [before, after] =
-            [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square);
+            [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square());
         let turn = (before.turn - FRAC_PI_2 - after.turn).cos();
         assert!(turn > 0.7, "{name}: {before:?} {after:?}");
         let [x, y] = before.centre;

@@ -5,6 +5,7 @@ use grasp_terminal::Work;
 use grasp_train::Target;
 use rand_chacha::ChaCha8Rng;
 
+use super::figures::Figure;
 use super::{Check, Options, Schedule};
 
 /// A kind of network: the renders that it is trained on, what is made of them at each showing, and
@@ -67,21 +68,4 @@ pub struct Lesson {
     pub target: Target,
     /// The masks that it shall answer; empty for a network without.
     pub masks: Vec<f32>,
-}
-
-/// Something that was measured.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Figure {
-    /// The name of its column; an interface: never renamed. Ends with `_deg` where it is an angle in
-    /// degrees, and is a share otherwise.
-    pub name: String,
-    /// How much.
-    pub value: f64,
-}
-
-impl Figure {
-    /// A named value, to four decimals: more mean nothing.
-    pub(super) fn new(name: &str, value: f64) -> Self {
-        Self { name: name.to_owned(), value: (value * 1e4).round() / 1e4 }
-    }
 }

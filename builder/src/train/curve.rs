@@ -9,7 +9,7 @@ use grasp_terminal::text::{counted, percent};
 use grasp_train::Losses;
 use serde::{Deserialize, Serialize};
 
-use super::course::Figure;
+use super::figures::Figure;
 
 /// One validation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

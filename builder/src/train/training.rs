@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 use super::check::Check;
 use super::checkpoint::State;
-use super::course::{Course, Figure, Lesson, Showing};
+use super::course::{Course, Lesson, Showing};
 use super::curve::{MeanLosses, Row};
+use super::figures::Figure;
 use super::options::{PEAK_RATE, hard_samples};
 use super::window::{Window, render_all};
 use super::{Options, Schedule};

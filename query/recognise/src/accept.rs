@@ -24,7 +24,7 @@ pub enum Doubt {
         /// How likely that is, 0..=1.
         probability: f64,
     },
-    /// What was found by its colour cannot be relied on.
+    /// What was found in a camera picture cannot be relied on.
     #[error(
         "pictures like this one are recognised about as well as by guessing: trust {trust:.3}, at least {least:.3} is needed (a mask can be given with --mask)"
     )]

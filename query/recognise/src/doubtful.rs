@@ -4,8 +4,8 @@ use crate::recognition::Recognition;
 use crate::trust::MOST_FILLED;
 use crate::warning::Warning;
 
-/// A mask that was found and fills more than that is rather a background; 1 of 1,000 development hands fills more.
-const FILLED_BY_COLOUR: f64 = 0.5;
+/// A mask that was found in a camera picture and fills more than that is rather a background; 1 of 1,000 development hands fills more.
+const MOST_FOUND: f64 = 0.5;
 /// The share of a side's length that must lie in the mask for it to touch.
 const TOUCHED: f64 = 0.05;
 /// The share of skin-coloured surroundings from which on an outline is doubtful; 1 of 100 hands on plain ground has more.
@@ -31,7 +31,7 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
             warnings.push(warning);
         }
     };
-    let filled = if found.prepared.skin.is_some() { FILLED_BY_COLOUR } else { MOST_FILLED };
+    let filled = if found.prepared.skin.is_some() { MOST_FOUND } else { MOST_FILLED };
     warn(share > filled, Warning::MaskFillsFrame { share });
     // A given mask may be cropped on purpose, and an arm that was cut off at the wrist crosses the border by its nature.
     if found.prepared.skin.is_some() {

@@ -9,7 +9,7 @@ use crate::segment::{Mask, Quality};
 /// Evidence about one answer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evidence {
-    /// Of the mask, where it was found by colour.
+    /// Of the mask by its colours, where the hand was found in a camera picture.
     pub quality: Option<Quality>,
     /// The share of the picture that the mask fills, 0..=1.
     pub share: f64,
@@ -39,7 +39,7 @@ impl SceneEvidence {
     fn of(scene: &Scene, skin: &Mask, side: Side) -> Self {
         let grasps = scene.probabilities(side);
         let sure = grasps.iter().rev().skip(1).copied().fold(0.0, f64::max);
-        Self { side: scene.right_odds.abs(), agrees: scene.agreement(skin), sure }
+        Self { side: scene.right_odds.abs(), agrees: scene.found.agreement(skin), sure }
     }
 }
 

@@ -27,7 +27,8 @@ pub struct RecogniseOptions {
     pub vote: VoteOptions,
     /// When an answer is one.
     pub accept: Accept,
-    /// Whether probabilities are tempered by the trust in a mask that was found by colour, and a hand of too little trust is unknown.
+    /// Whether probabilities are tempered by the trust in a hand that was found in a camera picture, and one
+    /// of too little trust is unknown.
     pub temper: bool,
     /// The numbers of the segmentation.
     pub segment: SegmentParams,

@@ -41,11 +41,11 @@ pub struct Prepared {
     pub picture: Picture,
     /// The hand, of the picture's size.
     pub mask: Mask,
-    /// The hand and its forearm, where the mask was found by colour or by the scene network.
+    /// The hand and its forearm, where the hand was found in a camera picture.
     pub skin: Option<Mask>,
     /// What the scene network says of the picture, where it has found the hand.
     pub scene: Option<Scene>,
-    /// What speaks for and against the mask, where it was found by colour.
+    /// What colours say for and against the mask, where the hand was found in a camera picture.
     pub quality: Option<Quality>,
 }
 
@@ -119,15 +119,15 @@ impl Prepared {
         Ok(Self { picture, mask: found.hand, skin, scene: None, quality })
     }
 
-    /// Finds the hand by the scene network, and its border by the colours on both sides.
+    /// Finds the hand by the scene network, and cuts it out by colour and by what that has seen.
     fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
         let network = SceneNetwork::built_in();
-        let mut scene = scene::find(network, &picture).ok_or(RecogniseError::NoHand)?;
-        let found = segment::segment_seen(&picture, params, Some(&|place| scene.skin(place)));
-        let found = found.ok_or(RecogniseError::NoHand)?;
-        scene.name(network, &picture, &found.hand);
-        let (skin, quality) = (Some(found.skin), Some(found.quality));
-        Ok(Self { picture, mask: found.hand, skin, scene: Some(scene), quality })
+        let seen = scene::find(network, &picture).ok_or(RecogniseError::NoHand)?;
+        let cut = segment::segment_seen(&picture, params, Some(&|place| seen.skin(place)));
+        let cut = cut.ok_or(RecogniseError::NoHand)?;
+        let scene = Some(Scene::new(network, &picture, seen, &cut.hand));
+        let (skin, quality) = (Some(cut.skin), Some(cut.quality));
+        Ok(Self { picture, mask: cut.hand, skin, scene, quality })
     }
 }
 

@@ -1,6 +1,6 @@
-//! How far an answer is to be trusted that comes from a mask found by colour.
+//! How far an answer about a camera picture is to be trusted.
 //!
-//! An index is calibrated on hands that were segmented rightly. A mask that was found by colour may be half a table, and what its
+//! An index is calibrated on hands that were segmented rightly. A mask that was found in a camera picture may be half a table, and what its
 //! neighbours agree on is then worth nothing. With a probability t, the trust, the picture is taken to be one that the index's
 //! calibration holds for, and else to show any of the C classes:
 //!
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures of hands before backgrounds that are
-//! hard to tell from skin (`data/trust.toml`, which names the command). A mask that was given is trusted, unless it is all of the picture.
+//! hard to distinguish from skin (`data/trust*.toml`, which name the command). A mask that was given is trusted, unless it is all of the picture.
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 use std::collections::BTreeMap;

@@ -10,7 +10,8 @@ use grasp_terminal::Work;
 use grasp_train::{ROTATION, STAGES};
 use rand_chacha::ChaCha8Rng;
 
-use super::course::{Course, Figure, Lesson, Showing};
+use super::course::{Course, Lesson, Showing};
+use super::figures::Figure;
 use super::{Check, Options, Scenes, Schedule};
 use render::render;
 use sample::Sample;

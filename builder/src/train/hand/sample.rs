@@ -10,6 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
 use super::augment::{Picture, augment};
+use crate::train::rotation;
 
 /// How far a picture's turn differs from the upright one, in radians (standard deviation).
 const TURN: f64 = 0.25;
@@ -38,11 +39,10 @@ pub struct Labels {
 impl Labels {
     /// What a network shall answer.
     pub fn target(&self) -> Target {
-        let rotation = self.orientation.to_rotation_matrix();
         Target {
             class: self.class as u32,
             stage: self.stage as u32,
-            rotation: std::array::from_fn(|row| std::array::from_fn(|column| rotation[(row, column)] as f32)),
+            rotation: rotation::rows(&self.orientation),
             weights: LossWeights::ALL,
         }
     }

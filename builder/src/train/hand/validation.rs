@@ -4,13 +4,13 @@ use anyhow::bail;
 use grasp_network::{Network, Scratch};
 use grasp_renders::PoseGroup;
 use grasp_terminal::Work;
-use grasp_train::{ROTATION, STAGES, rotation_of};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use grasp_train::{ROTATION, STAGES};
 use rayon::prelude::*;
 
 use super::render::render;
 use super::sample::{Sample, Shown};
-use crate::train::course::Figure;
+use crate::train::figures::{Figure, highest, median_deg};
+use crate::train::rotation;
 use crate::train::window::render_all;
 use crate::train::{Check, Scenes, Schedule};
 
@@ -108,16 +108,11 @@ struct Answer {
 fn answers(network: &Network, pictures: &[Shown]) -> Vec<Answer> {
     let answer = |scratch: &mut Scratch, picture: &Shown| {
         let output = network.run(scratch, &picture.planes);
-        let (classes, rest) = output.heads.split_at(output.heads.len() - STAGES - ROTATION);
-        let mut rotation = [0.0; ROTATION];
-        rotation.iter_mut().zip(rest.iter().skip(STAGES)).for_each(|(to, from)| *to = *from);
-        let rows = rotation_of(rotation);
-        let matrix = Matrix3::from_fn(|row, column| f64::from(rows[row][column]));
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        let (classes, _) = output.heads.split_at(output.heads.len() - STAGES - ROTATION);
         Answer {
             embedding: output.embedding.to_vec(),
             class: highest(classes),
-            error_deg: rotation.angle_to(&picture.labels.orientation).to_degrees(),
+            error_deg: rotation::of_heads(output.heads).angle_to(&picture.labels.orientation).to_degrees(),
             right_class: picture.labels.class,
         }
     };
@@ -126,12 +121,10 @@ fn answers(network: &Network, pictures: &[Shown]) -> Vec<Answer> {
 
 fn figures(asked: &[Answer], reference: &[Answer]) -> Figures {
     let share = |right: usize| right as f64 / asked.len() as f64;
-    let mut errors: Vec<f64> = asked.iter().map(|answer| answer.error_deg).collect();
-    errors.sort_by(f64::total_cmp);
     let found = |answer: &&Answer| class_of_neighbours(&answer.embedding, reference) == answer.right_class;
     Figures {
         top1: share(asked.iter().filter(|answer| answer.class == answer.right_class).count()),
-        rotation_deg: errors.get(errors.len() / 2).copied().unwrap_or(180.0),
+        rotation_deg: median_deg(asked.iter().map(|answer| answer.error_deg)),
         neighbours_top1: share(asked.par_iter().filter(found).count()),
     }
 }
@@ -155,17 +148,6 @@ fn class_of_neighbours(embedding: &[f32], reference: &[Answer]) -> usize {
         votes[class] += 1.0;
     }
     highest(&votes)
-}
-
-/// The place of the highest value; of several, the first.
-fn highest(values: &[f32]) -> usize {
-    let mut best = 0;
-    for (at, value) in values.iter().enumerate() {
-        if *value > values[best] {
-            best = at;
-        }
-    }
-    best
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
+use crate::train::rotation;
 
 /// Pixels a side of the network's input.
 pub(super) const SIDE: usize = 64;
@@ -40,11 +41,10 @@ pub(super) fn lesson(
     let mut picture = view.layers.paint(&framing, SIDE, rng);
     let weight = if is_far { WEIGHT_OF_FAR } else { 1.0 };
     let orientation = turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
-    let matrix = orientation.to_rotation_matrix();
     let mut target = Target {
         class: view.class.map_or(views.none(), |class| class as u32),
         stage: view.stage as u32,
-        rotation: std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)] as f32)),
+        rotation: rotation::rows(&orientation),
         weights: LossWeights { class: weight, stage: weight, rotation: 1.0, masks: 1.0 },
     };
     if view.class.is_none() {

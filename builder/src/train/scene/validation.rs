@@ -4,15 +4,15 @@ use anyhow::ensure;
 use grasp_network::{Network, Scratch};
 use grasp_renders::{Framing, Part, PoseGroup};
 use grasp_terminal::Work;
-use grasp_train::{ROTATION, STAGES, rotation_of};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use nalgebra::UnitQuaternion;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::lesson::{SIDE, masks, planes};
 use super::views::{SceneView, Views};
-use crate::train::course::Figure;
+use crate::train::figures::{Figure, highest, median_deg};
+use crate::train::rotation;
 use crate::train::window::render_all;
 use crate::train::{Check, Scenes, Schedule};
 
@@ -61,9 +61,7 @@ impl Validation {
         let share = |of: &[&Answer], is_so: fn(&Answer) -> bool| {
             of.iter().filter(|answer| is_so(answer)).count() as f64 / of.len().max(1) as f64
         };
-        let (grasps, _): (Vec<&Answer>, Vec<&Answer>) = answers.iter().partition(|answer| answer.is_grasp);
-        let mut errors: Vec<f64> = grasps.iter().map(|answer| answer.error_deg).collect();
-        errors.sort_by(f64::total_cmp);
+        let grasps: Vec<&Answer> = answers.iter().filter(|answer| answer.is_grasp).collect();
         let iou = |part: Part| {
             let [both, either] = answers.iter().fold([0.0; 2], |sum: [f64; 2], answer| {
                 let [both, either] = answer.overlap[part as usize];
@@ -73,7 +71,7 @@ impl Validation {
         };
         vec![
             Figure::new("hands_top1", share(&grasps, |answer| answer.is_right)),
-            Figure::new("hands_rotation_deg", errors.get(errors.len() / 2).copied().unwrap_or(180.0)),
+            Figure::new("hands_rotation_deg", median_deg(grasps.iter().map(|answer| answer.error_deg))),
             Figure::new("hands_side", share(&grasps, |answer| answer.is_side_right)),
             Figure::new("hands_mask_iou", iou(Part::Hand)),
             Figure::new("forearms_mask_iou", iou(Part::Forearm)),
@@ -109,14 +107,6 @@ impl Answer {
         let mirrored = |heads: &[f32]| f64::from(heads[grasps]) - f64::from(log_sum(&heads[..grasps]));
         let other = mirrored(network.run(scratch, &flipped).heads);
         let output = network.run(scratch, &asked.planes);
-        let classes = &output.heads[..grasps];
-        let best =
-            (0..grasps).fold(0, |best, class| if classes[class] > classes[best] { class } else { best });
-        let values = &output.heads[output.heads.len() - ROTATION..];
-        debug_assert_eq!(output.heads.len(), grasps + 2 + STAGES + ROTATION);
-        let rows = rotation_of(std::array::from_fn(|i| values[i]));
-        let matrix = Matrix3::from_fn(|row, column| f64::from(rows[row][column]));
-        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
         let cells = asked.masks.len() / Part::ALL.len();
         let overlap = std::array::from_fn(|part| {
             let range = part * cells..(part + 1) * cells;
@@ -131,9 +121,9 @@ impl Answer {
         });
         Self {
             is_grasp: asked.class.is_some(),
-            is_right: asked.class == Some(best),
+            is_right: asked.class == Some(highest(&output.heads[..grasps])),
             is_side_right: mirrored(output.heads) < other,
-            error_deg: rotation.angle_to(&asked.rotation).to_degrees(),
+            error_deg: rotation::of_heads(output.heads).angle_to(&asked.rotation).to_degrees(),
             overlap,
         }
     }

@@ -8,7 +8,6 @@ use super::network::SceneNetwork;
 use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
-use crate::side::Side;
 
 /// The side of the square around a hand and what it holds, in roots of their area, while it is looked
 /// for, and where the grasp is named: the middle of what the network was trained on.
@@ -26,38 +25,29 @@ const TILE_STEP: f64 = 0.3;
 const MOST_TILES: f64 = 6.0;
 /// The least share of a square that a hand has.
 const LEAST: f64 = 0.004;
-/// How often a square is fitted to hand and object; the first time it is also turned.
+/// How often a square is fitted to hand and object.
 const FITS: usize = 2;
-/// A fit to a hand that has become smaller by more than this share of its area has lost it.
+/// A fit that leaves less than this share of the hand's area has lost the hand.
 const LOST: f64 = 0.35;
 /// Turns that are tried to see where the arm comes from.
 const TURNS: usize = 6;
-/// How much more a forearm counts for that, where it is seen, than one of these looks, for each share
-/// of the hand's area; and the most that it counts.
+/// How much a forearm counts for that, beside all these looks together, for a share of the hand's area
+/// of 1; and the most that it counts.
 const FOREARM: f64 = 25.0;
 const MOST_FOREARM: f64 = 8.0;
 /// One pixel in so many, along each side, is asked about.
 const AGREE_STEP: usize = 3;
 /// Log-odds of the masks beyond this say no more.
 const MOST_SURE: f32 = 3.0;
-/// Looks at the last square: turned and enlarged by so much.
-const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 
-/// What the network says of a picture.
+/// A hand that was found, and what it holds, by the network's coarse masks.
 #[derive(Clone, Debug)]
-pub struct Scene {
-    /// The square that it looked at in the end.
-    pub square: Square,
-    /// The logarithm of how much likelier a right hand is than a left one.
-    pub right_odds: f64,
-    /// For a right and for a left hand, the logarithm of each grasp's probability by all that is
-    /// seen, in the order of the network's names, then that of none.
-    by_side: [Vec<f64>; 2],
+pub struct Found {
     masks: Masks,
 }
 
 /// Finds the hand in a picture; `None` where the network sees none.
-pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Scene> {
+pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Found> {
     let mut eye = Eye::new(network, picture);
     let (whole, patch) = first_patch(&mut eye)?;
     let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
@@ -73,7 +63,7 @@ pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Scene> {
         }
         masks = found;
     }
-    Some(Scene { square: masks.square, right_odds: 0.0, by_side: [Vec::new(), Vec::new()], masks })
+    Some(Found { masks })
 }
 
 /// The turn by which the arm comes from below: the mean of what the network says at several turns,
@@ -127,39 +117,15 @@ fn first_patch(eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
     squares.filter_map(seen).max_by(|a, b| a.1.area.total_cmp(&b.1.area))
 }
 
-impl Scene {
-    /// Looks at a hand, whose mask was found on the same picture, as a right one and as a left one.
-    pub(crate) fn name(&mut self, network: &SceneNetwork, picture: &Picture, hand: &Mask) {
-        if let Some(square) = self.masks.fitted_to(hand, NAMED_SIZES) {
-            self.square = square;
-        }
-        let eye = &mut Eye::new(network, picture);
-        let grasps = eye.network.grasps.len();
-        let mut odds = [0.0; 2];
-        for (side, is_mirrored) in [(0, false), (1, true)] {
-            let mut sum = vec![0.0; grasps + 1];
-            for (turn, size) in LOOKS {
-                let square =
-                    Square { turn: self.square.turn + turn, side: self.square.side * size, ..self.square };
-                let heads = eye.look(&square, is_mirrored);
-                let mirrored = heads.classes[grasps];
-                odds[side] += (-mirrored.exp_m1()).max(1e-6).ln() - mirrored;
-                let shown = heads.classes[..grasps].iter().chain(&heads.classes[grasps + 1..]);
-                sum.iter_mut().zip(shown).for_each(|(sum, log)| *sum += log);
-            }
-            let highest = sum.iter().copied().fold(f64::MIN, f64::max) / LOOKS.len() as f64;
-            let mean = sum.iter().map(|sum| sum / LOOKS.len() as f64 - highest);
-            let total = mean.clone().map(f64::exp).sum::<f64>().ln();
-            self.by_side[side] = mean.map(|log| log - total).collect();
-        }
-        self.right_odds = 0.5 * (odds[0] - odds[1]) / LOOKS.len() as f64;
+impl Found {
+    /// The square that the hand stands upright in.
+    pub fn square(&self) -> Square {
+        self.masks.square
     }
 
-    /// How likely each grasp is if the hand is this one, in the order of the network's names; then
-    /// how likely it is in none of them. The probabilities sum to 1.
-    pub fn probabilities(&self, side: Side) -> Vec<f64> {
-        let logs = &self.by_side[usize::from(side == Side::Left)];
-        logs.iter().map(|log| log.exp()).collect()
+    /// The square in which the grasp of the hand is named, whose mask on the same picture is known.
+    pub(super) fn square_of(&self, hand: &Mask) -> Square {
+        self.masks.fitted_to(hand, NAMED_SIZES).unwrap_or(self.masks.square)
     }
 
     /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in pixels.

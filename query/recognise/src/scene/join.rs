@@ -3,7 +3,6 @@
 use grasp_index::{Index, Vote};
 
 use super::Scene;
-use super::network::SceneNetwork;
 use crate::side::Side;
 
 /// The odds, as a logarithm, from which on the network has made out well which hand it sees. Where it
@@ -28,12 +27,11 @@ impl Scene {
     /// does not know count as its mean.
     pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) {
         let probabilities = self.probabilities(side);
-        let network = SceneNetwork::built_in();
         let grasps = probabilities.len() - 1;
         let weight = (self.right_odds.abs() / MADE_OUT).min(1.0);
         let known: f64 = probabilities[..grasps].iter().sum();
         let of_name = |name: &str| {
-            let at = network.grasps.iter().position(|grasp| grasp == name);
+            let at = self.grasps.iter().position(|grasp| grasp == name);
             at.map_or(1.0 / grasps as f64, |at| probabilities[at] / known.max(LEAST))
         };
         for score in &mut vote.classes {

@@ -3,17 +3,19 @@
 //!
 //! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
 //! at the square around the hand that it has found there, turned so that the arm comes from below,
-//! as in the scenes that it learned to name grasps by. What it says of the last squares is a
-//! [`Scene`]: where hand, forearm and object are, which hand it is, and how likely each grasp is by
-//! all that is seen, the object included.
+//! as in the scenes that it learned to name grasps by. What it has [`Found`] helps colours to cut the
+//! hand out, and is then looked at once more: a [`Scene`] says which hand it is, and how likely each
+//! grasp is by all that is seen, the object included, by which the neighbours are weighed.
 
 mod find;
 mod join;
 mod look;
 mod masks;
+mod name;
 mod network;
 mod square;
 
-pub use find::{Scene, find};
+pub use find::{Found, find};
+pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};
 pub use square::{Map, Square};

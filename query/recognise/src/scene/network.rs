@@ -90,7 +90,8 @@ impl SceneNetwork {
         let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
         let mut rotation = [0.0; ROTATION];
         rotation.iter_mut().zip(rest.iter().skip(STAGES)).for_each(|(to, from)| *to = f64::from(*from));
-        Heads { classes: log_softmax(classes), rotation, masks: output.masks.to_vec() }
+        let classes: Vec<f64> = classes.iter().copied().map(f64::from).collect();
+        Heads { classes: normalised(&classes), rotation, masks: output.masks.to_vec() }
     }
 }
 
@@ -112,11 +113,11 @@ impl Heads {
     }
 }
 
-fn log_softmax(logits: &[f32]) -> Vec<f64> {
-    let highest = logits.iter().copied().fold(f32::MIN, f32::max);
-    let shifted = || logits.iter().map(|logit| f64::from(logit - highest));
-    let sum = shifted().map(f64::exp).sum::<f64>().ln();
-    shifted().map(|logit| logit - sum).collect()
+/// The logarithms of probabilities that sum to 1, from logarithms up to the same constant.
+pub(super) fn normalised(logs: &[f64]) -> Vec<f64> {
+    let highest = logs.iter().copied().fold(f64::MIN, f64::max);
+    let sum = logs.iter().map(|log| (log - highest).exp()).sum::<f64>().ln();
+    logs.iter().map(|log| log - highest - sum).collect()
 }
 
 #[cfg(test)]
@@ -148,7 +149,7 @@ mod tests {
 
     #[test]
     fn probabilities_of_the_classes_sum_to_one() {
-        let sum: f64 = log_softmax(&[3.0, -2.0, 900.0, 899.0]).iter().map(|log| log.exp()).sum();
+        let sum: f64 = normalised(&[3.0, -2.0, 900.0, 899.0]).iter().map(|log| log.exp()).sum();
         assert!((sum - 1.0).abs() < 1e-9);
     }
 }

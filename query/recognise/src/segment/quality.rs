@@ -1,4 +1,4 @@
-//! What can be measured of a mask that was found by colour, for and against its being a hand.
+//! What can be measured of a mask by the picture's colours, for and against its being a hand.
 
 use std::f64::consts::PI;
 

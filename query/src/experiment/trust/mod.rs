@@ -1,4 +1,4 @@
-//! How far answers are to be trusted whose mask was found by colour: the model of
+//! How far answers about camera pictures are to be trusted: the model of
 //! [`grasp_recognise::Trust`], fitted to labelled camera pictures, to segmented ones put before
 //! backgrounds that are hard to tell from skin, and to such backgrounds alone.
 
@@ -272,7 +272,7 @@ impl Fitted {
     pub fn write(&self, path: &Path, command: &str, index: &Index) -> anyhow::Result<()> {
         let (entries, hands) = (index.len(), index.catalogue().hand_shapes.len());
         let head = format!(
-            "# How far an answer is trusted whose mask was found by colour: see query/recognise/src/trust.rs.\n\
+            "# How far an answer about a camera picture is trusted: see query/recognise/src/trust.rs.\n\
              # Made by: {command}\n\
              # with an index of {entries} entries, {hands} hand shapes.\n\n"
         );

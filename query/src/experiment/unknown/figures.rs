@@ -38,7 +38,7 @@ pub struct AtLimits {
     pub farthest: f64,
     /// The least probability, as the neighbours say it.
     pub least_probability: f64,
-    /// The least trust in a mask that was found by colour.
+    /// The least trust in a hand that was found in a camera picture.
     pub least_trust: f64,
     /// The share of known hands that become unknown.
     pub known_lost: f64,
