@@ -1,9 +1,10 @@
 //! A hand shape, a grasp, an object and a view become a picture.
 //!
-//! A [`HandShape`] holds the measures of one person's hand. A [`Grasp`] says, as data, how a hand opens and
-//! closes and on what. [`RenderPlan`] lists which renders to make; each [`SceneSpec`] of it is posed (the
-//! fingers close by themselves until they touch the object), meshed once, and then seen from many views by a
-//! small z-buffer rasteriser. [`render_set`] writes and reads folders of renders.
+//! A [`HandShape`] holds the measures of one person's hand. A [`Grasp`] says, as data, how a hand
+//! opens and closes and on what. [`RenderPlan`] lists which renders to make; each [`SceneSpec`] of
+//! it is posed (the fingers close by themselves until they touch the object), meshed once, and then
+//! seen from many views by a small z-buffer rasteriser. [`render_set`] writes and reads folders of
+//! renders.
 //!
 //! ```
 //! use grasp_renders::{Preset, RenderPlan};
@@ -20,9 +21,9 @@
 //! order, elementary functions are `libm`'s, and keys and seeds are hashes of canonical bytes
 //! ([`grasp_canonical`]).
 //!
-//! Frames, for all parts of the project: `hand` has its origin at the wrist's centre, x toward the middle
-//! knuckle, z out of the back of the hand, y toward the thumb; `camera` is an optical frame with z forward,
-//! x right, y down; `world` has z up. Metres; degrees only where a name says so.
+//! Frames, for all parts of the project: `hand` has its origin at the wrist's centre, x toward the
+//! middle knuckle, z out of the back of the hand, y toward the thumb; `camera` is an optical frame
+//! with z forward, x right, y down; `world` has z up. Metres; degrees only where a name says so.
 
 mod camera;
 mod grasp;
@@ -50,6 +51,6 @@ pub use hand::{
 pub use hand_model::{HandModel, HandModelError};
 pub use plan::{Preset, RenderPlan, UnknownPreset};
 pub use raster::HAND_FLOOR;
-pub use scene::{Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};
+pub use scene::{JointPlaces, Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};
 pub use variation::Variation;
 pub use view::{View, ViewGrid, Views, world_from_hand};

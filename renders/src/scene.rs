@@ -24,16 +24,18 @@ pub struct Look {
     pub side: usize,
     /// Length of the forearm behind the wrist in metres; 0 cuts the hand at the wrist.
     pub forearm: f64,
-    /// Length of the black arm in metres that goes on where the hand is cut and hides what lies behind it, as
-    /// a sleeve does once a picture is segmented; 0 leaves it out.
+    /// Length of the black arm in metres that goes on where the hand is cut and hides what lies
+    /// behind it, as a sleeve does once a picture is segmented; 0 leaves it out.
     pub arm: f64,
-    /// How wide that arm is where it begins, as a share of the wrist: 1 is a bare wrist, 1.5 a wide sleeve.
+    /// How wide that arm is where it begins, as a share of the wrist: 1 is a bare wrist, 1.5 a wide
+    /// sleeve.
     pub sleeve: f64,
     /// Distance of the camera from the hand's centre, in hand lengths.
     pub distance: f64,
     /// How far that distance may vary from view to view, as a share of it: 0 to 0.5.
     pub distance_variation: f64,
-    /// How far the light may move from view to view: 0 (fixed) to 1 (anywhere on the camera's side).
+    /// How far the light may move from view to view: 0 (fixed) to 1 (anywhere on the camera's
+    /// side).
     pub light_variation: f64,
     /// Side of the mesh's cells in metres.
     pub cell: f64,
@@ -99,9 +101,14 @@ pub struct Scene {
     centre: Vector3<f64>,
     world_from_hand: UnitQuaternion<f64>,
     hand_length: f64,
+    joints: JointPlaces,
     look: Look,
     noise: u64,
 }
+
+/// The centres of a posed hand's joints in metres in the frame of the hand: of the thumb and each
+/// finger the root, the two joints and the tip.
+pub type JointPlaces = [[Vector3<f32>; 4]; 5];
 
 /// What a scene is put together from, in the frame of the hand.
 pub(crate) struct Pieces {
@@ -110,6 +117,7 @@ pub(crate) struct Pieces {
     pub(crate) object: PlacedObject,
     /// The middle of the place where the hand or its forearm is cut.
     pub(crate) cut: Vector3<f64>,
+    pub(crate) joints: JointPlaces,
 }
 
 /// One synthetic picture.
@@ -139,7 +147,7 @@ impl SceneSpec {
     /// [`SceneError::Look`] when a parameter of the look is out of its range.
     pub fn build(&self) -> Result<Scene, SceneError> {
         self.look.check()?;
-        let Pieces { hand, object, cut } = self.pieces();
+        let Pieces { hand, object, cut, joints } = self.pieces();
         let sleeve = arm(&self.hand_shape, &cut, self.look.arm, self.look.sleeve);
         let black = [object.mesh(), sleeve];
         let (drawing, centre) = assemble(hand, &black, cut.x);
@@ -148,6 +156,7 @@ impl SceneSpec {
             centre,
             world_from_hand: world_from_hand(&self.grasp.up),
             hand_length: self.hand_shape.length(),
+            joints,
             look: self.look.clone(),
             noise: self.params_hash(),
         })
@@ -161,7 +170,8 @@ impl SceneSpec {
         };
         let (pose, object) = self.pose(&skeleton);
         let (hand, cut) = self.hand(&skeleton, &pose);
-        Pieces { hand, object, cut }
+        let joints = skeleton.chains(&pose).map(|chain| chain.points.map(|point| point.cast()));
+        Pieces { hand, object, cut, joints }
     }
 
     /// The posed hand, and the middle of the place where it is cut.
@@ -243,8 +253,8 @@ fn assemble(hand: Mesh, black: &[Mesh], cut_x: f64) -> (Drawing, Vector3<f64>) {
     (drawing, centre.cast())
 }
 
-/// The arm in its sleeve, backwards from the middle of the cut: an elliptic cone that begins `sleeve` times as wide as the
-/// wrist.
+/// The arm in its sleeve, backwards from the middle of the cut: an elliptic cone that begins
+/// `sleeve` times as wide as the wrist.
 pub(crate) fn arm(shape: &HandShape, cut: &Vector3<f64>, length: f64, sleeve: f64) -> Mesh {
     const SIDES: u32 = 32;
     let mut mesh = Mesh::default();
@@ -284,13 +294,23 @@ impl Scene {
         Render { side: self.look.side, grey, camera_from_hand, view: *view }
     }
 
+    /// Where the hand's joints are.
+    pub fn joints(&self) -> &JointPlaces {
+        &self.joints
+    }
+
+    /// Length of the hand in metres.
+    pub fn hand_length(&self) -> f64 {
+        self.hand_length
+    }
+
     /// The point that the camera looks at, in the hand frame: the middle of the hand's box.
     pub fn centre(&self) -> Vector3<f64> {
         self.centre
     }
 
-    /// Light and distance (in hand lengths) of a view; they follow from the parameters and the view alone,
-    /// not from the order in which views are rendered.
+    /// Light and distance (in hand lengths) of a view; they follow from the parameters and the view
+    /// alone, not from the order in which views are rendered.
     fn light_and_distance(&self, view: &View) -> (Light, f64) {
         // From the upper left, from behind the camera.
         let mut toward = Vector3::new(-0.30, -0.55, -0.78);
@@ -308,8 +328,8 @@ impl Scene {
         (light, distance)
     }
 
-    /// The hand without what it holds: places in metres in the frame of the hand, relative to [`Self::centre`], and the
-    /// triangles between them, outside counter-clockwise.
+    /// The hand without what it holds: places in metres in the frame of the hand, relative to
+    /// [`Self::centre`], and the triangles between them, outside counter-clockwise.
     pub fn hand(&self) -> (&[Vector3<f32>], &[[u32; 3]]) {
         let Drawing { vertices, triangles, hand_vertices, .. } = &self.drawing;
         // The cut through the wrist is drawn black, but belongs to the hand.
@@ -318,7 +338,8 @@ impl Scene {
         (&vertices[..*hand_vertices], &triangles[..end])
     }
 
-    /// What hides the hand, the object that it holds and the arm where the look has one: as [`Self::hand`].
+    /// What hides the hand, the object that it holds and the arm where the look has one: as
+    /// [`Self::hand`].
     pub fn occluders(&self) -> (&[Vector3<f32>], Vec<[u32; 3]>) {
         let Drawing { vertices, triangles, hand_vertices, .. } = &self.drawing;
         let first = *hand_vertices as u32;
@@ -385,7 +406,8 @@ mod tests {
 
     #[test]
     fn a_point_of_the_hand_is_seen_where_the_quaternion_says() {
-        // The index fingertip of an almost flat hand is the picture's uppermost part when x points up.
+        // The index fingertip of an almost flat hand is the picture's uppermost part when x points
+        // up.
         let scene = spec(HandShape::mean(), "pinch", Stage::Reach).build().expect("a scene");
         let view = View { azimuth_deg: 180.0, elevation_deg: 84.0, roll_deg: 0.0 };
         let render = scene.render(&view);
@@ -394,7 +416,8 @@ mod tests {
         let width = |row: usize| render.grey[row * 48..(row + 1) * 48].iter().filter(|g| **g > 0).count();
         let (tips, wrist) = (width(3), width(44));
         assert!(tips > 0 && tips < wrist, "fingertips {tips}, wrist {wrist}");
-        // The thumb is on the right: the right hand seen from the back, fingers up, has it on the left.
+        // The thumb is on the right: the right hand seen from the back, fingers up, has it on the
+        // left.
         assert!((render.camera_from_hand * Vector3::y()).x < -0.9);
     }
 

@@ -36,8 +36,8 @@ pub(crate) struct Train {
     /// Which network: the learned descriptor's, or the one that finds a hand in a camera picture.
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
-    /// Pictures to show the network in all; full batches of 64 are. By default as many as the shipped
-    /// network of that kind was shown: 2,200,000 (hand), 2,000,000 (scene).
+    /// Pictures to show the network in all; full batches of 64 are. By default as many as the
+    /// shipped network of that kind was shown: 3,200,000 (hand), 2,000,000 (scene).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// What all randomness comes from.
@@ -50,8 +50,8 @@ pub(crate) struct Train {
     /// Measure, and add a line to the curve, each time that so many pictures have been shown.
     #[arg(long, default_value_t = DEFAULT_VALIDATE_EVERY, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     validate_every: u64,
-    /// Leave a fifth of the recorded poses out of the training, for experiments: the curve's figures
-    /// of these poses are then those of poses that the network has not seen.
+    /// Leave a fifth of the recorded poses out of the training, for experiments: the curve's
+    /// figures of these poses are then those of poses that the network has not seen.
     #[arg(long)]
     hold_out_poses: bool,
 }

@@ -68,4 +68,6 @@ pub struct Lesson {
     pub target: Target,
     /// The masks that it shall answer; empty for a network without.
     pub masks: Vec<f32>,
+    /// Where the hand's joints are, as seen and as bent.
+    pub joints: Vec<f32>,
 }

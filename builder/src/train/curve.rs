@@ -24,7 +24,7 @@ pub struct Row {
 
 impl Row {
     pub(super) fn new(samples: u64, losses: &MeanLosses, has_masks: bool, figures: Vec<Figure>) -> Self {
-        let names = ["loss", "class_loss", "stage_loss", "rotation_loss", "mask_loss"];
+        let names = ["loss", "class_loss", "stage_loss", "rotation_loss", "joint_loss", "mask_loss"];
         let count = if has_masks { names.len() } else { names.len() - 1 };
         let losses =
             names.iter().zip(losses.mean()).take(count).map(|(name, value)| Figure::new(name, value));
@@ -63,19 +63,20 @@ impl fmt::Display for Row {
 /// The losses of the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct MeanLosses {
-    /// Total, class, stage, rotation, masks.
-    sums: [f64; 5],
+    /// Total, class, stage, rotation, joints, masks.
+    sums: [f64; 6],
     steps: u64,
 }
 
 impl MeanLosses {
     pub(super) fn add(&mut self, losses: &Losses) {
-        let values = [losses.total(), losses.class, losses.stage, losses.rotation, losses.masks];
+        let values =
+            [losses.total(), losses.class, losses.stage, losses.rotation, losses.joints, losses.masks];
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
         self.steps += 1;
     }
 
-    fn mean(&self) -> [f64; 5] {
+    fn mean(&self) -> [f64; 6] {
         self.sums.map(|sum| sum / self.steps.max(1) as f64)
     }
 }

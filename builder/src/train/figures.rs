@@ -3,8 +3,8 @@
 /// Something that was measured.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Figure {
-    /// The name of its column; an interface: never renamed. Ends with `_deg` where it is an angle in
-    /// degrees, and is a share otherwise.
+    /// The name of its column; an interface: never renamed. Ends with `_deg` where it is an angle
+    /// in degrees, and is a share otherwise.
     pub name: String,
     /// How much.
     pub value: f64,

@@ -1,11 +1,11 @@
 //! Trains networks on renders that are drawn as it goes.
 //!
-//! A [`Course`] is what a network is taught: [`Hand`], of the learned descriptor, or [`Scene`], which
-//! finds a hand in a camera picture. [`Scenes`] are drawn by number, rendered in parts, and stay in a
-//! [`Window`] for a while, out of which every batch is picked and varied anew. Which parts are in the
-//! window at which step follows from the step alone ([`Schedule`]), so that the trained network
-//! depends on neither the number of threads nor on how often the training was stopped. It is
-//! measured on hands that no training draws.
+//! A [`Course`] is what a network is taught: [`Hand`], of the learned descriptor, or [`Scene`],
+//! which finds a hand in a camera picture. [`Scenes`] are drawn by number, rendered in parts, and
+//! stay in a [`Window`] for a while, out of which every batch is picked and varied anew. Which
+//! parts are in the window at which step follows from the step alone ([`Schedule`]), so that the
+//! trained network depends on neither the number of threads nor on how often the training was
+//! stopped. It is measured on hands that no training draws.
 
 mod check;
 mod checkpoint;
@@ -13,6 +13,7 @@ mod course;
 mod curve;
 mod figures;
 mod hand;
+mod joints;
 mod options;
 mod rotation;
 mod run;

@@ -35,7 +35,7 @@ impl Kind {
     /// Samples of the shipped network.
     pub fn default_samples(self) -> u64 {
         match self {
-            Self::Hand => 2_200_000,
+            Self::Hand => 3_200_000,
             Self::Scene => 2_000_000,
         }
     }

@@ -1,7 +1,8 @@
 //! Rotations as a network is asked for them, and as it answers.
 
-use grasp_train::{ROTATION, rotation_of};
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use grasp_index::from_columns;
+use grasp_train::ROTATION;
+use nalgebra::UnitQuaternion;
 
 /// The rows of the matrix that a network shall answer.
 pub(super) fn rows(rotation: &UnitQuaternion<f64>) -> [[f32; 3]; 3] {
@@ -11,10 +12,8 @@ pub(super) fn rows(rotation: &UnitQuaternion<f64>) -> [[f32; 3]; 3] {
 
 /// The rotation that the last of a network's heads answer with.
 pub(super) fn of_heads(heads: &[f32]) -> UnitQuaternion<f64> {
-    let last = heads.last_chunk::<ROTATION>().copied().unwrap_or_default();
-    let rows = rotation_of(last);
-    let matrix = Matrix3::from_fn(|row, column| f64::from(rows[row][column]));
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix))
+    let last = heads.last_chunk::<ROTATION>();
+    last.and_then(|columns| from_columns(*columns)).unwrap_or_default()
 }
 
 #[cfg(test)]

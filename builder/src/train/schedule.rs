@@ -78,8 +78,8 @@ impl Schedule {
         part * self.scenes..(part + 1) * self.scenes
     }
 
-    /// Whether a sample of a batch is shown mirrored, at other places among those that are augmented
-    /// hard than among the others.
+    /// Whether a sample of a batch is shown mirrored, at other places among those that are
+    /// augmented hard than among the others.
     pub fn is_mirrored(&self, at: usize) -> bool {
         (at * self.mirrored / self.batch.max(1) + at).is_multiple_of(self.mirrored.max(1))
     }

@@ -15,7 +15,7 @@ use super::curve::{MeanLosses, Row};
 use super::figures::Figure;
 use super::options::{PEAK_RATE, hard_samples};
 use super::window::{Window, render_all};
-use super::{Options, Schedule};
+use super::{Options, Schedule, joints};
 
 /// A training that goes on where its state says.
 pub(super) struct Training<C: Course> {
@@ -34,13 +34,13 @@ impl<C: Course> Training<C> {
         let state = match saved {
             Some(state) => state,
             None => State {
-                trainer: Trainer::new(&architecture, options.seed_of_weights())?,
+                trainer: Trainer::new(&architecture, joints::COUNT, options.seed_of_weights())?,
                 curve: Vec::new(),
                 losses: MeanLosses::default(),
             },
         };
         ensure!(
-            *state.trainer.architecture() == architecture,
+            *state.trainer.architecture() == architecture && state.trainer.joints() == joints::COUNT,
             "the checkpoint is of another network: remove it to begin again"
         );
         Ok(Self { options: options.clone(), window: Window::new(schedule.window), schedule, course, state })
@@ -183,10 +183,11 @@ fn batch<C: Course>(
     };
     let lessons: Vec<Option<Lesson>> = picks.par_iter().enumerate().map(lesson).collect();
     let mut batch = Batch::default();
-    for Lesson { planes, target, masks } in lessons.into_iter().flatten() {
+    for Lesson { planes, target, masks, joints } in lessons.into_iter().flatten() {
         batch.inputs.extend(planes);
         batch.targets.push(target);
         batch.masks.extend(masks);
+        batch.joints.extend(joints);
     }
     batch
 }

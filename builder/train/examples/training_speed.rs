@@ -1,24 +1,24 @@
-//! Prints how many samples a second are learned from, by the shipped network and by one with masks,
-//! on each number of threads that is given, or on one and on two.
+//! Prints how many samples a second are learned from, by networks as the shipped ones, on each
+//! number of threads that is given, or on one and on two.
 
 use grasp_network::{Architecture, ArchitectureError, Convolution, Masks};
 use grasp_train::{Batch, LossWeights, Target, Trainer};
 use std::error::Error;
 use std::time::Instant;
 
+/// Places that are learned besides.
+const JOINTS: usize = 40;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let given: Vec<usize> =
         std::env::args().skip(1).map(|threads| threads.parse()).collect::<Result<_, _>>()?;
     let threads = if given.is_empty() { vec![1, 2] } else { given };
-    let plain = architecture(48, 2, &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 96)], 15, None);
-    let masked = architecture(
-        64,
-        3,
-        &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 112), (3, 1, 112), (3, 2, 160)],
-        17,
-        Some(Masks { convolution: 5, count: 2, cells: 4 }),
-    );
-    for (name, architecture, samples) in [("shipped", plain, 128), ("with masks", masked, 64)] {
+    let hand = [(5, 2, 24), (3, 2, 48), (3, 1, 64), (3, 2, 128), (3, 1, 128), (3, 1, 128)];
+    let hand = architecture(48, 2, &hand, 16, None);
+    let scene = [(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 112), (3, 1, 112), (3, 2, 160)];
+    let scene = architecture(64, 3, &scene, 17, Some(Masks { convolution: 5, count: 3, cells: 4 }));
+    for (name, architecture) in [("hand", hand), ("scene", scene)] {
+        let samples = 64;
         let batch = batch(&architecture, samples)?;
         for &threads in &threads {
             let rate = measure(&architecture, &batch, threads)?;
@@ -54,13 +54,14 @@ fn batch(architecture: &Architecture, samples: usize) -> Result<Batch, Architect
         inputs: values(samples * inputs),
         targets: (0..samples).map(target).collect(),
         masks: values(samples * masks),
+        joints: values(samples * 3 * JOINTS),
     })
 }
 
 /// Samples a second.
 fn measure(architecture: &Architecture, batch: &Batch, threads: usize) -> Result<f64, Box<dyn Error>> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let mut trainer = Trainer::new(architecture, 1)?;
+    let mut trainer = Trainer::new(architecture, JOINTS, 1)?;
     pool.install(|| trainer.step(batch, 1e-3))?;
     // The best of a few: others may use the machine too.
     let mut best = f64::INFINITY;

@@ -14,11 +14,13 @@ pub struct LossWeights {
     pub rotation: f32,
     /// In the loss of the masks, where the network has any.
     pub masks: f32,
+    /// In the loss of the joints, where their places are learned.
+    pub joints: f32,
 }
 
 impl LossWeights {
     /// The sample counts in full in every loss.
-    pub const ALL: Self = Self { class: 1.0, stage: 1.0, rotation: 1.0, masks: 1.0 };
+    pub const ALL: Self = Self { class: 1.0, stage: 1.0, rotation: 1.0, masks: 1.0, joints: 1.0 };
 }
 
 impl Default for LossWeights {
@@ -51,6 +53,9 @@ pub struct Batch {
     /// The shares, 0 to 1, that the masks shall answer with, one sample's after another's, each
     /// `[mask][y][x]` as in [`grasp_network::Output`]; empty for networks without masks.
     pub masks: Vec<f32>,
+    /// The places of the joints, one sample's after another's, three values each: in any unit and
+    /// frame, values of about 1; empty where no joints are learned.
+    pub joints: Vec<f32>,
 }
 
 /// A batch that nothing can be learned from. The trainer is left as it was.
@@ -83,8 +88,18 @@ pub enum BatchError {
         /// The values of one sample.
         sample: usize,
     },
-    /// An input, a rotation or a weight is infinite or not a number, a weight is negative, or
-    /// a share is not from 0 to 1.
+    /// The joints do not fit the targets.
+    #[error("{found} values of joints where {expected} were expected: a sample has {sample}")]
+    JointLength {
+        /// Values of the joints.
+        found: usize,
+        /// What the number of samples asks for.
+        expected: usize,
+        /// The values of one sample.
+        sample: usize,
+    },
+    /// An input, a rotation, a joint or a weight is infinite or not a number, a weight is negative,
+    /// or a share is not from 0 to 1.
     #[error("sample {sample}: {what}")]
     Value {
         /// The sample, counted from 0.
@@ -115,15 +130,29 @@ impl Batch {
             if !target.rotation.as_flattened().iter().all(|value| value.is_finite()) {
                 return fault("its rotation is not finite");
             }
-            let LossWeights { class, stage, rotation, masks } = target.weights;
-            if ![class, stage, rotation, masks].iter().all(|weight| (0.0..=f32::MAX).contains(weight)) {
+            let LossWeights { class, stage, rotation, masks, joints } = target.weights;
+            let weights = [class, stage, rotation, masks, joints];
+            if !weights.iter().all(|weight| (0.0..=f32::MAX).contains(weight)) {
                 return fault("its weights are not finite or negative");
             }
             if !inputs.iter().all(|value| value.is_finite()) {
                 return fault("its inputs are not finite");
             }
         }
-        self.check_masks(plan.mask_values())
+        self.check_masks(plan.mask_values())?;
+        self.check_joints(3 * plan.joints())
+    }
+
+    /// Checks the joints, so many values a sample.
+    fn check_joints(&self, sample: usize) -> Result<(), BatchError> {
+        let (found, expected) = (self.joints.len(), self.targets.len().saturating_mul(sample));
+        if found != expected {
+            return Err(BatchError::JointLength { found, expected, sample });
+        }
+        if let Some(at) = self.joints.iter().position(|value| !value.is_finite()) {
+            return Err(BatchError::Value { sample: at / sample, what: "its joints are not finite" });
+        }
+        Ok(())
     }
 
     /// Checks the masks, so many values a sample.

@@ -1,9 +1,10 @@
 //! The complete state of a training as bytes.
 //!
 //! Little-endian: magic, version (u32), the architecture (side, planes, embedding, heads, number of
-//! convolutions, then kernel, stride and outputs of each; with masks also their convolution, count
-//! and cells: u32), seed and steps (u64), the arrays of the state in their order (f32; their lengths
-//! follow from the architecture), and the xxh3 of all bytes before it (u64).
+//! convolutions, kernel, stride and outputs of each, and the masks' convolution, count and cells,
+//! zeros where there are none: u32), the number of joints (u32), seed and steps (u64), the arrays
+//! of the state in their order (f32; their lengths follow from the architecture), and the xxh3 of
+//! all bytes before it (u64).
 
 use crate::optimiser::Moments;
 use crate::plan::Plan;
@@ -13,11 +14,9 @@ use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
 
 const MAGIC: [u8; 8] = *b"graspTRN";
-/// The version of networks without masks. Goes up with every change that makes older checkpoints
-/// unusable, a change of what training does included.
-const PLAIN: u32 = 1;
-/// The version of networks with masks. Goes up likewise, past both.
-const WITH_MASKS: u32 = 2;
+/// Goes up with every change that makes older checkpoints unusable, a change of what training does
+/// included.
+const VERSION: u32 = 3;
 
 /// Bytes that are no checkpoint that training can go on from.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -27,9 +26,7 @@ pub enum CheckpointError {
     #[error("not a checkpoint of a training")]
     NotACheckpoint,
     /// Another version of the program wrote it.
-    #[error(
-        "a checkpoint of version {found}, and this program reads {PLAIN} and {WITH_MASKS}: begin the training again"
-    )]
+    #[error("a checkpoint of version {found}, and this program reads {VERSION}: begin the training again")]
     Version {
         /// The checkpoint's version.
         found: u32,
@@ -62,14 +59,13 @@ impl Trainer {
         let State { plan, seed, steps, .. } = &self.state;
         let Architecture { side, planes, convolutions, embedding, heads, masks } = &plan.architecture;
         let mut bytes = MAGIC.to_vec();
-        let version = if masks.is_some() { WITH_MASKS } else { PLAIN };
-        let mut header = vec![version, *side, *planes, *embedding, *heads, convolutions.len() as u32];
+        let mut header = vec![VERSION, *side, *planes, *embedding, *heads, convolutions.len() as u32];
         for &Convolution { kernel, stride, outputs } in convolutions {
             header.extend([kernel, stride, outputs]);
         }
-        if let Some(Masks { convolution, count, cells }) = *masks {
-            header.extend([convolution, count, cells]);
-        }
+        let masks = masks.map_or([0; 3], |Masks { convolution, count, cells }| [convolution, count, cells]);
+        header.extend(masks);
+        header.push(plan.joints() as u32);
         bytes.extend(header.iter().flat_map(|value| value.to_le_bytes()));
         bytes.extend([*seed, *steps].iter().flat_map(|value| value.to_le_bytes()));
         for (_, array) in arrays(&self.state) {
@@ -91,27 +87,25 @@ impl Trainer {
         }
         reader.take(MAGIC.len())?;
         let found = reader.u32()?;
-        let has_masks = match found {
-            PLAIN => false,
-            WITH_MASKS => true,
-            _ => return Err(CheckpointError::Version { found }),
-        };
+        if found != VERSION {
+            return Err(CheckpointError::Version { found });
+        }
         let [side, planes, embedding, heads, count] = reader.u32s()?;
         let mut convolutions = Vec::new();
         for _ in 0..count {
             let [kernel, stride, outputs] = reader.u32s()?;
             convolutions.push(Convolution { kernel, stride, outputs });
         }
-        let mut masks = None;
-        if has_masks {
-            let [convolution, count, cells] = reader.u32s()?;
-            masks = Some(Masks { convolution, count, cells });
-        }
+        let masks = match reader.u32s()? {
+            [0, 0, 0] => None,
+            [convolution, count, cells] => Some(Masks { convolution, count, cells }),
+        };
         let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
+        let joints = reader.u32()? as usize;
         let (seed, steps) = (reader.u64()?, reader.u64()?);
 
         // Before anything is allocated by what the header claims.
-        let plan = Plan::new(&architecture)?;
+        let plan = Plan::new(&architecture, joints)?;
         let values = 4 * plan.parameters + plan.statistics;
         let (found, expected) = (reader.rest.len(), values.saturating_mul(4).saturating_add(8));
         if found != expected {

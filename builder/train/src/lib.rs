@@ -2,8 +2,9 @@
 //!
 //! Each convolution and the embedding's dense layer are followed by batch normalisation; values are
 //! dropped before the embedding. The heads are, in this order, the logits of the classes, those of
-//! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of. Where
-//! the network has masks, their logits shall answer with given shares. Adam makes the sum of the
+//! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of.
+//! Where the network has masks, their logits shall answer with given shares. The places of joints
+//! may be learned besides, by a head that the trained network is without. Adam makes the sum of the
 //! [`Losses`] small.
 //!
 //! ```
@@ -14,7 +15,7 @@
 //! // A mask of 8 x 8 values.
 //! let masks = Some(Masks { convolution: 0, count: 1, cells: 2 });
 //! let architecture = Architecture { side: 8, planes: 1, convolutions, embedding: 5, heads: 15, masks };
-//! let mut trainer = Trainer::new(&architecture, 1)?;
+//! let mut trainer = Trainer::new(&architecture, 0, 1)?;
 //! let target = Target {
 //!     class: 3,
 //!     stage: 2,
@@ -24,7 +25,7 @@
 //! let steps = 10;
 //! while trainer.steps() < steps {
 //!     let masks = vec![1.0; 32 * 8 * 8];
-//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks };
+//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks, joints: Vec::new() };
 //!     let losses = trainer.step(&batch, learning_rate(2e-3, trainer.steps(), steps))?;
 //!     assert!(losses.total().is_finite());
 //! }
@@ -42,6 +43,7 @@ mod columns;
 mod convolution;
 mod dense;
 mod dropout;
+mod joint_loss;
 mod losses;
 mod mask_loss;
 mod matrix;

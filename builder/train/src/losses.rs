@@ -14,6 +14,8 @@ const ROTATION_FACTOR: f64 = 1.0;
 /// The weight of the masks' loss in the total: few of their values are hand or object, and the mean
 /// over all is small.
 pub(crate) const MASK_FACTOR: f32 = 3.0;
+/// The weight of the joints' loss in the total.
+pub(crate) const JOINT_FACTOR: f32 = 3.0;
 /// Added under the root, so that a rotation without error has a gradient.
 const EPSILON: f64 = 1e-4;
 
@@ -28,18 +30,20 @@ pub struct Losses {
     pub rotation: f32,
     /// Binary cross entropy of the masks, the mean over their values; 0 without masks.
     pub masks: f32,
+    /// The mean distance of the joints from their places; 0 without joints.
+    pub joints: f32,
 }
 
 impl Losses {
-    /// What training makes small: class + 0.3 stage + rotation + 3 masks.
+    /// What training makes small: class + 0.3 stage + rotation + 3 masks + 3 joints.
     pub fn total(&self) -> f32 {
         let heads = self.class + STAGE_FACTOR as f32 * self.stage + ROTATION_FACTOR as f32 * self.rotation;
-        heads + MASK_FACTOR * self.masks
+        heads + MASK_FACTOR * self.masks + JOINT_FACTOR * self.joints
     }
 }
 
-/// The losses of a batch's heads, `heads` values a sample; that of the masks is left at 0. Writes
-/// the gradient of the total.
+/// The losses of a batch's heads, `heads` values a sample; those of masks and joints are left at 0.
+/// Writes the gradient of the total.
 pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradients: &mut [f32]) -> Losses {
     let share = |weight: fn(&LossWeights) -> f32| {
         let sum: f64 = targets.iter().map(|target| f64::from(weight(&target.weights))).sum();
@@ -63,7 +67,7 @@ pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradient
         sums[2] += rotation * rotation_error(columns, &target.rotation, factor, column_gradients);
     }
     let [class, stage, rotation] = sums.map(|sum| sum as f32);
-    Losses { class, stage, rotation, masks: 0.0 }
+    Losses { class, stage, rotation, masks: 0.0, joints: 0.0 }
 }
 
 /// The cross entropy of `softmax(logits)` and the target, which has `kept` on the label and the
@@ -107,7 +111,7 @@ mod tests {
         class: 4,
         stage: 1,
         rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-        weights: LossWeights { class: 0.5, stage: 2.0, rotation: 1.5, masks: 1.0 },
+        weights: LossWeights { class: 0.5, stage: 2.0, rotation: 1.5, ..LossWeights::ALL },
     };
 
     fn outputs() -> Vec<f32> {
@@ -149,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_sample_without_weight_is_left_out() {
-        let weights = LossWeights { class: 0.0, stage: 0.0, rotation: 0.0, masks: 0.0 };
+        let weights = LossWeights { class: 0.0, stage: 0.0, rotation: 0.0, ..LossWeights::ALL };
         let targets = [TARGET, Target { weights, ..TARGET }];
         let mut gradients = vec![1.0; 30];
         let both = losses(15, &outputs(), &targets, &mut gradients);

@@ -45,9 +45,11 @@ struct Layer {
 pub(crate) struct Outputs {
     /// `[sample][head]`.
     pub(crate) heads: Vec<f32>,
-    /// Logits `[sample][y][x][mask][cell y][cell x]`, by the pixels of the convolution that they are
-    /// read from; empty without masks.
+    /// Logits `[sample][y][x][mask][cell y][cell x]`, by the pixels of the convolution that they
+    /// are read from; empty without masks.
     pub(crate) masks: Vec<f32>,
+    /// `[sample][joint][x, y, z]`; empty without joints.
+    pub(crate) joints: Vec<f32>,
 }
 
 /// The values of one batch, kept for the way back.
@@ -101,6 +103,9 @@ impl Activations {
         layer.activate(block, shape.outputs, &slices, parameters, Architecture::LEAK, mode);
 
         plan.head.forward(parameters, &layer.active, &mut self.outputs.heads);
+        if let Some(joints) = &plan.joints {
+            joints.forward(parameters, &layer.active, &mut self.outputs.joints);
+        }
         if let Some(MaskPlan { convolution, layer, .. }) = &plan.masks {
             let inputs = &self.layers[*convolution].active;
             layer.forward(parameters, inputs, &mut self.outputs.masks);
@@ -124,6 +129,11 @@ impl Activations {
         let heads = &output_gradients.heads;
         plan.head.parameter_gradients(&embedding.active, heads, gradients);
         plan.head.input_gradients(parameters, heads, Before::Replace, &mut embedding.gradient);
+        if let Some(joints) = &plan.joints {
+            let of_joints = &output_gradients.joints;
+            joints.parameter_gradients(&embedding.active, of_joints, gradients);
+            joints.input_gradients(parameters, of_joints, Before::Add, &mut embedding.gradient);
+        }
 
         let (shape, block) = (embedding_shape(plan), embedding_block(plan));
         let totals = embedding.rectifier_backward(block, shape.outputs, Architecture::LEAK, gradients);

@@ -24,6 +24,10 @@ pub(crate) fn initial(plan: &Plan, seed: u64) -> Vec<f32> {
         let stream = key(seed, plan.blocks.len() as u64 + 1);
         fill(stream, 1.0, layer.shape.inputs, &mut parameters[layer.matrix.clone()]);
     }
+    if let Some(layer) = &plan.joints {
+        let stream = key(seed, plan.blocks.len() as u64 + 2);
+        fill(stream, 1.0, layer.shape.inputs, &mut parameters[layer.matrix.clone()]);
+    }
     parameters
 }
 
@@ -45,7 +49,7 @@ pub(crate) fn initial_statistics(plan: &Plan) -> Vec<f32> {
 }
 
 /// The weights in the layout of [`grasp_network::Architecture`]: each normalisation becomes a
-/// factor of its kernel and a bias.
+/// factor of its kernel and a bias. The joints are left out.
 pub(crate) fn fold(plan: &Plan, parameters: &[f32], statistics: &[f32]) -> Vec<f32> {
     let mut weights = Vec::with_capacity(plan.parameters);
     for block in &plan.blocks {

@@ -10,6 +10,9 @@ pub const STAGES: usize = 3;
 /// Values of the third head: the two columns that [`crate::rotation_of`] makes a rotation of.
 pub const ROTATION: usize = 6;
 
+/// Joints whose places can be learned.
+const MOST_JOINTS: usize = 256;
+
 /// Where the parameters and statistics of a normalised layer lie: a convolution or the embedding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Block {
@@ -58,6 +61,8 @@ pub(crate) struct Plan {
     pub(crate) blocks: Vec<Block>,
     pub(crate) head: Affine,
     pub(crate) masks: Option<MaskPlan>,
+    /// Three values a joint, off the embedding; trained by, and no part of the network.
+    pub(crate) joints: Option<Affine>,
     /// Trained values.
     pub(crate) parameters: usize,
     /// Means and variances.
@@ -65,11 +70,15 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    pub(crate) fn new(architecture: &Architecture) -> Result<Self, ArchitectureError> {
+    pub(crate) fn new(architecture: &Architecture, joints: usize) -> Result<Self, ArchitectureError> {
         let heads = u64::from(architecture.heads);
         if heads < (2 + STAGES + ROTATION) as u64 {
             let (what, supported) = ("size of the heads", "11 and more can be trained");
             return Err(ArchitectureError { what, value: heads, supported });
+        }
+        if joints > MOST_JOINTS {
+            let supported = "at most 256 are supported";
+            return Err(ArchitectureError { what: "number of joints", value: joints as u64, supported });
         }
         let mut convolutions = architecture.layers()?;
         // The embedding, the heads and the masks.
@@ -103,6 +112,7 @@ impl Plan {
             side: layer.output_side,
             layer: affine(layer.inputs(), layer.output_planes),
         });
+        let joints = (joints > 0).then(|| affine(embedding, 3 * joints));
         Ok(Self {
             architecture: architecture.clone(),
             convolutions,
@@ -110,6 +120,7 @@ impl Plan {
             blocks,
             head,
             masks,
+            joints,
             parameters: parameters.0,
             statistics: statistics.0,
         })
@@ -133,6 +144,11 @@ impl Plan {
         self.masks.as_ref().map_or(0, MaskPlan::values)
     }
 
+    /// Joints whose places are learned.
+    pub(crate) fn joints(&self) -> usize {
+        self.joints.as_ref().map_or(0, |layer| layer.shape.outputs / 3)
+    }
+
     /// The masks, where they are read from this convolution.
     pub(crate) fn masks_of(&self, convolution: usize) -> Option<&MaskPlan> {
         self.masks.as_ref().filter(|masks| masks.convolution == convolution)
@@ -146,7 +162,7 @@ impl Plan {
     /// The parameters that weight decay applies to: kernels and matrices.
     pub(crate) fn decayed(&self) -> impl Iterator<Item = Range<usize>> {
         let masks = self.masks.as_ref().map(|masks| &masks.layer);
-        let affine = std::iter::once(&self.head).chain(masks).map(|layer| &layer.matrix);
+        let affine = std::iter::once(&self.head).chain(masks).chain(&self.joints).map(|layer| &layer.matrix);
         self.blocks.iter().map(|block| &block.matrix).chain(affine).cloned()
     }
 }

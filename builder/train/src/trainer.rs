@@ -1,6 +1,7 @@
 //! Training, step by step.
 
 use crate::batch::{Batch, BatchError};
+use crate::joint_loss::joint_loss;
 use crate::losses::{Losses, losses};
 use crate::mask_loss::mask_loss;
 use crate::network::{Activations, Mode, Outputs};
@@ -46,13 +47,14 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// A network with random weights.
+    /// A network with random weights. Off its embedding the places of so many `joints` are learned
+    /// besides, which makes it see the hand's pose; [`Self::weights`] are without them.
     ///
     /// # Errors
-    /// The architecture is not supported, or has fewer heads than two classes,
-    /// [`STAGES`](crate::STAGES) and [`ROTATION`](crate::ROTATION) need.
-    pub fn new(architecture: &Architecture, seed: u64) -> Result<Self, ArchitectureError> {
-        let plan = Plan::new(architecture)?;
+    /// The architecture or the number of joints is not supported, or the architecture has fewer
+    /// heads than two classes, [`STAGES`](crate::STAGES) and [`ROTATION`](crate::ROTATION) need.
+    pub fn new(architecture: &Architecture, joints: usize, seed: u64) -> Result<Self, ArchitectureError> {
+        let plan = Plan::new(architecture, joints)?;
         let (parameters, statistics) = (initial(&plan, seed), initial_statistics(&plan));
         Ok(Self::from_state(State {
             seed,
@@ -75,6 +77,11 @@ impl Trainer {
             output_gradients: Outputs::default(),
             state,
         }
+    }
+
+    /// How many joints' places are learned besides.
+    pub fn joints(&self) -> usize {
+        self.state.plan.joints()
     }
 
     /// The shape of the network.
@@ -114,7 +121,7 @@ impl Trainer {
         let dropout = key(!*seed, *steps);
         let inputs = batch.inputs.as_slice();
         self.activations.forward(plan, parameters, inputs, Mode::Training { dropout });
-        let Outputs { heads, masks } = &self.activations.outputs;
+        let Outputs { heads, masks, joints } = &self.activations.outputs;
         let of = &mut self.output_gradients;
         of.heads.resize(heads.len(), 0.0);
         let mut losses = losses(plan.heads(), heads, &batch.targets, &mut of.heads);
@@ -122,6 +129,8 @@ impl Trainer {
             of.masks.resize(masks.len(), 0.0);
             losses.masks = mask_loss(plan, masks, &batch.masks, &batch.targets, &mut of.masks);
         }
+        of.joints.resize(joints.len(), 0.0);
+        losses.joints = joint_loss(plan.joints(), joints, &batch.joints, &batch.targets, &mut of.joints);
         let (from, to) = (&self.output_gradients, &mut self.gradients);
         self.activations.backward(plan, parameters, inputs, dropout, from, to);
         losses

@@ -131,8 +131,8 @@ impl Layers {
     }
 }
 
-/// How much of a thing's area counts for the size of what is looked at, in areas of its hand. Whoever
-/// frames a camera's picture for a network that learned from these frames it alike.
+/// How much of a thing's area counts for the size of what is looked at, in areas of its hand.
+/// Whoever frames a camera's picture for a network that learned from these frames it alike.
 const MOST_OF_THING: f32 = 2.5;
 /// How much of a thing's area counts for the middle of it.
 const THING_IN_MIDDLE: f32 = 0.5;
@@ -232,8 +232,8 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// Sides of pictures that show a hand and what it holds, and of whole pictures, in which they are
-    /// to be found, in sizes of both ([`Layers::size`]).
+    /// Sides of pictures that show a hand and what it holds, and of whole pictures, in which they
+    /// are to be found, in sizes of both ([`Layers::size`]).
     const NEAR: [f64; 2] = [1.5, 2.9];
     const FAR: [f64; 2] = [1.5, 8.0];
     /// By how many shares of its side a picture is off the hand's middle (standard deviation).

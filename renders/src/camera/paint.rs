@@ -74,7 +74,8 @@ impl Layers {
         for y in 0..side {
             for x in 0..side {
                 let (mut sum, mut parts) = ([0.0; 3], [0.0; Part::ALL.len()]);
-                // Neighbouring samples of the same surface have the same colour: one look is enough.
+                // Neighbouring samples of the same surface have the same colour: one look is
+                // enough.
                 let mut seen: Option<(u8, Option<Part>, Rgb)> = None;
                 for sample in 0..SUPER * SUPER {
                     let place =

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::dress::dress;
 use crate::mesh::Mesh;
 use crate::random::{between, unit};
-use crate::scene::{Pieces, SceneError, SceneSpec, arm};
+use crate::scene::{JointPlaces, Pieces, SceneError, SceneSpec, arm};
 use crate::view::world_from_hand;
 
 /// Length of the arm that goes on behind the hand's own forearm, in metres: out of the picture.
@@ -36,6 +36,7 @@ pub struct CameraScene {
     pub(super) is_sleeved: bool,
     pub(super) world_from_hand: UnitQuaternion<f64>,
     pub(super) hand_length: f64,
+    joints: JointPlaces,
 }
 
 impl CameraScene {
@@ -46,7 +47,7 @@ impl CameraScene {
     /// As [`SceneSpec::build`].
     pub fn build(spec: &SceneSpec, is_held: bool, seed: u64) -> Result<Self, SceneError> {
         spec.look.check()?;
-        let Pieces { hand, object, cut } = spec.pieces();
+        let Pieces { hand, object, cut, joints } = spec.pieces();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let is_sleeved = unit(&mut rng) < SLEEVED;
         let width = if is_sleeved { between(&mut rng, SLEEVE) } else { BARE };
@@ -59,6 +60,7 @@ impl CameraScene {
             is_sleeved,
             world_from_hand: world_from_hand(&spec.grasp.up),
             hand_length: spec.hand_shape.length(),
+            joints,
         };
         scene.add(&hand, HAND);
         scene.add(&arm, ARM);
@@ -68,6 +70,16 @@ impl CameraScene {
             }
         }
         Ok(scene)
+    }
+
+    /// Where the hand's joints are.
+    pub fn joints(&self) -> &JointPlaces {
+        &self.joints
+    }
+
+    /// Length of the hand in metres.
+    pub fn hand_length(&self) -> f64 {
+        self.hand_length
     }
 
     fn add(&mut self, mesh: &Mesh, part: u8) {

@@ -39,11 +39,12 @@ impl Course for Hand {
             side: grasp_index::PLANES_SIDE as u32,
             planes: 2,
             convolutions: vec![
-                convolution(5, 2, 16),
-                convolution(3, 2, 32),
-                convolution(3, 1, 48),
-                convolution(3, 2, 96),
-                convolution(3, 1, 96),
+                convolution(5, 2, 24),
+                convolution(3, 2, 48),
+                convolution(3, 1, 64),
+                convolution(3, 2, 128),
+                convolution(3, 1, 128),
+                convolution(3, 1, 128),
             ],
             embedding: 128,
             heads: (self.scenes.classes() + 1 + STAGES + ROTATION) as u32,
@@ -57,12 +58,13 @@ impl Course for Hand {
 
     fn lesson(&self, sample: &Sample, showing: Showing, rng: &mut ChaCha8Rng) -> Option<Lesson> {
         let shown = sample.varied(showing.is_hard, rng)?;
+        let joints = sample.joints(&shown);
         let (target, planes) = if showing.is_mirrored {
             (shown.labels.target_mirrored(self.scenes.classes()), shown.mirrored().planes)
         } else {
             (shown.labels.target(), shown.planes)
         };
-        Some(Lesson { planes, target, masks: Vec::new() })
+        Some(Lesson { planes, target, masks: Vec::new(), joints })
     }
 
     fn validation_scenes(schedule: &Schedule) -> u64 {

@@ -1,5 +1,7 @@
 //! One picture to learn from.
 
+use std::sync::Arc;
+
 use grasp_index::{
     HandImage, PLANES_SIDE, PLANES_SOURCE_SIDE, Placement, SHOWN_LENGTHS, planes, shown, turned_orientation,
 };
@@ -10,6 +12,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
 use super::augment::{Picture, augment};
+use crate::train::joints::Joints;
 use crate::train::rotation;
 
 /// How far a picture's turn differs from the upright one, in radians (standard deviation).
@@ -50,7 +53,7 @@ impl Labels {
     /// What it shall answer to the picture's mirror image, where there are so many classes: the one
     /// beyond them, a hand that is mirrored. Of its stage and rotation nothing is asked.
     pub fn target_mirrored(&self, classes: usize) -> Target {
-        let weights = LossWeights { stage: 0.0, rotation: 0.0, ..LossWeights::ALL };
+        let weights = LossWeights { stage: 0.0, rotation: 0.0, joints: 0.0, ..LossWeights::ALL };
         Target { class: classes as u32, weights, ..self.target() }
     }
 }
@@ -63,6 +66,7 @@ pub struct Sample {
     /// Row by row, 0 outside the hand.
     grey: Vec<u8>,
     labels: Labels,
+    joints: Arc<Joints>,
 }
 
 /// A picture as a network is shown it.
@@ -88,9 +92,9 @@ impl Shown {
 
 impl Sample {
     /// A render of a class.
-    pub fn new(render: Render, class: usize, stage: Stage) -> Self {
+    pub fn new(render: Render, class: usize, stage: Stage, joints: Arc<Joints>) -> Self {
         let labels = Labels { class, stage, orientation: render.camera_from_hand };
-        Self { side: render.side, grey: render.grey, labels }
+        Self { side: render.side, grey: render.grey, labels, joints }
     }
 
     /// The picture as a query would be shown: upright, otherwise as it is. `None` of a hand that is
@@ -122,6 +126,11 @@ impl Sample {
             turn = std::f64::consts::TAU * unit(rng);
         }
         Some(self.show(&hand, turn, &displaced(turn, rng)))
+    }
+
+    /// Where the hand's joints are on a picture of it.
+    pub(super) fn joints(&self, shown: &Shown) -> Vec<f32> {
+        self.joints.values(&shown.labels.orientation)
     }
 
     /// The hand placed on the square by a `placement` that turns it by `turn` radians.

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
-use crate::train::rotation;
+use crate::train::{joints, rotation};
 
 /// Pixels a side of the network's input.
 pub(super) const SIDE: usize = 64;
@@ -45,28 +45,29 @@ pub(super) fn lesson(
         class: view.class.map_or(views.none(), |class| class as u32),
         stage: view.stage as u32,
         rotation: rotation::rows(&orientation),
-        weights: LossWeights { class: weight, stage: weight, rotation: 1.0, masks: 1.0 },
+        weights: LossWeights { class: weight, stage: weight, rotation: 1.0, masks: 1.0, joints: 1.0 },
     };
     if view.class.is_none() {
         target.weights.stage = 0.0;
     }
     if showing.is_mirrored {
         mirror(&mut picture);
-        target.weights = LossWeights { stage: 0.0, rotation: 0.0, ..target.weights };
+        target.weights = LossWeights { stage: 0.0, rotation: 0.0, joints: 0.0, ..target.weights };
         if view.class.is_some() {
             target.class = views.mirrored();
         }
     }
-    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture) })
+    let joints = view.joints.values(&orientation);
+    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture), joints })
 }
 
 /// A picture without a hand.
 fn of_nothing(views: &Views, rng: &mut ChaCha8Rng) -> Lesson {
     let layers = Layers::of_nothing();
     let picture = layers.paint(&Framing::near(&layers, rng), SIDE, rng);
-    let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0, masks: 1.0 };
+    let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0, masks: 1.0, joints: 0.0 };
     let target = Target { class: views.none(), stage: 0, rotation: [[0.0; 3]; 3], weights };
-    Lesson { planes: planes(&picture), target, masks: masks(&picture) }
+    Lesson { planes: planes(&picture), target, masks: masks(&picture), joints: joints::unknown() }
 }
 
 /// A picture as the network's input.

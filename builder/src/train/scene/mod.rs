@@ -33,7 +33,7 @@ impl Course for Scene {
         Self { views: Views::new(Scenes::training(options.seed, options.poses()), options.seed) }
     }
 
-    /// 27 million multiply-adds.
+    /// 25 million multiply-adds.
     fn architecture(&self) -> Architecture {
         let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
         Architecture {

@@ -1,5 +1,7 @@
 //! Views of scenes in colour, before they are painted.
 
+use std::sync::Arc;
+
 use grasp_renders::random::{between, unit};
 use grasp_renders::{CameraScene, Layers, Stage, View};
 use rand::SeedableRng;
@@ -7,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::empty;
 use crate::train::Scenes;
+use crate::train::joints::Joints;
 
 /// How often a hand is in none of the grasps.
 const EMPTY: f64 = 0.09;
@@ -31,6 +34,7 @@ pub struct SceneView {
     /// The grasp's place in the list of classes; `None` of a hand in none of them.
     pub(super) class: Option<usize>,
     pub(super) stage: Stage,
+    pub(super) joints: Arc<Joints>,
 }
 
 impl Views {
@@ -66,10 +70,16 @@ impl Views {
         }
         let stage = spec.stage;
         let scene = CameraScene::build(&spec, is_held, self.seed ^ number)?;
+        let joints = Arc::new(Joints::new(scene.joints(), scene.hand_length()));
         let class = (!is_empty).then_some(class);
         let view = |rng: &mut ChaCha8Rng| {
             let distance = between(rng, DISTANCE);
-            SceneView { layers: scene.layers(&View::random(rng), distance), class, stage }
+            SceneView {
+                layers: scene.layers(&View::random(rng), distance),
+                class,
+                stage,
+                joints: Arc::clone(&joints),
+            }
         };
         Ok((0..views).map(|_| view(&mut rng)).collect())
     }

@@ -61,8 +61,8 @@ pub(super) fn multiply(left: Matrix<'_>, right: Matrix<'_>, add: bool, out: &mut
     }
 }
 
-/// The columns of each panel: as few panels as there can be, all about as wide, because a narrow one
-/// makes less use of what is read of the left factor.
+/// The columns of each panel: as few panels as there can be, all about as wide, because a narrow
+/// one makes less use of what is read of the left factor.
 fn panels(columns: usize) -> impl Iterator<Item = Range<usize>> {
     let registers = columns.div_ceil(LANES);
     let count = columns.div_ceil(WIDTH);

@@ -76,11 +76,14 @@ fn an_error_says_what_is_wrong() {
     assert_eq!(error(&changed(&bytes, 8, &[9])), CheckpointError::Version { found: 9 });
     let huge = changed(&bytes, 12, &u32::MAX.to_le_bytes());
     assert!(matches!(error(&huge), CheckpointError::Architecture(_)));
-    // The masks' numbers follow six others and three for each convolution.
+    // The masks' numbers follow six others and three for each convolution; then the joints'.
     let (_, masked) = masked_saved();
     let hostile = changed(&masked, 8 + 4 * (6 + 9), &u32::MAX.to_le_bytes());
     assert!(matches!(error(&hostile), CheckpointError::Architecture(_)));
-    assert!(matches!(error(&changed(&masked, 8, &[1])), CheckpointError::Length { .. }));
+    let hostile = changed(&masked, 8 + 4 * (9 + 9), &u32::MAX.to_le_bytes());
+    assert!(matches!(error(&hostile), CheckpointError::Architecture(_)));
+    let fewer = changed(&masked, 8 + 4 * (9 + 9), &1u32.to_le_bytes());
+    assert!(matches!(error(&fewer), CheckpointError::Length { .. }));
     let last = bytes.len() - 8;
     let nan = changed(&bytes, last - 4, &f32::NAN.to_le_bytes());
     assert_eq!(error(&nan), CheckpointError::Value { what: "a statistic" });

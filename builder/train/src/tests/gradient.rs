@@ -1,44 +1,46 @@
 //! Gradients against central differences of the reference.
 
 use super::reference::forward;
-use super::{batch, masked, masked_batch, masked_trainer, small, trainer};
+use super::{JOINTS, batch, masked, masked_batch, masked_trainer, small, trainer};
 use crate::network::{Activations, Mode, Outputs};
 use crate::{Batch, Trainer};
 use grasp_network::{Architecture, Masks};
 
 /// A forward and a backward pass with the loss `sum(outputs * weights)`, which is smooth wherever
-/// no rectifier switches: the outputs, heads before masks, and the gradient of every parameter.
+/// no rectifier switches: the outputs, heads before masks before joints, and the gradient of every
+/// parameter.
 fn gradients(trainer: &Trainer, inputs: &[f32], dropout: u64, weights: &[f32]) -> (Vec<f32>, Vec<f32>) {
     let plan = &trainer.state.plan;
     let mut activations = Activations::default();
     let mut gradients = vec![f32::NAN; plan.parameters];
     let parameters = &trainer.state.parameters;
     activations.forward(plan, parameters, inputs, Mode::Training { dropout });
-    let (heads, masks) = weights.split_at(activations.outputs.heads.len());
-    let weights = Outputs { heads: heads.to_vec(), masks: masks.to_vec() };
+    let (heads, rest) = weights.split_at(activations.outputs.heads.len());
+    let (masks, joints) = rest.split_at(activations.outputs.masks.len());
+    let weights = Outputs { heads: heads.to_vec(), masks: masks.to_vec(), joints: joints.to_vec() };
     activations.backward(plan, parameters, inputs, dropout, &weights, &mut gradients);
-    let Outputs { heads, masks } = activations.outputs;
-    ([heads, masks].concat(), gradients)
+    let Outputs { heads, masks, joints } = activations.outputs;
+    ([heads, masks, joints].concat(), gradients)
 }
 
 #[test]
 fn every_parameter_has_the_gradient_of_the_reference() {
-    compare_gradients(&small());
+    compare_gradients(&small(), 0);
 }
 
 #[test]
-fn masks_of_any_convolution_have_the_gradient_of_the_reference() {
+fn masks_of_any_convolution_and_joints_have_the_gradient_of_the_reference() {
     for convolution in 0..3 {
         let masks = Some(Masks { convolution, count: 1 + convolution, cells: 2 });
-        compare_gradients(&Architecture { masks, ..masked() });
+        compare_gradients(&Architecture { masks, ..masked() }, JOINTS);
     }
 }
 
-fn compare_gradients(architecture: &Architecture) {
+fn compare_gradients(architecture: &Architecture, joints: usize) {
     const DROPOUT: u64 = 9;
     // More than one slice, the last one incomplete.
     let samples = 19;
-    let mut trainer = Trainer::new(architecture, 3).expect("a supported architecture");
+    let mut trainer = Trainer::new(architecture, joints, 3).expect("a supported architecture");
     let inputs = batch(samples, 4).inputs;
     // Scales and shifts that differ, so that none is taken for another.
     let noise = crate::random::symmetric;
@@ -46,7 +48,7 @@ fn compare_gradients(architecture: &Architecture) {
         *value += 0.2 * noise(5, index as u64);
     }
     let plan = &trainer.state.plan;
-    let outputs = samples * (plan.heads() + plan.mask_values());
+    let outputs = samples * (plan.heads() + plan.mask_values() + 3 * joints);
     let weights: Vec<_> = (0..outputs).map(|i| noise(6, i as u64)).collect();
     let (outputs, gradients) = gradients(&trainer, &inputs, DROPOUT, &weights);
 

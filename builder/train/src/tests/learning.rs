@@ -125,24 +125,29 @@ fn a_toy_problem_is_learned() {
     }
 }
 
-/// One mask that shows which quarter is bright, and one that shows the others.
+/// One mask that shows which quarter is bright, and one that shows the others; two joints in its
+/// middle and opposite.
 #[test]
-fn masks_are_learned() {
+fn masks_and_joints_are_learned() {
     let masked_quarters = |samples, seed| {
         let mut batch = quarters(samples, seed);
         for target in &batch.targets {
             let is_bright = |at: usize| u32::from(at / 8 >= 4) * 2 + u32::from(at % 8 >= 4) == target.class;
             let bright = (0..64).map(|at| f32::from(u8::from(is_bright(at))));
+            let [y, x] = [target.class / 2, target.class % 2].map(|v| v as f32 - 0.5);
+            batch.joints.extend([x, y, 0.3, -x, -y, 0.3]);
             batch.masks.extend(bright.clone().chain(bright.map(|share| 1.0 - share)));
         }
         batch
     };
     let mut trainer = masked_trainer(1);
     let steps = 300;
+    let mut losses = crate::Losses::default();
     for step in 0..steps {
         let batch = masked_quarters(64, step);
-        trainer.step(&batch, learning_rate(1e-2, step, steps)).expect("a valid batch");
+        losses = trainer.step(&batch, learning_rate(1e-2, step, steps)).expect("a valid batch");
     }
+    assert!(losses.joints < 0.2, "{losses:?}");
     let batch = masked_quarters(100, 99_999);
     let network = trainer.architecture().clone();
     let network = Network::from_weights(network, trainer.weights()).expect("weights");

@@ -25,20 +25,26 @@ fn masked() -> Architecture {
 }
 
 fn trainer(seed: u64) -> Trainer {
-    Trainer::new(&small(), seed).expect("a supported architecture")
+    Trainer::new(&small(), 0, seed).expect("a supported architecture")
 }
 
 fn masked_trainer(seed: u64) -> Trainer {
-    Trainer::new(&masked(), seed).expect("a supported architecture")
+    Trainer::new(&masked(), JOINTS, seed).expect("a supported architecture")
 }
 
-/// A batch with masks of any shares, of which a few samples have none or count twice.
+/// Joints that the masked networks learn.
+const JOINTS: usize = 2;
+
+/// A batch with joints anywhere, and masks of any shares, of which a few samples have none or count
+/// twice.
 fn masked_batch(samples: usize, seed: u64) -> Batch {
     let mut batch = batch(samples, seed);
     let random = |index: usize| crate::random::symmetric(!seed, index as u64);
     batch.masks = (0..samples * 2 * 8 * 8).map(|index| (random(index) + 1.0) / 2.0).collect();
+    batch.joints = (0..samples * 3 * JOINTS).map(|index| random(2_000_000 + index)).collect();
     for (target, weight) in batch.targets.iter_mut().zip([1.0, 0.0, 1.0, 2.0].into_iter().cycle()) {
         target.weights.masks = weight;
+        target.weights.joints = 2.0 - weight;
     }
     batch
 }
@@ -53,7 +59,7 @@ fn batch(samples: usize, seed: u64) -> Batch {
         rotation: rotation_of([0, 1, 2, 3, 4, 5].map(|i| random(1_000_000 + sample * 6 + i))),
         weights: match sample % 5 {
             0 => LossWeights { class: 0.0, ..LossWeights::ALL },
-            1 => LossWeights { class: 2.0, stage: 0.5, rotation: 0.0, masks: 1.0 },
+            1 => LossWeights { class: 2.0, stage: 0.5, rotation: 0.0, ..LossWeights::ALL },
             _ => LossWeights::ALL,
         },
     };
@@ -61,5 +67,6 @@ fn batch(samples: usize, seed: u64) -> Batch {
         inputs: (0..samples * inputs).map(random).collect(),
         targets: (0..samples).map(target).collect(),
         masks: Vec::new(),
+        joints: Vec::new(),
     }
 }

@@ -62,7 +62,7 @@ fn affine(layer: &Affine, parameters: &[f64], input: &[f64]) -> Vec<f64> {
 }
 
 /// The outputs of a batch in training: the heads of all samples, then the masks of all in the order
-/// of their layer.
+/// of their layer, then the joints of all.
 pub(super) fn forward(plan: &Plan, parameters: &[f64], inputs: &[f32], dropout: u64) -> Vec<f64> {
     let wide = |values: &[f32]| values.iter().map(|&v| f64::from(v)).collect::<Vec<_>>();
     let mut samples: Vec<_> = inputs.chunks(plan.inputs()).map(wide).collect();
@@ -85,7 +85,9 @@ pub(super) fn forward(plan: &Plan, parameters: &[f64], inputs: &[f32], dropout: 
     }
     let (scale, shift) = (&parameters[block.scale.clone()], &parameters[block.shift.clone()]);
     normalise(&mut samples, scale, shift, f64::from(Architecture::LEAK));
-    samples.iter().flat_map(|sample| affine(&plan.head, parameters, sample)).chain(masks).collect()
+    let heads = samples.iter().flat_map(|sample| affine(&plan.head, parameters, sample));
+    let joint = |layer| samples.iter().flat_map(move |sample| affine(layer, parameters, sample));
+    heads.chain(masks).chain(plan.joints.iter().flat_map(joint)).collect()
 }
 
 /// The heads of one sample by folded weights, in the layout of [`Architecture`].
