@@ -1,4 +1,5 @@
-//! What a recognition costs: `cargo bench -p grasp-index`. The data is 6 x 900 views of a hand made of balls.
+//! What a recognition costs: `cargo bench -p grasp-index`. The data is 6 x 900 views of a hand made
+//! of balls.
 
 #[path = "../tests/support/mod.rs"]
 mod support;

@@ -1,8 +1,9 @@
-//! What a search costs, step by step and as a whole: `cargo bench -p grasp-index --features parts --bench search`.
+//! What a search costs, step by step and as a whole: `cargo bench -p grasp-index --features parts
+//! --bench search`.
 //!
-//! The data is 5,400 vectors around a few hundred centres in a space that is flat in most directions, as descriptors are.
-//! Each step works on the same few queries over and over, in a warm cache; only `search/` goes from query to query as
-//! programs do.
+//! The data is 5,400 vectors around a few hundred centres in a space that is flat in most
+//! directions, as descriptors are. Each step works on the same few queries over and over, in a warm
+//! cache; only `search/` goes from query to query as programs do.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use grasp_index::{

@@ -1,11 +1,13 @@
-//! The hand image H of the paper's Section III: segmented, cropped to the hand, grey, black outside the hand.
+//! The hand image H of the paper's Section III: segmented, cropped to the hand, grey, black outside
+//! the hand.
 
 mod upright;
 
 use crate::resample::{Axis, Resampler};
 use thiserror::Error;
 
-/// The smallest side of a hand image, in pixels: below it the finest cells of a descriptor hold nothing to measure.
+/// The smallest side of a hand image, in pixels: below it the finest cells of a descriptor hold
+/// nothing to measure.
 pub const MIN_SIDE: usize = 8;
 
 /// A segmented hand, cropped to the box of its mask: grey inside the hand, 0 outside.
@@ -60,31 +62,33 @@ pub enum HandImageError {
     },
 }
 
-/// What segmented pictures have outside the hand, at most: black, which other programs' pictures do not always have
-/// quite. A hand in a picture of this project has 16 or more.
+/// What segmented pictures have outside the hand, at most: black, which other programs' pictures do
+/// not always have quite. A hand in a picture of this project has 16 or more.
 pub const BACKGROUND: u8 = 8;
 
-/// The longest side, in pixels, at which hand images are described: that of this project's renders. Larger ones are
-/// [shrunk](HandImage::shrunk_to), so that all are described at one scale.
+/// The longest side, in pixels, at which hand images are described: that of this project's renders.
+/// Larger ones are [shrunk](HandImage::shrunk_to), so that all are described at one scale.
 pub const DESCRIBED_SIDE: usize = 48;
 
 impl HandImage {
-    /// Cuts the hand out of a grey picture. `grey` and `mask` are row-major, `width * height` values each; a mask
-    /// value other than 0 is hand.
+    /// Cuts the hand out of a grey picture. `grey` and `mask` are row-major, `width * height`
+    /// values each; a mask value other than 0 is hand.
     ///
     /// # Errors
-    /// [`HandImageError`], when the buffers do not fit the size or the mask holds no hand of at least [`MIN_SIDE`] pixels a side.
+    /// [`HandImageError`], when the buffers do not fit the size or the mask holds no hand of at
+    /// least [`MIN_SIDE`] pixels a side.
     pub fn from_mask(width: usize, height: usize, grey: &[u8], mask: &[u8]) -> Result<Self, HandImageError> {
         check_size(width, height, "grey", grey.len())?;
         check_size(width, height, "mask", mask.len())?;
         Self::crop(width, height, grey, |at| mask[at] != 0)
     }
 
-    /// Takes a picture that is segmented already: every pixel brighter than `floor` is hand. 0 serves renders, about
-    /// 16 pictures that went through JPEG, whose black rings.
+    /// Takes a picture that is segmented already: every pixel brighter than `floor` is hand. 0
+    /// serves renders, about 16 pictures that went through JPEG, whose black rings.
     ///
     /// # Errors
-    /// [`HandImageError`], when the buffer does not fit the size or holds no hand of at least [`MIN_SIDE`] pixels a side.
+    /// [`HandImageError`], when the buffer does not fit the size or holds no hand of at least
+    /// [`MIN_SIDE`] pixels a side.
     pub fn from_segmented(
         width: usize,
         height: usize,
@@ -169,9 +173,10 @@ impl HandImage {
         Self { width: self.width, height: self.height, pixels: flip(&self.pixels), mask: flip(&self.mask) }
     }
 
-    /// The hand as a camera sees it when the hand is turned by `radians` about the optical axis (z forward, x right,
-    /// y down: a positive angle is clockwise on the picture), cropped anew. Where the hand had the orientation
-    /// `camera_from_hand`, it now has `Rz(radians) * camera_from_hand`.
+    /// The hand as a camera sees it when the hand is turned by `radians` about the optical axis (z
+    /// forward, x right, y down: a positive angle is clockwise on the picture), cropped anew. Where
+    /// the hand had the orientation `camera_from_hand`, it now has `Rz(radians) *
+    /// camera_from_hand`.
     pub fn rotated(&self, radians: f64) -> Self {
         if radians == 0.0 {
             return self.clone();
@@ -201,7 +206,8 @@ impl HandImage {
             .unwrap_or_else(|| self.clone())
     }
 
-    /// Linear interpolation between the pixels of the hand around `(x, y)`; `None` where less than half of the weight is hand.
+    /// Linear interpolation between the pixels of the hand around `(x, y)`; `None` where less than
+    /// half of the weight is hand.
     fn sample(&self, x: f64, y: f64) -> Option<u8> {
         let (left, top) = (x.floor(), y.floor());
         let (fx, fy) = (x - left, y - top);
@@ -226,8 +232,9 @@ impl HandImage {
         (inside >= 0.5).then(|| (grey / inside).round() as u8)
     }
 
-    /// The hand image shrunk so that its longer side is at most `side` pixels, never below [`MIN_SIDE`]; smaller
-    /// ones are returned as they are. Worth doing once before a large picture is turned and described many times.
+    /// The hand image shrunk so that its longer side is at most `side` pixels, never below
+    /// [`MIN_SIDE`]; smaller ones are returned as they are. Worth doing once before a large picture
+    /// is turned and described many times.
     pub fn shrunk_to(&self, side: usize) -> Self {
         let longer = self.width.max(self.height);
         let side = side.max(MIN_SIDE);
@@ -253,11 +260,13 @@ impl HandImage {
         take(&self.mask, &mut share);
         take(&self.pixels, &mut grey);
         let pixels: Vec<u8> = grey.iter().zip(&share).map(|(g, s)| (g / s.max(1e-6)).round() as u8).collect();
-        // Half of a border pixel's filter lies outside the picture, so less than half of its weight may be hand.
+        // Half of a border pixel's filter lies outside the picture, so less than half of its weight
+        // may be hand.
         Self::crop_any_size(width, height, &pixels, |at| share[at] >= 0.4).unwrap_or_else(|| self.clone())
     }
 
-    /// A square grey picture of `side * side` values, row-major: the hand image with its aspect kept, centred on black.
+    /// A square grey picture of `side * side` values, row-major: the hand image with its aspect
+    /// kept, centred on black.
     pub fn thumbnail(&self, side: usize) -> Vec<u8> {
         if side == 0 {
             return Vec::new();

@@ -1,16 +1,18 @@
-//! Recognises the grasp of a hand in a picture by its nearest neighbours among many known pictures, over one
-//! memory-mapped file.
+//! Recognises the grasp of a hand in a picture by its nearest neighbours among many known pictures,
+//! over one memory-mapped file.
 //!
-//! The method is H. Kjellström, J. Romero and D. Kragić, *Visual Recognition of Grasps for Human-to-Robot Mapping*
-//! (IROS 2008), Sections IV and V. In order of the data:
+//! The method is H. Kjellström, J. Romero and D. Kragić, *Visual Recognition of Grasps for
+//! Human-to-Robot Mapping* (IROS 2008), Sections IV and V. In order of the data:
 //!
 //! 1. [`HandImage`]: the hand, cut out of a grey picture.
-//! 2. [`DescriptorParams::describe`]: its descriptor, a pyramid of histograms of gradient orientation.
+//! 2. [`DescriptorParams::describe`]: its descriptor, a pyramid of histograms of gradient
+//!    orientation.
 //! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing.
 //! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours.
 //!
-//! [`IndexWriter`] makes the file, [`Index::open`] maps it. Where another program may copy a file over one that is mapped,
-//! call [`guard_against_truncation`] first and ask [`Index::check_unchanged`] after each answer.
+//! [`IndexWriter`] makes the file, [`Index::open`] maps it. Where another program may copy a file
+//! over one that is mapped, call [`guard_against_truncation`] first and ask
+//! [`Index::check_unchanged`] after each answer.
 //!
 //! ```
 //! use grasp_index::*;
@@ -56,6 +58,7 @@
 //! ```
 
 mod descriptor;
+mod entry;
 mod file;
 mod hand_image;
 mod index;
@@ -72,20 +75,21 @@ pub use descriptor::{
     Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, Opinion, PLANES_SIDE,
     PLANES_SOURCE_SIDE, ParamsError, Placement, SHOWN_LENGTHS, Sampling, Tone, planes, shown,
 };
+pub use entry::{Entry, EntryError};
 pub use file::atomic::{AtomicFile, WriteError};
 pub use file::catalogue::{Catalogue, ClassInfo};
 pub use file::error::{FileChanged, OpenError};
 pub use file::fault::guard_against_truncation;
-pub use file::input::{BuildError, IndexParams, NewEntry, Summary};
+pub use file::input::{BuildError, EntryFault, IndexParams, NewEntry, Summary};
 pub use file::kept::{Kept, Originals};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use grasp_network::Network;
 pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
-pub use index::{CannotRecognise, Entry, EntryError, Index};
+pub use index::{CannotRecognise, Index};
 pub use phase::Phase;
-pub use rotation::{euler_deg, from_euler_deg, mirror_orientation, turned_orientation};
+pub use rotation::{euler_deg, from_columns, from_euler_deg, mirror_orientation, turned_orientation};
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
 pub use search::hash::HashInfo;

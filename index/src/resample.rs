@@ -1,8 +1,8 @@
-//! Separable resampling of a grey picture by a triangle filter: linear interpolation where it is enlarged, an area
-//! average where it is shrunk. What lies outside the source is black.
+//! Separable resampling of a grey picture by a triangle filter: linear interpolation where it is
+//! enlarged, an area average where it is shrunk. What lies outside the source is black.
 
-/// Where the samples of one axis fall in the source: sample `i` is centred at `origin + (i + 0.5) * step`, in source
-/// pixels, pixel `j` covering `[j, j + 1)`.
+/// Where the samples of one axis fall in the source: sample `i` is centred at `origin + (i + 0.5) *
+/// step`, in source pixels, pixel `j` covering `[j, j + 1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Axis {
     /// The source's length in pixels.
@@ -35,7 +35,8 @@ impl Taps {
             let low = (centre - support).ceil() as i64;
             let high = (centre + support).floor() as i64;
             let weight = |j: i64| (1.0 - (j as f32 - centre).abs() / support).max(0.0);
-            // The sum is over the whole filter, the part outside the source too: that part is black.
+            // The sum is over the whole filter, the part outside the source too: that part is
+            // black.
             let sum: f32 = (low..=high).map(weight).sum();
             let first = low.clamp(0, (axis.source - self.stride) as i64);
             self.first.push(first as usize);
@@ -54,8 +55,9 @@ pub(crate) struct Resampler {
 }
 
 impl Resampler {
-    /// Resamples a picture whose rows `row(y, &mut [f32])` writes, into `out`, where sample `(x, y)` lies at
-    /// `start + y * stride + x`. Both axes need at least one source pixel and one sample.
+    /// Resamples a picture whose rows `row(y, &mut [f32])` writes, into `out`, where sample `(x,
+    /// y)` lies at `start + y * stride + x`. Both axes need at least one source pixel and one
+    /// sample.
     pub(crate) fn run(
         &mut self,
         across: Axis,

@@ -1,9 +1,10 @@
 //! Rotations: the paper's three angles, and the orientation of a left hand.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// The angles `[roll, pitch, yaw]` of a rotation, in degrees, about the fixed axes x, y and z in that order:
-/// `R = Rz(yaw) * Ry(pitch) * Rx(roll)`. Pitch lies in [-90, 90], the others in (-180, 180].
+/// The angles `[roll, pitch, yaw]` of a rotation, in degrees, about the fixed axes x, y and z in
+/// that order: `R = Rz(yaw) * Ry(pitch) * Rx(roll)`. Pitch lies in [-90, 90], the others in (-180,
+/// 180].
 pub fn euler_deg(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
     let (roll, pitch, yaw) = rotation.euler_angles();
     [roll.to_degrees(), pitch.to_degrees(), yaw.to_degrees()]
@@ -15,17 +16,30 @@ pub fn from_euler_deg(angles: [f64; 3]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(roll, pitch, yaw)
 }
 
+/// The rotation whose matrix has about these first two columns, as networks answer with it: the
+/// first is brought to unit length, the second made perpendicular to it (Y. Zhou et al., *On the
+/// Continuity of Rotation Representations in Neural Networks*, CVPR 2019). `None` where they are
+/// parallel, or one is nothing.
+pub fn from_columns([ax, ay, az, bx, by, bz]: [f32; 6]) -> Option<UnitQuaternion<f64>> {
+    let [first, second] = [[ax, ay, az], [bx, by, bz]].map(|v| Vector3::from(v.map(f64::from)));
+    let first = first.try_normalize(1e-9)?;
+    let second = (second - first * first.dot(&second)).try_normalize(1e-9)?;
+    let matrix = Matrix3::from_columns(&[first, second, first.cross(&second)]);
+    Some(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix)))
+}
+
 /// The orientation `camera_from_hand` after the picture was turned clockwise by `turn_deg` degrees.
 #[must_use]
 pub fn turned_orientation(turn_deg: f64, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_deg.to_radians()) * camera_from_hand
 }
 
-/// The orientation `camera_from_hand` of a left hand whose flipped picture was recognised as a right hand with the
-/// orientation `camera_from_right`, and the reverse.
+/// The orientation `camera_from_hand` of a left hand whose flipped picture was recognised as a
+/// right hand with the orientation `camera_from_right`, and the reverse.
 ///
-/// `camera_from_left = M R S`: M = diag(-1, 1, 1) flips the picture back, S = diag(1, -1, 1) turns a right hand's frame
-/// into a left one's (x to the middle knuckle and z out of the back stay, y = z cross x holds for both hands).
+/// `camera_from_left = M R S`: M = diag(-1, 1, 1) flips the picture back, S = diag(1, -1, 1) turns
+/// a right hand's frame into a left one's (x to the middle knuckle and z out of the back stay, y =
+/// z cross x holds for both hands).
 pub fn mirror_orientation(camera_from_right: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     // M is -Rx(180 degrees) and S is -Ry(180 degrees); the signs cancel.
     let turn_x = Quaternion::new(0.0, 1.0, 0.0, 0.0);
@@ -36,8 +50,20 @@ pub fn mirror_orientation(camera_from_right: &UnitQuaternion<f64>) -> UnitQuater
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Matrix3;
     use proptest::prelude::*;
+
+    #[test]
+    fn two_columns_make_a_rotation() {
+        let rotation = from_euler_deg([20.0, -40.0, 130.0]);
+        let matrix = rotation.to_rotation_matrix();
+        let [a, b] = [0, 1].map(|column| matrix.matrix().column(column).into_owned());
+        // Too long, and not quite perpendicular.
+        let (a, b) = (3.0 * a, 0.5 * b + 0.2 * a);
+        let columns = from_columns([a.x, a.y, a.z, b.x, b.y, b.z].map(|v| v as f32)).unwrap();
+        assert!(columns.angle_to(&rotation) < 1e-6);
+        assert_eq!(from_columns([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]), None);
+        assert_eq!(from_columns([1.0, 0.0, 0.0, -2.0, 0.0, 0.0]), None);
+    }
 
     proptest! {
         #[test]

@@ -9,13 +9,14 @@ use crate::search::stored::{Several, Stored, Values};
 use crate::search::{Neighbour, ReadAhead, Search, SearchCost, SearchError, SearchOptions};
 use thiserror::Error;
 
-/// Indexes of different entries, searched as if all entries were in one. An entry's number is the one that it has in the index that
-/// all entries make together, in the order of the segments.
+/// Indexes of different entries, searched as if all entries were in one. An entry's number is the
+/// one that it has in the index that all entries make together, in the order of the segments.
 ///
-/// Segments of one index ([`Index::write_segment`]), in their order, answer exactly as that index does, at any effort, to the last bit
-/// ([`Self::are_of_one_index`]). Others are searched each by itself, as hard as is asked for, and what is found is merged by
-/// distance: of [`crate::Effort::Exact`], that is exactly the answer of the index that they make together; of less, together they find at least
-/// what is promised.
+/// Segments of one index ([`Index::write_segment`]), in their order, answer exactly as that index
+/// does, at any effort, to the last bit ([`Self::are_of_one_index`]). Others are searched each by
+/// itself, as hard as is asked for, and what is found is merged by distance: of
+/// [`crate::Effort::Exact`], that is exactly the answer of the index that they make together; of
+/// less, together they find at least what is promised.
 #[derive(Debug)]
 pub struct Segments {
     indexes: Vec<Index>,
@@ -73,8 +74,8 @@ impl Segments {
         &self.indexes
     }
 
-    /// Whether everything that these indexes have said until now was read from one and the same files:
-    /// [`Index::check_unchanged`] of each.
+    /// Whether everything that these indexes have said until now was read from one and the same
+    /// files: [`Index::check_unchanged`] of each.
     ///
     /// # Errors
     /// [`FileChanged`], where it was not.
@@ -93,12 +94,14 @@ impl Segments {
         self.entries
     }
 
-    /// Whether all share what was learned from one index's entries, so that they are searched as that one.
+    /// Whether all share what was learned from one index's entries, so that they are searched as
+    /// that one.
     pub fn are_of_one_index(&self) -> bool {
         self.are_of_one_index
     }
 
-    /// The index that holds an entry, and the entry's number there; `None` where there is no such entry.
+    /// The index that holds an entry, and the entry's number there; `None` where there is no such
+    /// entry.
     pub fn locate(&self, id: u32) -> Option<(&Index, u32)> {
         let at = self.starts.partition_point(|&start| start <= id).checked_sub(1)?;
         let (index, start) = (self.indexes.get(at)?, self.starts.get(at)?);
@@ -134,7 +137,8 @@ impl Segments {
         Searcher::new(stored, &hash, &first.catalogue().measured, files, is_cold)
     }
 
-    /// The nearest neighbours of a descriptor in all indexes. For many queries, [`Self::searcher`] is faster.
+    /// The nearest neighbours of a descriptor in all indexes. For many queries, [`Self::searcher`]
+    /// is faster.
     ///
     /// # Errors
     /// [`SearchError`], when the query does not fit the indexes.
@@ -142,8 +146,9 @@ impl Segments {
         self.searcher().search(query, options)
     }
 
-    /// Appends to `joined` the `k` nearest of what was found in each index, in their order, by its own numbers. Where there are fewer,
-    /// the rest has the id `u32::MAX` and an infinite distance, as does what is passed in so.
+    /// Appends to `joined` the `k` nearest of what was found in each index, in their order, by its
+    /// own numbers. Where there are fewer, the rest has the id `u32::MAX` and an infinite distance,
+    /// as does what is passed in so.
     fn join<'f>(
         &self,
         found: impl IntoIterator<Item = &'f [Neighbour]>,
@@ -197,7 +202,8 @@ impl Several for Segments {
     }
 }
 
-/// Whether two indexes have the same hash, but for the entries in its buckets, and so were measured as one.
+/// Whether two indexes have the same hash, but for the entries in its buckets, and so were measured
+/// as one.
 fn were_learned_together(one: &Catalogue, other: &Catalogue) -> bool {
     let learned = |catalogue: &Catalogue| -> Vec<_> {
         let sections = catalogue.sections.iter().filter(|section| section.kind.is_learned());

@@ -1,7 +1,9 @@
-//! What becomes of indexes that other versions of this crate have written: those of versions 2 to 4 are read, and answer, for ever.
+//! What becomes of indexes that other versions of this crate have written: those of versions 2 to 4
+//! are read, and answer, for ever.
 //!
-//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 4 anew.
-//! That is right only while no release has written version 4, or for a new version under a new name.
+//! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 4
+//! anew. That is right only while no release has written version 4, or for a new version under a
+//! new name.
 
 mod support;
 

@@ -1,4 +1,5 @@
-//! A broken index is told from a sound one: no truncation and no flipped byte panics, hangs or passes `verify`.
+//! A broken index is told from a sound one: no truncation and no flipped byte panics, hangs or
+//! passes `verify`.
 
 mod support;
 
@@ -15,7 +16,8 @@ fn learned() -> Vec<u8> {
     support::writer(support::small_learned_params(), 4, 3).finish_bytes().expect("the index is built")
 }
 
-/// Uses everything that an index offers. What comes out does not matter here, only that something does.
+/// Uses everything that an index offers. What comes out does not matter here, only that something
+/// does.
 fn use_all(index: &Index) {
     let query = vec![0.1; index.dim()];
     for options in [
@@ -116,7 +118,8 @@ fn two_bytes_more_are_told() {
     assert!(matches!(Index::from_bytes(&bytes), Err(OpenError::TooLong { .. })));
 }
 
-/// A section of noise under a catalogue that is right: what a hostile file, whose hashes fit, looks like to a search.
+/// A section of noise under a catalogue that is right: what a hostile file, whose hashes fit, looks
+/// like to a search.
 #[test]
 fn noise_in_the_sections_does_no_harm() {
     for sound in [small(), learned()] {

@@ -1,5 +1,6 @@
-//! Files made to deceive: anything may stand in them, and every hash that opening checks is right. Opening and using one may
-//! fail, and may answer nonsense, but never panics, hangs or takes memory without bound.
+//! Files made to deceive: anything may stand in them, and every hash that opening checks is right.
+//! Opening and using one may fail, and may answer nonsense, but never panics, hangs or takes memory
+//! without bound.
 //!
 //! `PROPTEST_CASES=100000 cargo test --release -p grasp-index --test hostile` looks for longer.
 

@@ -1,4 +1,5 @@
-//! Indexes of vectors that came from elsewhere, with all that is known of them, or some of it, or nothing.
+//! Indexes of vectors that came from elsewhere, with all that is known of them, or some of it, or
+//! nothing.
 
 mod support;
 

@@ -65,7 +65,8 @@ fn turning_the_picture_turns_the_hand() {
 
 #[test]
 fn mirroring_keeps_what_a_left_hands_frame_means() {
-    // The wrist-to-knuckle axis and the axis out of the back, as the camera sees them, are flipped left to right.
+    // The wrist-to-knuckle axis and the axis out of the back, as the camera sees them, are flipped
+    // left to right.
     let right = support::view(70.0, 25.0);
     let left = mirror_orientation(&right);
     for axis in [Vector3::x(), Vector3::z()] {

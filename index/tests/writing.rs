@@ -170,7 +170,8 @@ fn the_part_of_a_writer_that_was_killed_is_taken_over() {
     assert_eq!(files_in(folder.path()), ["grasp.idx"]);
 }
 
-/// A full disk, made by a limit on the size of files: the test runs itself once more under that limit.
+/// A full disk, made by a limit on the size of files: the test runs itself once more under that
+/// limit.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_the_old_file_and_no_other() {

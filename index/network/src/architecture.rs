@@ -20,8 +20,8 @@ pub struct Convolution {
 ///
 /// A picture of `side * side * planes` values (row by row, the planes of a pixel together) passes
 /// the convolutions; all values of the last one become the embedding by a dense layer and a leaky
-/// rectifier of slope [`Self::LEAK`]; the heads are a dense layer on the embedding. [`Masks`] are read
-/// off one of the convolutions.
+/// rectifier of slope [`Self::LEAK`]; the heads are a dense layer on the embedding. [`Masks`] are
+/// read off one of the convolutions.
 ///
 /// The weights are one array, layer by layer: a convolution's kernel `[y][x][input][output]`, then
 /// its bias `[output]`; the embedding's matrix `[input][output]` (inputs row by row, the planes of

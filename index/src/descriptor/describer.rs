@@ -93,7 +93,8 @@ impl Describer {
         descriptor
     }
 
-    /// What the network of a learned descriptor says by itself of the picture that was described last.
+    /// What the network of a learned descriptor says by itself of the picture that was described
+    /// last.
     pub fn opinion(&self) -> Option<&Opinion> {
         self.learned.as_ref()?.opinion()
     }

@@ -1,5 +1,5 @@
-//! Gradient orientation (Equation 1): `phi = atan((dH/dy) / (dH/dx))` in `[0, pi)`, where **x is downward and y
-//! rightward**. So 0 is an edge that lies level, pi/2 an upright one.
+//! Gradient orientation (Equation 1): `phi = atan((dH/dy) / (dH/dx))` in `[0, pi)`, where **x is
+//! downward and y rightward**. So 0 is an edge that lies level, pi/2 an upright one.
 //!
 //! Central differences; outside the picture is black.
 
@@ -71,7 +71,8 @@ impl Field {
         }
     }
 
-    /// Hard counts: a pixel with a gradient has weight 1 in the bin `[b pi/B, (b+1) pi/B)` of its orientation.
+    /// Hard counts: a pixel with a gradient has weight 1 in the bin `[b pi/B, (b+1) pi/B)` of its
+    /// orientation.
     pub(super) fn count(&mut self, picture: &Padded, bins: usize) {
         self.resize(picture, bins);
         // The bin follows from the sides of the bins' borders: exact where the orientation lies on
@@ -93,8 +94,8 @@ impl Field {
         }
     }
 
-    /// Soft counts: a pixel's magnitude, shared linearly between the two bins nearest to its orientation. Bin `b` is
-    /// centred at `b pi/B`, so that the axes are centres.
+    /// Soft counts: a pixel's magnitude, shared linearly between the two bins nearest to its
+    /// orientation. Bin `b` is centred at `b pi/B`, so that the axes are centres.
     pub(super) fn share(&mut self, picture: &Padded, bins: usize) {
         self.resize(picture, bins);
         let bins_a_radian = bins as f32 / std::f32::consts::PI;
@@ -119,9 +120,10 @@ impl Field {
     }
 }
 
-/// `atan2(right, down)` for `right >= 0`, in `[0, pi]`, within 1e-5 radians: the polynomial that shading languages use
-/// (NVIDIA Cg standard library, atan2). It needs additions and multiplications alone, so the compiler can do several
-/// at a time, and every machine gets the same bits.
+/// `atan2(right, down)` for `right >= 0`, in `[0, pi]`, within 1e-5 radians: the polynomial that
+/// shading languages use (NVIDIA Cg standard library, atan2). It needs additions and
+/// multiplications alone, so the compiler can do several at a time, and every machine gets the same
+/// bits.
 fn angle(down: f32, right: f32) -> f32 {
     let steep = down.abs();
     let ratio = right.min(steep) / right.max(steep).max(f32::MIN_POSITIVE);

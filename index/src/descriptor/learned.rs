@@ -2,7 +2,9 @@
 
 use super::planes::{PLANES_SIDE, Placement, planes, shown};
 use crate::hand_image::HandImage;
+use crate::rotation::from_columns;
 use grasp_network::{Network, Scratch};
+use nalgebra::UnitQuaternion;
 use std::sync::Arc;
 
 /// A network and the memory that it runs in.
@@ -55,13 +57,15 @@ pub struct Opinion {
     pub mirrored: f64,
     /// How probable each stage is: reach, close and grasp; all sum to 1.
     pub stages: [f64; NETWORK_STAGES.len()],
+    /// `camera_from_hand` of the picture as it was turned to be looked at.
+    pub rotation: Option<UnitQuaternion<f64>>,
 }
 
 impl Opinion {
-    /// The heads are the classes, one more for a hand that is mirrored, the stages and the rotation;
-    /// `None` of a network with other heads.
+    /// The heads are the classes, one more for a hand that is mirrored, the stages and the
+    /// rotation; `None` of a network with other heads.
     fn of_heads(heads: &[f32]) -> Option<Self> {
-        let heads = heads.get(..heads.len().checked_sub(ROTATION)?)?;
+        let (heads, columns) = heads.split_last_chunk::<ROTATION>()?;
         let (logits, stages) = heads.split_last_chunk::<{ NETWORK_STAGES.len() }>()?;
         let largest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |logit: &f32| libm::exp(f64::from(logit - largest));
@@ -76,6 +80,7 @@ impl Opinion {
             stages: stages.map(|likelihood| likelihood / all),
             classes: classes.iter().map(|logit| likelihood(logit) / sum).collect(),
             mirrored: mirrored / (mirrored + sum),
+            rotation: from_columns(*columns),
         })
     }
 }

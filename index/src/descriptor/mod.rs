@@ -1,8 +1,10 @@
-//! From a hand image to a descriptor: a pyramid of histograms of gradient orientation (the paper's Section IV).
+//! From a hand image to a descriptor: a pyramid of histograms of gradient orientation (the paper's
+//! Section IV).
 //!
-//! Two steps, one file each: [`gradient`] turns the picture into orientation (Equation 1), [`pyramid`] counts it
-//! over `4^(L-l)` cells a level `l`. [`DescriptorParams`] says how both are done; it is recorded in the index,
-//! because descriptors made with different parameters cannot be compared.
+//! Two steps, one file each: [`gradient`] turns the picture into orientation (Equation 1),
+//! [`pyramid`] counts it over `4^(L-l)` cells a level `l`. [`DescriptorParams`] says how both are
+//! done; it is recorded in the index, because descriptors made with different parameters cannot be
+//! compared.
 
 mod cells;
 mod describer;

@@ -5,8 +5,8 @@ use super::{DescriptorKind, DescriptorParams, ParamsError};
 use grasp_network::Network;
 use std::sync::Arc;
 
-/// Parameters of a descriptor and, where it is learned, the network that computes it: describers are
-/// made of it, one a thread. Cheap to clone.
+/// Parameters of a descriptor and, where it is learned, the network that computes it: describers
+/// are made of it, one a thread. Cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DescriptorModel {
     params: DescriptorParams,
@@ -17,8 +17,8 @@ impl DescriptorModel {
     /// A descriptor that parameters alone determine.
     ///
     /// # Errors
-    /// [`ParamsError`], where they are out of range or those of a learned descriptor, for which there
-    /// is [`Self::learned`].
+    /// [`ParamsError`], where they are out of range or those of a learned descriptor, for which
+    /// there is [`Self::learned`].
     pub fn new(params: DescriptorParams) -> Result<Self, ParamsError> {
         params.validate()?;
         match params.kind {
@@ -30,8 +30,8 @@ impl DescriptorModel {
     /// The descriptor that a network computes.
     ///
     /// # Errors
-    /// [`ParamsError::Input`], where the network takes other pictures than [`planes`](super::planes())
-    /// makes.
+    /// [`ParamsError::Input`], where the network takes other pictures than
+    /// [`planes`](super::planes()) makes.
     pub fn learned(network: Arc<Network>) -> Result<Self, ParamsError> {
         let (side, planes) = (network.architecture().side, network.architecture().planes);
         if (side as usize, planes as usize) != (PLANES_SIDE, PLANES) {

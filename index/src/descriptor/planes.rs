@@ -22,7 +22,8 @@ const GREY_RANGE: f32 = 3.0;
 /// Added to the standard deviation of the grey, which lies in 0 to 1: a flat hand has only noise.
 const FLAT: f32 = 0.01;
 
-/// Where a pixel is sampled, in pixels from its centre: hands are up to twice as large as the square.
+/// Where a pixel is sampled, in pixels from its centre: hands are up to twice as large as the
+/// square.
 const SAMPLES: [[f64; 2]; 4] = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
 
 /// How a hand lies in the square: a linear map about the mask's centroid, then its box is centred

@@ -1,5 +1,5 @@
-//! The pyramid: `L` levels of cells, level `l` with `2^(L-l)` cells a side, `B` bins a cell. The finest level comes
-//! first, each level row by row.
+//! The pyramid: `L` levels of cells, level `l` with `2^(L-l)` cells a side, `B` bins a cell. The
+//! finest level comes first, each level row by row.
 
 use super::gradient::Field;
 
@@ -34,9 +34,10 @@ pub(super) fn hard(field: &Field, bins: usize, levels: usize) -> Vec<f32> {
     histograms
 }
 
-/// Every pixel shared linearly between the four cells whose centres are nearest; beyond the outermost centres all of
-/// it goes to the border cells. Columns of pixels are gathered first, because that is a sum of whole lines, and
-/// then each line is shared among its cells: `columns` is scratch for the former.
+/// Every pixel shared linearly between the four cells whose centres are nearest; beyond the
+/// outermost centres all of it goes to the border cells. Columns of pixels are gathered first,
+/// because that is a sum of whole lines, and then each line is shared among its cells: `columns` is
+/// scratch for the former.
 pub(super) fn soft(field: &Field, bins: usize, levels: usize, columns: &mut Vec<f32>) -> Vec<f32> {
     let mut histograms = vec![0.0; dim(bins, levels)];
     let (width, height) = (field.width, field.height);
@@ -65,7 +66,8 @@ pub(super) fn soft(field: &Field, bins: usize, levels: usize, columns: &mut Vec<
     histograms
 }
 
-/// The two cells, of `cells` along a side of `length` pixels, that pixel `at` is shared between, and its share in each.
+/// The two cells, of `cells` along a side of `length` pixels, that pixel `at` is shared between,
+/// and its share in each.
 fn nearest_cells(at: usize, length: usize, cells: usize) -> [(usize, f32); 2] {
     let position = (at as f32 + 0.5) * cells as f32 / length as f32 - 0.5;
     let position = position.clamp(0.0, (cells - 1) as f32);

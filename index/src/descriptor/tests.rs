@@ -48,7 +48,8 @@ fn naive(hand: &HandImage, params: &DescriptorParams) -> Vec<f64> {
                 let (row, column) = (cell / cells, cell % cells);
                 *value += match params.kind {
                     DescriptorKind::Paper => {
-                        // A border between bins belongs to the upper one; the angle's last digits must not decide.
+                        // A border between bins belongs to the upper one; the angle's last digits
+                        // must not decide.
                         let is_bin = (position + 1e-9).floor() as usize % bins == bin;
                         let is_cell = y * cells / hand.height() == row && x * cells / hand.width() == column;
                         f64::from(u8::from(magnitude > 0.0 && is_bin && is_cell))
@@ -149,7 +150,8 @@ fn the_lengths_are_the_papers() {
 
 #[test]
 fn x_is_downward() {
-    // Brightness that grows downward alone has orientation 0: the first bin; to the right alone, pi/2: the third.
+    // Brightness that grows downward alone has orientation 0: the first bin; to the right alone,
+    // pi/2: the third.
     let downward = block(32, 32, |_, y| 60 + y as u8 * 4);
     let rightward = block(32, 32, |x, _| 60 + x as u8 * 4);
     let params =

@@ -5,11 +5,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// A file on its way to `path`: written beside it, under the name `.NAME.part`, and put in its place by
-/// [`Self::commit`]. Dropped before that, it leaves the file at `path` as it was, and no other file.
+/// A file on its way to `path`: written beside it, under the name `.NAME.part`, and put in its
+/// place by [`Self::commit`]. Dropped before that, it leaves the file at `path` as it was, and no
+/// other file.
 ///
-/// The part is locked while it is written, so that two writers to one path do not mix; the part of a writer that was
-/// killed is taken over by the next.
+/// The part is locked while it is written, so that two writers to one path do not mix; the part of
+/// a writer that was killed is taken over by the next.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -54,8 +55,8 @@ impl AtomicFile {
     /// Starts to write `path`.
     ///
     /// # Errors
-    /// [`WriteError`], before anything is written: the folder is missing or cannot be written, the path is no regular file,
-    /// or another writer is at work on it.
+    /// [`WriteError`], before anything is written: the folder is missing or cannot be written, the
+    /// path is no regular file, or another writer is at work on it.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
         // A link stays a link: what it points to is replaced.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
@@ -74,7 +75,8 @@ impl AtomicFile {
         part_name.push(".part");
         let part = folder.join(part_name);
         let failed = |source| WriteError::Io { path: path.clone(), source };
-        // A link in the part's place is none of ours: writing through it would overwrite a stranger's file.
+        // A link in the part's place is none of ours: writing through it would overwrite a
+        // stranger's file.
         if fs::symlink_metadata(&part).is_ok_and(|metadata| metadata.is_symlink()) {
             fs::remove_file(&part).map_err(failed)?;
         }
@@ -91,7 +93,8 @@ impl AtomicFile {
                 Err(TryLockError::WouldBlock) => return Err(WriteError::Locked { path }),
                 Err(TryLockError::Error(source)) => return Err(failed(source)),
             }
-            // Between opening and locking, another writer may have finished and moved the part away.
+            // Between opening and locking, another writer may have finished and moved the part
+            // away.
             if is_at(&file, &part).map_err(failed)? {
                 break file;
             }
@@ -123,8 +126,8 @@ impl AtomicFile {
         let placed = self.file.sync_all().and_then(|()| fs::rename(&self.part, &self.path));
         placed.map_err(|source| WriteError::Io { path: self.path.clone(), source })?;
         self.committed = true;
-        // The new name outlasts a power failure once its folder is on the disk. Some file systems cannot do that; the
-        // file is whole either way.
+        // The new name outlasts a power failure once its folder is on the disk. Some file systems
+        // cannot do that; the file is whole either way.
         if let Some(folder) = self.part.parent() {
             let _ = File::open(folder).and_then(|folder| folder.sync_all());
         }

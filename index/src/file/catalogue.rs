@@ -16,7 +16,8 @@ pub struct Catalogue {
     pub dim: u32,
     /// How the descriptors were made.
     pub descriptor: DescriptorParams,
-    /// [`DescriptorParams::fingerprint`] of the program that made them: another one's descriptors cannot be compared.
+    /// [`DescriptorParams::fingerprint`] of the program that made them: another one's descriptors
+    /// cannot be compared.
     pub descriptor_fingerprint: u64,
     /// The classes; an entry's class is a position in this list.
     pub classes: Vec<ClassInfo>,

@@ -3,14 +3,16 @@
 use std::fmt;
 use thiserror::Error;
 
-/// The file of an index was changed in place while it was in use, so that what was read of it may be of two files.
+/// The file of an index was changed in place while it was in use, so that what was read of it may
+/// be of two files.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error(
     "the file was overwritten or cut short while it was in use: try again when it is whole; `mv` a new index over the old one, which disturbs nobody, instead of copying it there"
 )]
 pub struct FileChanged;
 
-/// Why a file cannot be used as an index. The messages do not name the file: the caller, who does, knows it.
+/// Why a file cannot be used as an index. The messages do not name the file: the caller, who does,
+/// knows it.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OpenError {

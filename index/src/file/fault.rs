@@ -1,16 +1,22 @@
-//! Reading a mapped file that has been cut short: the fault becomes a flag instead of the end of the process.
+//! Reading a mapped file that has been cut short: the fault becomes a flag instead of the end of
+//! the process.
 //!
-//! A page of a mapping that lies beyond the end of its file raises SIGBUS in the thread that reads it. `cp` over an
-//! index does that to everyone who has it mapped, because it truncates the file first. The handler here puts zeros
-//! under the whole mapping, sets the mapping's flag and lets the thread read on: every value is checked where it is
-//! used, so zeros do no harm, and whoever asks [`Registered::has_faulted`] after the work throws its result away.
+//! A page of a mapping that lies beyond the end of its file raises SIGBUS in the thread that reads
+//! it. `cp` over an index does that to everyone who has it mapped, because it truncates the file
+//! first. The handler here puts zeros under the whole mapping, sets the mapping's flag and lets the
+//! thread read on: every value is checked where it is used, so zeros do no harm, and whoever asks
+//! [`Registered::has_faulted`] after the work throws its result away.
 //!
-//! Why this and not something else (`super::stamp` is the other half: it notices bytes that changed without a fault):
-//! - A private copy of every index costs its size again in memory or on the disk at every open. The service makes one
-//!   of indexes that are small enough, which is the only way to go on answering; it cannot be the general answer.
-//! - A lease (`F_SETLEASE`) has the kernel hold the writer back until the file has been copied away, but only for the
-//!   file's owner, on few file systems, for 45 seconds, and the person's `cp` waits meanwhile.
-//! - Reading by `pread` raises no fault, and costs a system call where a search now costs a cache miss.
+//! Why this and not something else (`super::stamp` is the other half: it notices bytes that changed
+//! without a fault):
+//! - A private copy of every index costs its size again in memory or on the disk at every open. The
+//!   service makes one of indexes that are small enough, which is the only way to go on answering;
+//!   it cannot be the general answer.
+//! - A lease (`F_SETLEASE`) has the kernel hold the writer back until the file has been copied
+//!   away, but only for the file's owner, on few file systems, for 45 seconds, and the person's
+//!   `cp` waits meanwhile.
+//! - Reading by `pread` raises no fault, and costs a system call where a search now costs a cache
+//!   miss.
 //! - Jumping out of the handler skips destructors. Zeros cost nothing until a fault happens.
 
 use std::io;
@@ -19,10 +25,11 @@ pub(crate) use system::Registered;
 /// Has reading a mapped index that another program cuts short reported as [`crate::FileChanged`] by
 /// [`crate::Index::check_unchanged`], instead of ending the process with SIGBUS.
 ///
-/// Installs a handler of SIGBUS for the whole process, which is why no [`crate::Index`] does it by itself: programs call this
-/// once, before they open an index. Faults outside of mapped indexes go to the handler that was installed before. From
-/// then on, what an index answers may only be believed where [`crate::Index::check_unchanged`] says so afterwards. Where there is no
-/// SIGBUS, on systems other than Unix, this does nothing.
+/// Installs a handler of SIGBUS for the whole process, which is why no [`crate::Index`] does it by
+/// itself: programs call this once, before they open an index. Faults outside of mapped indexes go
+/// to the handler that was installed before. From then on, what an index answers may only be
+/// believed where [`crate::Index::check_unchanged`] says so afterwards. Where there is no SIGBUS,
+/// on systems other than Unix, this does nothing.
 ///
 /// # Errors
 /// When the system does not let a handler be installed.
@@ -40,8 +47,8 @@ mod system {
 
     use libc::{c_int, c_void, siginfo_t};
 
-    /// Where a mapping lies, for the handler to find. Slots are used again, never freed: the handler may be reading any
-    /// of them at any moment.
+    /// Where a mapping lies, for the handler to find. Slots are used again, never freed: the
+    /// handler may be reading any of them at any moment.
     #[derive(Debug)]
     struct Slot {
         /// The address of the mapping's first byte; 0 where the slot is free.
@@ -76,7 +83,8 @@ mod system {
         fn range_with(&self, address: usize) -> Option<(usize, usize)> {
             let start = self.start.load(SeqCst);
             let length = self.length.load(SeqCst);
-            // A slot that is given to another mapping meanwhile shows the start of one and the length of the other.
+            // A slot that is given to another mapping meanwhile shows the start of one and the
+            // length of the other.
             let is_one_mapping = start != 0 && self.start.load(SeqCst) == start;
             (is_one_mapping && address.wrapping_sub(start) < length).then_some((start, length))
         }
@@ -87,7 +95,8 @@ mod system {
     pub(crate) struct Registered(&'static Slot);
 
     impl Registered {
-        /// Makes a mapping known. It must be a read-only mapping of whole pages from its start on, which outlives this.
+        /// Makes a mapping known. It must be a read-only mapping of whole pages from its start on,
+        /// which outlives this.
         pub(crate) fn new(mapping: &[u8]) -> Self {
             let mut free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
             let slot = free.pop().unwrap_or_else(|| {
@@ -133,17 +142,19 @@ mod system {
         // SAFETY: the call has filled it in; and zeros are one as well.
         PREVIOUS.get_or_init(|| unsafe { previous.assume_init() });
         let mut action = MaybeUninit::<libc::sigaction>::zeroed();
-        // SAFETY: zeros are an action (the default one, with no flag and an empty mask) of which three fields are set.
+        // SAFETY: zeros are an action (the default one, with no flag and an empty mask) of which
+        // three fields are set.
         let action = unsafe {
             let action = action.assume_init_mut();
             action.sa_sigaction = on_fault as *const () as usize;
-            // On the stack for signals, where the thread has one: as std's own handler, which this one passes on to.
+            // On the stack for signals, where the thread has one: as std's own handler, which this
+            // one passes on to.
             action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
             libc::sigemptyset(&mut action.sa_mask);
             action
         };
-        // SAFETY: the action is whole, and `on_fault` does only what a signal handler may: it reads and writes atomics
-        // that are never freed, and makes system calls.
+        // SAFETY: the action is whole, and `on_fault` does only what a signal handler may: it reads
+        // and writes atomics that are never freed, and makes system calls.
         if unsafe { libc::sigaction(libc::SIGBUS, action, ptr::null_mut()) } != 0 {
             return Err(io::Error::last_os_error());
         }
@@ -152,8 +163,8 @@ mod system {
     }
 
     extern "C" fn on_fault(signal: c_int, info: *mut siginfo_t, context: *mut c_void) {
-        // SAFETY: SA_SIGINFO has the kernel pass one that is filled in. One that a process sent has another number in
-        // the address's place, which the code tells apart.
+        // SAFETY: SA_SIGINFO has the kernel pass one that is filled in. One that a process sent has
+        // another number in the address's place, which the code tells apart.
         let (code, address) = unsafe { ((*info).si_code, (*info).si_addr() as usize) };
         if code == libc::BUS_ADRERR && put_zeros_around(address) {
             // The instruction is tried again, and finds them.
@@ -171,11 +182,12 @@ mod system {
         };
         // Before there is a zero to be read.
         slot.has_faulted.store(true, SeqCst);
-        // All of the mapping, not the page alone: a file cut to nothing has millions of them, and a process may hold
-        // only so many mappings. A call that succeeds leaves `errno` as it was.
-        // SAFETY: these are the pages of a mapping that is read-only, is no one's but `Bytes`', and lives on while the
-        // thread that faulted borrows its bytes: new read-only pages in their place are what `Bytes` unmaps in the
-        // end. Their bytes change under whoever reads them, as they do where the file is overwritten: see `Bytes::map`.
+        // All of the mapping, not the page alone: a file cut to nothing has millions of them, and a
+        // process may hold only so many mappings. A call that succeeds leaves `errno` as it was.
+        // SAFETY: these are the pages of a mapping that is read-only, is no one's but `Bytes`', and
+        // lives on while the thread that faulted borrows its bytes: new read-only pages in their
+        // place are what `Bytes` unmaps in the end. Their bytes change under whoever reads them, as
+        // they do where the file is overwritten: see `Bytes::map`.
         let zeros = unsafe {
             let flags = libc::MAP_PRIVATE | libc::MAP_ANON | libc::MAP_FIXED;
             libc::mmap(start as *mut c_void, length, libc::PROT_READ, flags, -1, 0)
@@ -189,7 +201,8 @@ mod system {
         match previous {
             Some((handler, flags)) if handler != libc::SIG_DFL && handler != libc::SIG_IGN => {
                 if flags & libc::SA_SIGINFO != 0 {
-                    // SAFETY: what is neither of the two numbers is a handler, of this form where the flag is set.
+                    // SAFETY: what is neither of the two numbers is a handler, of this form where
+                    // the flag is set.
                     let handler = unsafe {
                         std::mem::transmute::<usize, extern "C" fn(c_int, *mut siginfo_t, *mut c_void)>(
                             handler,
@@ -204,8 +217,8 @@ mod system {
             }
             // A fault cannot be ignored: the instruction would fault for ever.
             _ => {
-                // SAFETY: zeros are the default action; both calls are allowed in a handler. The signal waits until
-                // this handler returns, and then ends the process.
+                // SAFETY: zeros are the default action; both calls are allowed in a handler. The
+                // signal waits until this handler returns, and then ends the process.
                 unsafe {
                     let action = MaybeUninit::<libc::sigaction>::zeroed().assume_init();
                     libc::sigaction(signal, &action, ptr::null_mut());

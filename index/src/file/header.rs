@@ -20,7 +20,8 @@ use xxhash_rust::xxh3::xxh3_64;
 const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
 /// The header's length in bytes.
 pub(crate) const LENGTH: usize = 64;
-/// The version of the format that this crate reads and writes. It grows when older readers cannot read new files.
+/// The version of the format that this crate reads and writes. It grows when older readers cannot
+/// read new files.
 pub(crate) const VERSION: u32 = 5;
 /// The oldest version that this crate reads. Version 1 was written by no release.
 const OLDEST: u32 = 2;
@@ -53,7 +54,8 @@ impl Header {
         bytes
     }
 
-    /// Reads the header of a whole file and checks all that can be checked without the catalogue's bytes.
+    /// Reads the header of a whole file and checks all that can be checked without the catalogue's
+    /// bytes.
     pub(crate) fn read(file: &[u8]) -> Result<Self, OpenError> {
         Self::parse(file, file.len() as u64)
     }

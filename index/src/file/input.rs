@@ -21,12 +21,13 @@ pub struct IndexParams {
     pub descriptor: DescriptorParams,
     /// The network that makes learned descriptors; of no account for others.
     pub network: Option<Arc<Network>>,
-    /// Which form of the descriptors to keep. [`Originals::F32`] alone serves a random hash, which has nothing else to measure
-    /// distances by.
+    /// Which form of the descriptors to keep. [`Originals::F32`] alone serves a random hash, which
+    /// has nothing else to measure distances by.
     pub originals: Originals,
     /// What to keep of each entry besides; the rest of what [`NewEntry`] says is ignored.
     pub kept: Kept,
-    /// The classes, at most 65,536. Where labels are kept, there is at least one, as there is of the two lists that follow.
+    /// The classes, at most 65,536. Where labels are kept, there is at least one, as there is of
+    /// the two lists that follow.
     pub classes: Vec<ClassInfo>,
     /// The names of the hand shapes, at most 65,536.
     pub hand_shapes: Vec<String>,
@@ -34,20 +35,22 @@ pub struct IndexParams {
     pub stages: Vec<String>,
     /// Which hash, and how it is sized.
     pub hash: HashParams,
-    /// Descriptors from outside the index, rows of [`DescriptorParams::dim`] values: what the search is tuned and measured
-    /// with. Those of hand shapes that the index does not hold are best. Where there are none, the index's own are used,
-    /// each held out for its own query.
+    /// Descriptors from outside the index, rows of [`DescriptorParams::dim`] values: what the
+    /// search is tuned and measured with. Those of hand shapes that the index does not hold are
+    /// best. Where there are none, the index's own are used, each held out for its own query.
     pub held_out: Vec<f32>,
-    /// What those show, a position in [`Self::classes`] a row: what the vote is calibrated with. Nothing where that is not known.
+    /// What those show, a position in [`Self::classes`] a row: what the vote is calibrated with.
+    /// Nothing where that is not known.
     pub held_out_classes: Vec<u16>,
     /// What all randomness comes from.
     pub seed: u64,
     /// The side of the thumbnails in pixels, at most 1024; 0 keeps none.
     pub thumbnail_side: u32,
-    /// How neighbours are weighed where there are no [`Self::held_out_classes`] to find that out by.
+    /// How neighbours are weighed where there are no [`Self::held_out_classes`] to find that out
+    /// by.
     pub calibration: Calibration,
-    /// Names and values to keep with the index, such as where its renders come from. No dates, where a rebuild is to
-    /// give the same bytes.
+    /// Names and values to keep with the index, such as where its renders come from. No dates,
+    /// where a rebuild is to give the same bytes.
     pub provenance: Vec<(String, String)>,
 }
 
@@ -64,7 +67,8 @@ pub struct NewEntry {
     pub object: String,
     /// The picture's file name.
     pub file: String,
-    /// The camera's azimuth, in degrees; kept to a hundredth, as are the other two, and modulo a full turn.
+    /// The camera's azimuth, in degrees; kept to a hundredth, as are the other two, and modulo a
+    /// full turn.
     pub azimuth_deg: f32,
     /// The camera's elevation, in degrees.
     pub elevation_deg: f32,
@@ -81,8 +85,9 @@ pub struct NewEntry {
 }
 
 impl NewEntry {
-    /// The entry, had its picture been turned clockwise by `turn_deg` degrees, as [`DescriptorParams::turn_deg`] says: its orientation and
-    /// its camera's roll are those of the turned picture. Its descriptor and thumbnail stay.
+    /// The entry, had its picture been turned clockwise by `turn_deg` degrees, as
+    /// [`DescriptorParams::turn_deg`] says: its orientation and its camera's roll are those of the
+    /// turned picture. Its descriptor and thumbnail stay.
     #[must_use]
     pub fn turned(self, turn_deg: f64) -> Self {
         let orientation = turned_orientation(turn_deg, &self.orientation);
@@ -90,6 +95,56 @@ impl NewEntry {
         let roll_deg = (f64::from(self.roll_deg) - turn_deg).rem_euclid(360.0) as f32;
         Self { orientation, roll_deg, ..self }
     }
+}
+
+/// Why an entry does not fit its index.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum EntryFault {
+    /// Its descriptor is of another length.
+    #[error("its descriptor has {found} values, the index's have {expected}")]
+    Dimension {
+        /// The values that it has.
+        found: usize,
+        /// Those that the index's have.
+        expected: usize,
+    },
+    /// A value of its descriptor is infinite or not a number.
+    #[error("value {at} of its descriptor is not a finite number")]
+    NotFinite {
+        /// Which, counted from 0.
+        at: usize,
+    },
+    /// A value of its descriptor does not fit into half precision.
+    #[error("value {at} of its descriptor is too large for 16 bits: keep the originals as f32")]
+    TooLarge {
+        /// Which, counted from 0.
+        at: usize,
+    },
+    /// An angle of its view is infinite or not a number.
+    #[error("its view is not made of finite numbers")]
+    View,
+    /// Its orientation is no rotation.
+    #[error("its orientation is not a unit quaternion")]
+    Orientation,
+    /// One of its numbers names nothing of the index.
+    #[error("its {what} is number {number}, and the index has {count}")]
+    Number {
+        /// What it numbers.
+        what: &'static str,
+        /// The number, counted from 0.
+        number: usize,
+        /// How many the index has.
+        count: usize,
+    },
+    /// Its thumbnail is of another size.
+    #[error("its thumbnail is not of the size of the index's own ({found} and {expected} pixels)")]
+    Thumbnail {
+        /// The pixels that it has.
+        found: usize,
+        /// Those that the index's have.
+        expected: usize,
+    },
 }
 
 /// Why an index cannot be built.
@@ -108,7 +163,7 @@ pub enum BuildError {
         /// The entry's file name.
         file: String,
         /// What does not fit.
-        what: String,
+        what: EntryFault,
     },
     /// Nothing was added.
     #[error("the index would be empty: add at least one entry")]

@@ -6,8 +6,9 @@
 //! catalogue   a small rkyv archive up to the end of the file: parameters, and where every section lies        [catalogue]
 //! ```
 //!
-//! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for [`verify`].
-//! Where another program changes it all the same, [`stamp`] notices it, and [`fault`] keeps the reader alive.
+//! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for
+//! [`verify`]. Where another program changes it all the same, [`stamp`] notices it, and [`fault`]
+//! keeps the reader alive.
 
 mod align;
 pub(crate) mod atomic;
@@ -28,6 +29,7 @@ pub(crate) mod verify;
 pub(crate) mod wire;
 pub(crate) mod write;
 
-// Sections are read in place as they lie in memory, and they lie in the file in little-endian order.
+// Sections are read in place as they lie in memory, and they lie in the file in little-endian
+// order.
 #[cfg(target_endian = "big")]
 compile_error!("an index file is little-endian and read in place: big-endian machines are not supported");

@@ -1,4 +1,5 @@
-//! Opening: the header, the catalogue and every section's range are checked; no section's bytes are read.
+//! Opening: the header, the catalogue and every section's range are checked; no section's bytes are
+//! read.
 
 use super::bytes::Bytes;
 use super::catalogue::Catalogue;

@@ -1,4 +1,5 @@
-//! Orientations and angles in few bytes: finer than any answer, and half as long as floating-point numbers.
+//! Orientations and angles in few bytes: finer than any answer, and half as long as floating-point
+//! numbers.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -23,7 +24,8 @@ pub(crate) fn unpack_rotation(packed: [i16; 4]) -> Option<UnitQuaternion<f64>> {
     is_unit.then(|| UnitQuaternion::new_normalize(rotation))
 }
 
-/// The rotation that [`pack_rotation`] makes the same numbers of again; its length is only nearly 1. `None` as above.
+/// The rotation that [`pack_rotation`] makes the same numbers of again; its length is only nearly
+/// 1. `None` as above.
 pub(crate) fn unpack_as_packed(packed: [i16; 4]) -> Option<UnitQuaternion<f64>> {
     unpack_rotation(packed)?;
     let [x, y, z, w] = packed.map(|value| f64::from(value) / ONE);

@@ -48,8 +48,8 @@ impl ElementType {
     }
 }
 
-/// What a section holds. N is the number of entries, D the length of a descriptor. What an index does not keep
-/// ([`super::kept::Kept`]) is a section of no length.
+/// What a section holds. N is the number of entries, D the length of a descriptor. What an index
+/// does not keep ([`super::kept::Kept`]) is a section of no length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionKind {
     /// N x D f32 or f16, or nothing: the descriptors.
@@ -82,11 +82,13 @@ pub enum SectionKind {
     PlaneNormals,
     /// T x K f32: the offsets of random hyperplanes.
     PlaneOffsets,
-    /// Buckets + 1 u32: where each bucket starts and ends, in ids (T x H buckets of a random hash) or in blocks.
+    /// Buckets + 1 u32: where each bucket starts and ends, in ids (T x H buckets of a random hash)
+    /// or in blocks.
     BucketDirectory,
     /// T x N u32: the ids in the buckets of a random hash.
     BucketIds,
-    /// (D + 1) x P f32: what each value of a vector adds to its coordinates in the principal axes, and their offsets.
+    /// (D + 1) x P f32: what each value of a vector adds to its coordinates in the principal axes,
+    /// and their offsets.
     Axes,
     /// Blocks of sixteen: the centres of a learned hash's groups.
     GroupCentres,
@@ -96,13 +98,14 @@ pub enum SectionKind {
     BucketCentres,
     /// Blocks of sixteen: the entries in the buckets of a learned hash.
     EntryBlocks,
-    /// The bytes of the network behind a learned descriptor; only there where the descriptor is one.
+    /// The bytes of the network behind a learned descriptor; only there where the descriptor is
+    /// one.
     Network,
 }
 
 impl SectionKind {
-    /// All sections, in the order of the file: descriptors first, because they are written first; what every search touches
-    /// lies last, together.
+    /// All sections, in the order of the file: descriptors first, because they are written first;
+    /// what every search touches lies last, together.
     pub(crate) const ALL: [Self; 23] = [
         Self::Descriptors,
         Self::Thumbnails,
@@ -129,8 +132,8 @@ impl SectionKind {
         Self::Network,
     ];
 
-    /// The sections of an index whose descriptors are such, in the order of the file. What came with
-    /// learned descriptors is not in others, which older readers read.
+    /// The sections of an index whose descriptors are such, in the order of the file. What came
+    /// with learned descriptors is not in others, which older readers read.
     pub(crate) fn of(descriptor: &DescriptorParams) -> &'static [Self] {
         match descriptor.kind {
             DescriptorKind::Learned { .. } => &Self::ALL,
@@ -154,7 +157,8 @@ impl SectionKind {
         )
     }
 
-    /// Whether the section was learned from all entries together: what is left of the hash where one has no entries.
+    /// Whether the section was learned from all entries together: what is left of the hash where
+    /// one has no entries.
     pub(crate) fn is_learned(self) -> bool {
         self.is_of_the_hash() && !matches!(self, Self::BucketDirectory | Self::BucketIds | Self::EntryBlocks)
     }

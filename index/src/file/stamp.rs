@@ -6,13 +6,15 @@ use std::fs::{File, Metadata};
 use std::io;
 use std::time::{Duration, SystemTime};
 
-/// A system counts the times of files in steps of up to 10 ms: a file changed so lately may change again within the same step.
+/// A system counts the times of files in steps of up to 10 ms: a file changed so lately may change
+/// again within the same step.
 const STEP: Duration = Duration::from_millis(20);
 
 /// An open file, and what it was like when it was opened.
 ///
-/// Systems set a file's time of modification before a write changes the first byte, and its length with truncation. Who finds
-/// both as they were after the work has therefore worked on one content. Asking costs one system call (0.3 us).
+/// Systems set a file's time of modification before a write changes the first byte, and its length
+/// with truncation. Who finds both as they were after the work has therefore worked on one content.
+/// Asking costs one system call (0.3 us).
 #[derive(Debug)]
 pub(crate) struct Stamp {
     file: File,
@@ -22,7 +24,8 @@ pub(crate) struct Stamp {
     head: Head,
 }
 
-/// The header of an index holds the hash of its catalogue, which holds that of every section: another content has another one.
+/// The header of an index holds the hash of its catalogue, which holds that of every section:
+/// another content has another one.
 type Head = [u8; header::LENGTH];
 
 impl Stamp {
@@ -50,8 +53,9 @@ impl Stamp {
         if now == self.times && !self.is_fresh {
             return Ok(());
         }
-        // The time of the last change alone moves where the file was renamed, or another one was renamed over it; and
-        // where it was overwritten and its time of modification set back, as `cp --preserve` does.
+        // The time of the last change alone moves where the file was renamed, or another one was
+        // renamed over it; and where it was overwritten and its time of modification set back, as
+        // `cp --preserve` does.
         let is_same = now.length == self.times.length && now.modified == self.times.modified;
         let has_same_head = || head(&self.file).is_ok_and(|head| head == self.head);
         if is_same && has_same_head() { Ok(()) } else { Err(FileChanged) }
@@ -62,7 +66,8 @@ impl Stamp {
 struct Times {
     length: u64,
     modified: Option<SystemTime>,
-    /// Seconds and nanoseconds of the last change of content, name or rights, which no program can set.
+    /// Seconds and nanoseconds of the last change of content, name or rights, which no program can
+    /// set.
     changed: (i64, i64),
 }
 

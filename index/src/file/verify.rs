@@ -1,4 +1,5 @@
-//! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is checked for sense.
+//! Verifying: every byte of the file is hashed or known to be zero, and what the arrays say is
+//! checked for sense.
 
 use super::header::LENGTH;
 use super::open::Opened;
@@ -44,7 +45,8 @@ pub enum Problem {
         /// The byte after its last.
         end: u64,
     },
-    /// An element makes no sense, although the hash is right: the file was written by something else.
+    /// An element makes no sense, although the hash is right: the file was written by something
+    /// else.
     #[error("element {at} of the section {kind:?} {what}: build the file again")]
     Element {
         /// The section.

@@ -3,8 +3,8 @@
 //!
 //! A form has the fields of the domain's type in the order in which the file has them. Should the
 //! domain change, the form stays, and the conversion makes up for the difference. An enum may get
-//! more variants at its end, no larger than the others, for which [`least_reader`] names the version;
-//! any other change is a new form beside the old one, and a new version.
+//! more variants at its end, no larger than the others, for which [`least_reader`] names the
+//! version; any other change is a new form beside the old one, and a new version.
 
 use super::catalogue::{Catalogue, ClassInfo};
 use super::kept::{Kept, Originals};
@@ -310,8 +310,8 @@ enum DescriptorKindForm {
     Raw {
         dim: u32,
     },
-    /// Its network's fingerprint is the hash of the section that holds it. No larger than the others:
-    /// a larger variant would move what follows, in files of every version.
+    /// Its network's fingerprint is the hash of the section that holds it. No larger than the
+    /// others: a larger variant would move what follows, in files of every version.
     Learned {
         dim: u32,
     },

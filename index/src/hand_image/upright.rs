@@ -1,16 +1,19 @@
-//! How a hand lies in its picture: the angle by which all pictures of it can be brought into one position.
+//! How a hand lies in its picture: the angle by which all pictures of it can be brought into one
+//! position.
 
 use super::HandImage;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 impl HandImage {
-    /// By how many degrees, clockwise on the picture, the hand is to be [turned](Self::rotated) so that its long axis stands upright and
-    /// its thinner end points down: at least -180 and below 180, in whole tenths. Of a picture that is turned by some angle, it is less by that
-    /// angle; of its mirror image, it is the opposite.
+    /// By how many degrees, clockwise on the picture, the hand is to be [turned](Self::rotated) so
+    /// that its long axis stands upright and its thinner end points down: at least -180 and below
+    /// 180, in whole tenths. Of a picture that is turned by some angle, it is less by that angle;
+    /// of its mirror image, it is the opposite.
     ///
-    /// The axis is that of the mask's largest second moment (M.-K. Hu, "Visual pattern recognition by moment invariants", 1962), the
-    /// end the one of the longer tail: the sign of the third moment along the axis. A mask that is about as wide as it is long has no
-    /// such axis, and one that is alike at both ends no such end; for those, a small difference can make a large one.
+    /// The axis is that of the mask's largest second moment (M.-K. Hu, "Visual pattern recognition
+    /// by moment invariants", 1962), the end the one of the longer tail: the sign of the third
+    /// moment along the axis. A mask that is about as wide as it is long has no such axis, and one
+    /// that is alike at both ends no such end; for those, a small difference can make a large one.
     #[must_use]
     pub fn upright_turn_deg(&self) -> f64 {
         let [xx, xy, yy, xxx, xxy, xyy, yyy] = self.central_moments();
@@ -26,8 +29,8 @@ impl HandImage {
         if turn < 180.0 { turn } else { turn - 360.0 }
     }
 
-    /// The hand without what lies further than `lengths` breadths behind its uppermost point once it
-    /// is turned by `turn_deg`: of a long arm, about half. The picture itself is not turned.
+    /// The hand without what lies further than `lengths` breadths behind its uppermost point once
+    /// it is turned by `turn_deg`: of a long arm, about half. The picture itself is not turned.
     #[must_use]
     pub fn without_arm(&self, turn_deg: f64, lengths: f64) -> Self {
         let (sin, cos) = libm::sincos(turn_deg.to_radians());
@@ -46,7 +49,8 @@ impl HandImage {
         .unwrap_or_else(|| self.clone())
     }
 
-    /// The second and third central moments of the mask, x right and y down: xx, xy, yy, xxx, xxy, xyy, yyy.
+    /// The second and third central moments of the mask, x right and y down: xx, xy, yy, xxx, xxy,
+    /// xyy, yyy.
     fn central_moments(&self) -> [f64; 7] {
         let inside = || {
             let rows = self.mask.chunks_exact(self.width).zip(0u32..);

@@ -1,7 +1,9 @@
-//! Arrays of numbers in NumPy's `.npy` format, versions 1 to 3: raw descriptors and neighbours on their way in and out.
+//! Arrays of numbers in NumPy's `.npy` format, versions 1 to 3: raw descriptors and neighbours on
+//! their way in and out.
 //!
-//! Only what such arrays need is understood: little-endian numbers, row by row, as [`numpy.save`] writes them. The crates
-//! that read all of the format recurse into nested headers and overflow the stack on hostile ones.
+//! Only what such arrays need is understood: little-endian numbers, row by row, as [`numpy.save`]
+//! writes them. The crates that read all of the format recurse into nested headers and overflow the
+//! stack on hostile ones.
 //!
 //! [`numpy.save`]: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 
@@ -158,7 +160,8 @@ impl NpyHeader {
         count.ok_or(NpyError::Truncated { expected: u64::MAX, found: 0 })
     }
 
-    /// Reads the values that follow the header of an array of [`NpyType::F32`], and checks that they are finite.
+    /// Reads the values that follow the header of an array of [`NpyType::F32`], and checks that
+    /// they are finite.
     ///
     /// # Errors
     /// [`NpyError`], when values are missing or are not finite.
@@ -250,7 +253,8 @@ fn single(shape: &str) -> bool {
         && !shape.trim_end_matches([',', ')', ' ']).contains(',')
 }
 
-/// The value of `key`: what stands between its colon and the comma or brace that ends it, outside of brackets and quotes.
+/// The value of `key`: what stands between its colon and the comma or brace that ends it, outside
+/// of brackets and quotes.
 fn value<'t>(text: &'t str, key: &str) -> Result<&'t str, NpyError> {
     let missing = NpyError::NotNpy("its header is incomplete");
     let quoted = [format!("'{key}'"), format!("\"{key}\"")];

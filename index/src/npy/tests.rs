@@ -23,7 +23,8 @@ fn error(text: &str) -> String {
     read(&array(text, &[1.0, 2.0])).expect_err("the header is wrong").to_string()
 }
 
-/// Byte for byte what `numpy.save` wrote of `numpy.array([[1, 2, 3]], dtype='<f4')`, and of the same with version 2.
+/// Byte for byte what `numpy.save` wrote of `numpy.array([[1, 2, 3]], dtype='<f4')`, and of the
+/// same with version 2.
 #[test]
 fn what_numpy_writes_is_read() {
     let text = format!("{:<117}\n", "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 3), }");

@@ -1,14 +1,15 @@
 //! Quantised vectors as they lie in the file: blocks of sixteen.
 //!
-//! A vector is a code of one byte for each of P axes (128 stands for 0), a *scalar* that a distance needs besides, and,
-//! where it is an entry, its id. A block holds, one after the other,
+//! A vector is a code of one byte for each of P axes (128 stands for 0), a *scalar* that a distance
+//! needs besides, and, where it is an entry, its id. A block holds, one after the other,
 //!
-//! - `P / 4` groups of 64 bytes: four axes of the first vector, the same four of the second, and so on to the sixteenth,
-//!   because a processor multiplies and adds four neighbouring bytes at once;
+//! - `P / 4` groups of 64 bytes: four axes of the first vector, the same four of the second, and so
+//!   on to the sixteenth, because a processor multiplies and adds four neighbouring bytes at once;
 //! - sixteen f32, the scalars; infinity where there is no vector;
 //! - sixteen u32, the ids, in blocks of entries alone.
 //!
-//! So all that a scan needs of a vector lies together, and a run of blocks is read from front to back.
+//! So all that a scan needs of a vector lies together, and a run of blocks is read from front to
+//! back.
 
 /// Vectors of a block.
 pub(crate) const LANES: usize = 16;
@@ -113,8 +114,8 @@ impl<'a> Blocks<'a> {
             .filter_map(move |(bytes, number)| self.split(bytes, number))
     }
 
-    /// Sections start at multiples of 64 bytes and so do all parts of a block, as `axes` is a multiple of 4: the casts do
-    /// not fail.
+    /// Sections start at multiples of 64 bytes and so do all parts of a block, as `axes` is a
+    /// multiple of 4: the casts do not fail.
     #[inline(always)]
     fn split(&self, bytes: &'a [u8], number: u32) -> Option<Block<'a>> {
         let (codes, rest) = bytes.split_at_checked(LANES * self.axes)?;
@@ -171,7 +172,8 @@ fn round(value: f32) -> i32 {
     (value + (MAX_VALUE as f32 + 1.5)) as i32 - (MAX_VALUE + 1)
 }
 
-/// A query in the axes' frame: 15 bits a value, in the forms that the paths of [`super::simd`] take.
+/// A query in the axes' frame: 15 bits a value, in the forms that the paths of [`super::simd`]
+/// take.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuantisedQuery {
     /// The values in units of `step`, zeros up to a multiple of 4.

@@ -1,16 +1,18 @@
 //! The Euclidean distance between descriptors.
 
-/// Partial sums kept apart: enough for the widest vector registers, and a fixed order of summation on every machine.
+/// Partial sums kept apart: enough for the widest vector registers, and a fixed order of summation
+/// on every machine.
 const LANES: usize = 16;
 
-/// The squared distance between two vectors of equal length (of unequal ones, over the shorter). The order of
-/// summation is fixed, so that every machine and every caller gets the same bits.
+/// The squared distance between two vectors of equal length (of unequal ones, over the shorter).
+/// The order of summation is fixed, so that every machine and every caller gets the same bits.
 #[inline(always)]
 pub(crate) fn squared(a: &[f32], b: &[f32]) -> f32 {
     accumulate(a, b, |x, y| (x - y) * (x - y))
 }
 
-/// The dot product of two vectors of equal length (of unequal ones, over the shorter), summed as [`squared`] does.
+/// The dot product of two vectors of equal length (of unequal ones, over the shorter), summed as
+/// [`squared`] does.
 #[inline]
 pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     accumulate(a, b, |x, y| x * y)

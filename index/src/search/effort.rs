@@ -6,8 +6,8 @@ use super::options::Effort;
 pub const EPS_GRID: [f64; 6] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.2];
 /// The paper's eps.
 pub const EPS: f64 = 0.05;
-/// Of what is still missing to certainty, the part that is aimed at besides: what was measured on some queries shall hold on
-/// others.
+/// Of what is still missing to certainty, the part that is aimed at besides: what was measured on
+/// some queries shall hold on others.
 const MARGIN: f64 = 0.1;
 
 /// What a search does and what it finds, on average, when it looks into so many buckets.
@@ -17,7 +17,8 @@ pub struct EffortPoint {
     pub probes: u32,
     /// The share of the true 10 nearest that is found.
     pub recall_at_10: f64,
-    /// The share of queries whose nearest found is within `1 + eps` of the true nearest, for each eps of [`EPS_GRID`].
+    /// The share of queries whose nearest found is within `1 + eps` of the true nearest, for each
+    /// eps of [`EPS_GRID`].
     pub eps_success: [f64; EPS_GRID.len()],
     /// The share of the index that the buckets hold.
     pub share_of_database: f64,
@@ -28,7 +29,8 @@ pub struct EffortPoint {
 pub struct Measured {
     /// How many queries were measured.
     pub queries: u32,
-    /// Whether they were descriptors from outside the index; otherwise its own, each held out for its own query.
+    /// Whether they were descriptors from outside the index; otherwise its own, each held out for
+    /// its own query.
     pub held_out: bool,
     /// How far they were moved, in units of sigma: least and most.
     pub noise: [f64; 2],
@@ -37,7 +39,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The least effort that was measured to be enough, with a little to spare; `None` where no effort was.
+    /// The least effort that was measured to be enough, with a little to spare; `None` where no
+    /// effort was.
     pub fn enough(&self, effort: Effort) -> Option<&EffortPoint> {
         let reaches = |found: f64, wanted: f64| found >= wanted + MARGIN * (1.0 - wanted);
         match effort {
@@ -58,7 +61,8 @@ impl Measured {
 }
 
 impl EffortPoint {
-    /// The share of queries whose nearest found is within `1 + EPS` of the true nearest, at the paper's eps.
+    /// The share of queries whose nearest found is within `1 + EPS` of the true nearest, at the
+    /// paper's eps.
     pub fn success(&self) -> f64 {
         EPS_GRID
             .iter()

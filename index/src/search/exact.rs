@@ -5,10 +5,11 @@ use super::simd::Simd;
 use super::stored::Stored;
 use rayon::prelude::*;
 
-/// Bytes of values that are measured against one query after another while they are in the nearest cache.
+/// Bytes of values that are measured against one query after another while they are in the nearest
+/// cache.
 const TILE: usize = 32 << 10;
-/// Bytes of values that all threads have measured before any goes on, so that they read a file together: many tiles, and read in a
-/// fraction of a second.
+/// Bytes of values that all threads have measured before any goes on, so that they read a file
+/// together: many tiles, and read in a fraction of a second.
 const BLOCK: usize = 16 << 20;
 /// Neighbours that are kept at a time, 32 MB of them: for more, the rows are gone through again.
 const KEPT: usize = 4 << 20;
@@ -25,10 +26,12 @@ pub(crate) enum Threads {
 /// What is done before a block is looked at.
 pub(crate) type Before<'f, 'a, E> = dyn FnMut(f64, &[(u32, Stored<'a>)]) -> Result<(), E> + 'f;
 
-/// The k nearest of all rows for each query. `queries` holds them in rows of the length of a stored row; to `found` is appended a
-/// row of `k` neighbours for each, filled up as [`append`] does. The rows are gone through once, in order, whatever the number of
-/// queries, unless these want more neighbours than are kept at a time ([`KEPT`]). Before each block, `before` hears what share of the
-/// work is done and which blocks are still to come, this one first; it stops the work by an error.
+/// The k nearest of all rows for each query. `queries` holds them in rows of the length of a stored
+/// row; to `found` is appended a row of `k` neighbours for each, filled up as [`append`] does. The
+/// rows are gone through once, in order, whatever the number of queries, unless these want more
+/// neighbours than are kept at a time ([`KEPT`]). Before each block, `before` hears what share of
+/// the work is done and which blocks are still to come, this one first; it stops the work by an
+/// error.
 pub(crate) fn nearest_of_many<'a, E>(
     stored: Stored<'a>,
     queries: &[f32],
@@ -76,7 +79,8 @@ fn look(simd: Simd, first: u32, block: Stored<'_>, queries: &[f32], nearest: &mu
     }
 }
 
-/// Appends a row of `k` neighbours. Where there are fewer, the rest has the id `u32::MAX` and an infinite distance.
+/// Appends a row of `k` neighbours. Where there are fewer, the rest has the id `u32::MAX` and an
+/// infinite distance.
 pub(crate) fn append(neighbours: impl Iterator<Item = Neighbour>, k: usize, found: &mut Vec<Neighbour>) {
     let end = found.len() + k;
     found.extend(neighbours);

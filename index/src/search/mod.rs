@@ -6,7 +6,8 @@
 //! [`searcher`] is the door to it all.
 //!
 //! - [`random`] is the paper's hash, with K and T learned from the data.
-//! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by 8-bit codes ([`blocks`], [`simd`]).
+//! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by 8-bit codes
+//!   ([`blocks`], [`simd`]).
 //! - [`exact`] measures every row.
 //! - [`build`] makes a hash; [`measure`] finds out how many probes find how much ([`effort`]), so
 //!   that a search is asked for what to find, not how.

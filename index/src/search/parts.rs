@@ -1,4 +1,5 @@
-//! The steps of one search by the learned hash, each by itself, for the benches to time. No part of the interface.
+//! The steps of one search by the learned hash, each by itself, for the benches to time. No part of
+//! the interface.
 
 use super::learned::Learned;
 use super::learned::lookup::Lookup;

@@ -2,8 +2,8 @@
 
 use super::blocks::{Block, LANES};
 
-/// Keeps the `keep` smallest of the scores that it is offered, equal ones by number; NaN and infinity are never kept.
-/// What is kept does not depend on the order of the offers.
+/// Keeps the `keep` smallest of the scores that it is offered, equal ones by number; NaN and
+/// infinity are never kept. What is kept does not depend on the order of the offers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Smallest {
     keep: usize,

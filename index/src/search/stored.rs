@@ -75,7 +75,8 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// Measures the squared distances of some entries. An id past the last entry, as a damaged file may hold, has none.
+    /// Measures the squared distances of some entries. An id past the last entry, as a damaged file
+    /// may hold, has none.
     pub(crate) fn measure(
         &self,
         simd: Simd,
@@ -125,8 +126,9 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// All entries in blocks of at most `bytes` (of values as wide as a query's; of one entry, where it has more), each with the number
-    /// of its first entry: no block where no descriptors are kept. A block is of one file.
+    /// All entries in blocks of at most `bytes` (of values as wide as a query's; of one entry,
+    /// where it has more), each with the number of its first entry: no block where no descriptors
+    /// are kept. A block is of one file.
     pub(crate) fn blocks(&self, bytes: usize) -> Vec<(u32, Stored<'a>)> {
         let entries = (bytes / size_of::<f32>() / self.dim.max(1)).max(1);
         let length = entries * self.dim.max(1);

@@ -1,7 +1,8 @@
 //! From the weights' shares to probabilities, and where an answer stops being one.
 //!
-//! The share that a class has of Equation 3's weights says how much the neighbours agree, not how often they are right.
-//! With a floor `a` and a power `g`, both fitted to hands that the index does not hold ([`super::calibrate`]), the probability is
+//! The share that a class has of Equation 3's weights says how much the neighbours agree, not how
+//! often they are right. With a floor `a` and a power `g`, both fitted to hands that the index does
+//! not hold ([`super::calibrate`]), the probability is
 //!
 //! ```text
 //! P(c) = (share(c) + a)^g / sum over all classes of the same
@@ -22,12 +23,14 @@ pub struct Calibration {
     pub sigma_scale: f64,
     /// Added to each class's share of the weights, 0 or more.
     pub floor: f64,
-    /// The power that turns shares into probabilities, above 0; with 1 and no floor, they are the shares.
+    /// The power that turns shares into probabilities, above 0; with 1 and no floor, they are the
+    /// shares.
     pub power: f64,
-    /// The distance of the nearest neighbour, beyond which there is no answer: 1 known hand in 200 lies farther. `None` where
-    /// that is not known.
+    /// The distance of the nearest neighbour, beyond which there is no answer: 1 known hand in 200
+    /// lies farther. `None` where that is not known.
     pub farthest: Option<f64>,
-    /// The probability of the first class, 0 to 1, below which there is no answer: 1 right answer in 200 is less sure.
+    /// The probability of the first class, 0 to 1, below which there is no answer: 1 right answer
+    /// in 200 is less sure.
     pub least_probability: f64,
     /// How it was fitted; `None` where it is not, and `probability` is the share of the weights.
     pub measured: Option<Calibrated>,
@@ -94,7 +97,8 @@ impl Calibration {
             && self.measured.as_ref().is_none_or(|measured| measured.log_likelihood <= 0.0)
     }
 
-    /// What speaks against an answer, whose nearest neighbour lies at `nearest` and whose first class has `probability`.
+    /// What speaks against an answer, whose nearest neighbour lies at `nearest` and whose first
+    /// class has `probability`.
     pub fn doubt(&self, nearest: f64, probability: f64) -> Option<Doubt> {
         let least = self.least_probability;
         match self.farthest {

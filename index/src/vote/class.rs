@@ -9,8 +9,8 @@ fn log_weight(distance: f64, sigma: f64) -> f64 {
     -0.5 * scaled * scaled
 }
 
-/// The weights at these distances, divided by the greatest: far from everything all of them would round to 0, and their
-/// ratios, which is what counts, with them.
+/// The weights at these distances, divided by the greatest: far from everything all of them would
+/// round to 0, and their ratios, which is what counts, with them.
 pub(super) fn relative_weights(distances: impl Iterator<Item = f64>, sigma: f64) -> Vec<f64> {
     let logs: Vec<f64> = distances.map(|distance| log_weight(distance, sigma)).collect();
     let greatest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -40,21 +40,6 @@ pub(crate) fn shares(
 /// The sum of the weights themselves.
 pub(crate) fn kernel_mass(distances: impl Iterator<Item = f64>, sigma: f64) -> f64 {
     distances.map(|distance| libm::exp(log_weight(distance, sigma))).sum()
-}
-
-/// The power of the mean of several looks' probabilities that is the probability of all together.
-/// Measured on the development hands, where a mean of .65 comes true in .87 to .97 of the pictures;
-/// one exponent for both.
-const JOINED: f64 = 1.5;
-
-/// Makes probabilities that are the mean of several looks' what they come true as: looks that agree
-/// are surer together than each by itself.
-pub(crate) fn sharpen(probabilities: &mut [f64]) {
-    probabilities.iter_mut().for_each(|probability| *probability = libm::pow(*probability, JOINED));
-    let sum: f64 = probabilities.iter().sum();
-    if sum > 0.0 {
-        probabilities.iter_mut().for_each(|probability| *probability /= sum);
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! Fitting the vote to queries whose class is known, of hands that the index does not hold: the number of neighbours, the
-//! kernel's width, floor and power, all by the likelihood of the labelled classes.
+//! Fitting the vote to queries whose class is known, of hands that the index does not hold: the
+//! number of neighbours, the kernel's width, floor and power, all by the likelihood of the labelled
+//! classes.
 
 use super::calibration::{Calibrated, Calibration};
 use super::class::shares;
@@ -11,7 +12,8 @@ use rayon::prelude::*;
 const NEIGHBOURS: [usize; 4] = [10, 20, 40, 80];
 /// The most neighbours that may have a vote.
 pub(crate) const MOST_VOTERS: usize = NEIGHBOURS[NEIGHBOURS.len() - 1];
-/// Factors on sigma that are tried: from the nearest neighbour deciding all but alone, to all having a like say.
+/// Factors on sigma that are tried: from the nearest neighbour deciding all but alone, to all
+/// having a like say.
 const SCALES: [f64; 10] = [0.04, 0.06, 0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.35, 0.5];
 /// Floors that are tried.
 const FLOORS: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
@@ -38,10 +40,12 @@ pub(crate) struct Example {
     pub(crate) voters: Vec<(u16, f64)>,
 }
 
-/// How far queries that the vote is fitted to are moved, in units of sigma, for an index of so many hand shapes. Chosen by the calibration
-/// error on development pictures of a hand of another program: an index of 100 hand shapes comes true where queries stay as they are
-/// (0.04; 0.09 if moved by [`NOISE`]), while one of a single hand is much too sure of queries from the same renderer (0.21), and needs
-/// them farther away (0.07): a real hand is then not only another but otherwise.
+/// How far queries that the vote is fitted to are moved, in units of sigma, for an index of so many
+/// hand shapes. Chosen by the calibration error on development pictures of a hand of another
+/// program: an index of 100 hand shapes comes true where queries stay as they are (0.04; 0.09 if
+/// moved by [`NOISE`]), while one of a single hand is much too sure of queries from the same
+/// renderer (0.21), and needs them farther away (0.07): a real hand is then not only another but
+/// otherwise.
 pub(crate) fn noise_of_the_vote(hand_shapes: usize) -> [f64; 2] {
     if hand_shapes < MANY_HANDS { FAR } else { [0.0, 0.1] }
 }
@@ -51,8 +55,9 @@ pub(crate) fn noise_of_the_farthest(hand_shapes: usize) -> [f64; 2] {
     if hand_shapes < MANY_HANDS { FAR } else { NOISE }
 }
 
-/// Fits a calibration to the even groups of the examples, which were moved by `noise`, and measures it on the odd ones. `nearest` are
-/// distances at which known hands lie. Of too few examples comes `otherwise`.
+/// Fits a calibration to the even groups of the examples, which were moved by `noise`, and measures
+/// it on the odd ones. `nearest` are distances at which known hands lie. Of too few examples comes
+/// `otherwise`.
 pub(crate) fn calibrate(
     examples: &[Example],
     nearest: impl Iterator<Item = f64>,
@@ -125,7 +130,8 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     values.get((share * values.len().saturating_sub(1) as f64).round() as usize).copied()
 }
 
-/// The best floor and power for one number of neighbours and one width, and the likelihood that they reach.
+/// The best floor and power for one number of neighbours and one width, and the likelihood that
+/// they reach.
 fn fit(examples: &[&Example], classes: usize, sigma: f64, k: usize, scale: f64) -> (f64, Calibration) {
     let shares: Vec<(usize, Vec<f64>)> = examples
         .iter()
@@ -159,7 +165,8 @@ fn best_power(logs: &[(f64, Vec<f64>)]) -> f64 {
     libm::exp((low + high) / 2.0)
 }
 
-/// The sum of `power * log of the labelled class - log of the sum over all classes`, and its slope in the power.
+/// The sum of `power * log of the labelled class - log of the sum over all classes`, and its slope
+/// in the power.
 fn likelihood(logs: &[(f64, Vec<f64>)], power: f64) -> (f64, f64) {
     logs.iter().fold((0.0, 0.0), |(likelihood, slope), (labelled, logs)| {
         let greatest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -179,7 +186,8 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// Queries whose near neighbours are of their own class three times of four, whatever the distance, and else of another.
+    /// Queries whose near neighbours are of their own class three times of four, whatever the
+    /// distance, and else of another.
     fn examples(count: u32) -> Vec<Example> {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         (0..count)
@@ -210,8 +218,8 @@ mod tests {
         assert_eq!(reliability.n(), 1_000);
         assert!((reliability.accuracy().unwrap() - 0.75).abs() < 0.04, "{reliability:?}");
         assert!(reliability.expected_error().unwrap() < 0.04, "{reliability:?}");
-        // The near ones agree, and are right in three cases of four: no better is possible than to say so, and which of the two other
-        // classes it is else, nothing shows.
+        // The near ones agree, and are right in three cases of four: no better is possible than to
+        // say so, and which of the two other classes it is else, nothing shows.
         let best = 0.75 * libm::log(0.75) + 0.25 * libm::log(0.125);
         assert!((measured.log_likelihood - best).abs() < 0.08, "{} {best}", measured.log_likelihood);
         assert_eq!(calibration.farthest, Some(0.1), "all of them have their nearest there");

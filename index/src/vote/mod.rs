@@ -1,19 +1,21 @@
-//! From neighbours to an answer: the class (Equation 3), the orientation (Equation 4), and the width sigma of the
-//! kernel that both weigh with (Equation 5). What the class's share of the weights is worth as a probability is fitted on hands
-//! that the index does not hold.
+//! From neighbours to an answer: the class (Equation 3), the orientation (Equation 4), and the
+//! width sigma of the kernel that both weigh with (Equation 5). What the class's share of the
+//! weights is worth as a probability is fitted on hands that the index does not hold.
 
 mod ballot;
 mod calibration;
 mod class;
 mod fit;
+mod joined;
 mod orientation;
 mod reliability;
 mod sigma;
 
 pub(crate) use ballot::Ballot;
 pub use calibration::{Calibrated, Calibration, Doubt};
-pub(crate) use class::{kernel_mass, shares, sharpen};
+pub(crate) use class::{kernel_mass, shares};
 pub(crate) use fit::{Example, MOST_VOTERS, calibrate, noise_of_the_farthest, noise_of_the_vote};
+pub(crate) use joined::Joined;
 pub(crate) use orientation::estimate;
 pub use orientation::{OrientationEstimate, cyclic_euler_mean, mean_rotation};
 pub use reliability::{Reliability, ReliabilityBin};
@@ -23,18 +25,19 @@ pub use sigma::{Sigma, mean_distance};
 use crate::descriptor::{NETWORK_STAGES, Opinion};
 use crate::search::Neighbour;
 
-/// How neighbours are weighed. The default is what the index was calibrated with; with another width, the probabilities are the
-/// weights' shares, which the calibration was not fitted to.
+/// How neighbours are weighed. The default is what the index was calibrated with; with another
+/// width, the probabilities are the weights' shares, which the calibration was not fitted to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoteOptions {
     /// The kernel's width, in units of descriptor distance, in place of the index's own.
     pub sigma: Option<f64>,
     /// A factor on sigma, in place of the index's own calibrated one.
     pub sigma_scale: Option<f64>,
-    /// Take Equation 5 as it is printed, which makes every weight all but 1, in place of its words. Both other widths
-    /// take precedence.
+    /// Take Equation 5 as it is printed, which makes every weight all but 1, in place of its words.
+    /// Both other widths take precedence.
     pub literal_sigma: bool,
-    /// Take Equation 4 literally, as a cyclic mean of each Euler angle by itself, in place of the mean rotation.
+    /// Take Equation 4 literally, as a cyclic mean of each Euler angle by itself, in place of the
+    /// mean rotation.
     pub euler_mean: bool,
 }
 
@@ -52,7 +55,8 @@ pub struct Look<'a> {
     pub neighbours: &'a [Neighbour],
     /// What the network that described the picture says of it by itself, if anything.
     pub opinion: Option<&'a Opinion>,
-    /// By how many degrees, clockwise, the picture had been turned beside the one that is asked about.
+    /// By how many degrees, clockwise, the picture had been turned beside the one that is asked
+    /// about.
     pub turn_deg: f64,
 }
 
@@ -61,10 +65,11 @@ pub struct Look<'a> {
 pub struct Vote {
     /// Every class of the index, most probable first; equals by class number.
     pub classes: Vec<ClassScore>,
-    /// How probable the stages reach, close and grasp are by the opinions of the looks, each 0 to 1;
-    /// `None` without opinions.
+    /// How probable the stages reach, close and grasp are by the opinions of the looks, each 0 to
+    /// 1; `None` without opinions.
     pub stages: Option<[f64; NETWORK_STAGES.len()]>,
-    /// The sum of Equation 3's weights over all neighbours, from 0 (nothing alike in the index) to the number of neighbours.
+    /// The sum of Equation 3's weights over all neighbours, from 0 (nothing alike in the index) to
+    /// the number of neighbours.
     pub kernel_mass: f64,
     /// The orientation, from the neighbours of the first class alone.
     pub orientation: OrientationEstimate,

@@ -44,8 +44,8 @@ impl Reliability {
         (self.n() > 0).then(|| f64::from(right) / f64::from(self.n()))
     }
 
-    /// The expected calibration error: how far stated probability and share of right answers lie apart, averaged over the answers.
-    /// `None` without answers.
+    /// The expected calibration error: how far stated probability and share of right answers lie
+    /// apart, averaged over the answers. `None` without answers.
     pub fn expected_error(&self) -> Option<f64> {
         let apart: f64 = self.bins.iter().map(|bin| (bin.probability - f64::from(bin.right)).abs()).sum();
         (self.n() > 0).then(|| apart / f64::from(self.n()))

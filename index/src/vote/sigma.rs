@@ -1,8 +1,9 @@
 //! Equation 5: sigma, the width of the kernel of Equations 3 and 4.
 //!
-//! Its words, "the mean intra-class, inter-point distance", and its formula do not agree: the formula divides the sum
-//! over ordered pairs by `sqrt(2) M N` where a mean needs `M N (N - 1)`, so that it comes out about `(N - 1) / sqrt(2)`
-//! times too large and every weight of Equation 3 is 1. The words are what is used; the formula is kept beside it.
+//! Its words, "the mean intra-class, inter-point distance", and its formula do not agree: the
+//! formula divides the sum over ordered pairs by `sqrt(2) M N` where a mean needs `M N (N - 1)`, so
+//! that it comes out about `(N - 1) / sqrt(2)` times too large and every weight of Equation 3 is 1.
+//! The words are what is used; the formula is kept beside it.
 
 use crate::search::distance;
 use rayon::prelude::*;
@@ -13,13 +14,15 @@ const MOST_OF_A_CLASS: usize = 3_000;
 /// Both readings of Equation 5, in units of descriptor distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sigma {
-    /// The mean distance between two descriptors of one class, averaged over the classes: the words.
+    /// The mean distance between two descriptors of one class, averaged over the classes: the
+    /// words.
     pub mean_distance: f64,
     /// The formula as printed, `sqrt(2) M N` below: for repeating the paper's figures.
     pub literal: f64,
 }
 
-/// The mean distance between two different rows of `rows` (`dim` values each): 0 for fewer than two.
+/// The mean distance between two different rows of `rows` (`dim` values each): 0 for fewer than
+/// two.
 pub fn mean_distance(rows: &[&[f32]]) -> f64 {
     let n = rows.len();
     if n < 2 {
@@ -34,8 +37,8 @@ pub fn mean_distance(rows: &[&[f32]]) -> f64 {
     sums.iter().sum::<f64>() / pairs
 }
 
-/// Measures sigma over `descriptors` (`dim` values a row), `labels` being the class of each row. Classes with fewer
-/// than two rows do not count. Without labels all rows are of one class.
+/// Measures sigma over `descriptors` (`dim` values a row), `labels` being the class of each row.
+/// Classes with fewer than two rows do not count. Without labels all rows are of one class.
 pub(crate) fn measure(descriptors: &[f32], dim: usize, labels: &[u16], classes: usize) -> Sigma {
     let rows = || descriptors.chunks_exact(dim.max(1));
     let mut counts = vec![0usize; classes];
@@ -60,7 +63,8 @@ pub(crate) fn measure(descriptors: &[f32], dim: usize, labels: &[u16], classes: 
             passed = wanted + 1;
             of_class.nth(skip).map(|(_, row)| row)
         });
-        // Copied, for each is read once for every other: where they lie on a disk, few of their pages may stay in memory.
+        // Copied, for each is read once for every other: where they lie on a disk, few of their
+        // pages may stay in memory.
         let spaced: Vec<f32> = spaced.flatten().copied().collect();
         let distance = mean_distance(&spaced.chunks_exact(dim.max(1)).collect::<Vec<_>>());
         mean += distance;
@@ -79,11 +83,13 @@ mod tests {
 
     #[test]
     fn both_readings_by_hand() {
-        // Class 0: the points 0, 3 and 9 of a line, at distances 3, 6 and 9. Class 1: 0 and 2, at distance 2.
+        // Class 0: the points 0, 3 and 9 of a line, at distances 3, 6 and 9. Class 1: 0 and 2, at
+        // distance 2.
         let descriptors = [0.0, 3.0, 9.0, 0.0, 2.0];
         let sigma = measure(&descriptors, 1, &[0, 0, 0, 1, 1], 2);
         assert!((sigma.mean_distance - (6.0 + 2.0) / 2.0).abs() < 1e-9, "{sigma:?}");
-        // Ordered pairs sum to 36 and 4; divided by sqrt(2) N they are 12 / sqrt(2) and 2 / sqrt(2), then the mean of M = 2.
+        // Ordered pairs sum to 36 and 4; divided by sqrt(2) N they are 12 / sqrt(2) and 2 /
+        // sqrt(2), then the mean of M = 2.
         assert!((sigma.literal - 7.0 / std::f64::consts::SQRT_2).abs() < 1e-9, "{sigma:?}");
     }
 

@@ -6,9 +6,10 @@ use crate::text::printable_lines;
 
 /// The messages of an error and its causes, outermost first, joined by colons.
 ///
-/// Some errors repeat their cause in their own message (as `{source}`) and others leave it to the reader of the chain; a
-/// cause that the text says already is left out. Control characters are escaped, as they can only come from input; ends of
-/// lines stay, because some parsers show the place of a mistake in lines of their own.
+/// Some errors repeat their cause in their own message (as `{source}`) and others leave it to the
+/// reader of the chain; a cause that the text says already is left out. Control characters are
+/// escaped, as they can only come from input; ends of lines stay, because some parsers show the
+/// place of a mistake in lines of their own.
 pub fn message<'e>(chain: impl IntoIterator<Item = &'e (dyn Error + 'static)>) -> String {
     let mut line = String::new();
     for cause in chain {

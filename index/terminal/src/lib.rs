@@ -1,7 +1,8 @@
 //! What both programs show a person: progress, numbers, names and errors.
 //!
 //! - [`Progress`] is a bar on a terminal, and a line every ten seconds in a log;
-//! - [`text`] writes numbers as people do, and names of files so that a terminal is not changed by them;
+//! - [`text`] writes numbers as people do, and names of files so that a terminal is not changed by
+//!   them;
 //! - [`error`] writes an error and its causes, each once;
 //! - [`completions`] corrects the scripts by which shells complete.
 

@@ -20,7 +20,8 @@ const SAMPLES: usize = 6;
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     shown: Shown,
-    /// What lines are counted from, so that many short pieces of work write one every [`EVERY`] as well.
+    /// What lines are counted from, so that many short pieces of work write one every [`EVERY`] as
+    /// well.
     since: Instant,
 }
 
@@ -33,7 +34,8 @@ enum Shown {
 }
 
 impl Progress {
-    /// Bars where standard error is a terminal, lines that begin with `program` elsewhere, and neither unless `wanted`.
+    /// Bars where standard error is a terminal, lines that begin with `program` elsewhere, and
+    /// neither unless `wanted`.
     #[must_use]
     pub fn new(program: &'static str, wanted: bool) -> Self {
         let shown = match (wanted, io::stderr().is_terminal()) {
@@ -138,7 +140,8 @@ fn draw(bar: &ProgressBar, has_length: bool, unit: &str) {
     let pace = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
         let _ = write!(out, "{}", pace(state.per_sec()));
     };
-    // The template is ours and constant but for the unit; should it ever fail to parse, a plain bar serves.
+    // The template is ours and constant but for the unit; should it ever fail to parse, a plain bar
+    // serves.
     if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style.with_key("pace", pace).progress_chars("=> "));
     }
@@ -160,7 +163,8 @@ impl Log {
         let (end, ended) = channel::<()>();
         let write = move || {
             let started = Instant::now();
-            // The pace of the last minute: work that begins with what is there already slows down later.
+            // The pace of the last minute: work that begins with what is there already slows down
+            // later.
             let mut samples = VecDeque::from([(started, 0)]);
             loop {
                 let passed = since.elapsed();
@@ -230,7 +234,8 @@ impl State {
     }
 }
 
-/// `1,203 a second, ` or, where each thing takes longer than that, `14 s each, `; nothing where it is not known yet.
+/// `1,203 a second, ` or, where each thing takes longer than that, `14 s each, `; nothing where it
+/// is not known yet.
 fn pace(per_second: f64) -> String {
     match per_second {
         _ if !per_second.is_finite() || per_second <= 0.0 => String::new(),

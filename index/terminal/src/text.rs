@@ -14,8 +14,8 @@ pub fn counted(count: impl TryInto<u64>, names: [&str; 2]) -> String {
     format!("{} {}", HumanCount(count), if count == 1 { one } else { several })
 }
 
-/// A share from 0 to 1 in percent, with more decimals the smaller it is: `62 %`, `1.5 %`, `0.03 %`. `0 %` is written for
-/// nothing at all, and `100 %` for everything.
+/// A share from 0 to 1 in percent, with more decimals the smaller it is: `62 %`, `1.5 %`, `0.03 %`.
+/// `0 %` is written for nothing at all, and `100 %` for everything.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {
@@ -62,9 +62,11 @@ pub fn shown(path: &Path) -> String {
     printable(&path.display().to_string()).into_owned()
 }
 
-/// Text from input, such as the name of a file, with control characters escaped: a terminal would obey them.
+/// Text from input, such as the name of a file, with control characters escaped: a terminal would
+/// obey them.
 ///
-/// So are the characters that change the direction of what follows, which make a name look like another.
+/// So are the characters that change the direction of what follows, which make a name look like
+/// another.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let is_unsafe = |c: char| {
         c.is_control()

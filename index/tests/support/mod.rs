@@ -1,4 +1,5 @@
-//! A hand made of balls, seen from many sides: pictures that vary as those of real hands do, without a renderer.
+//! A hand made of balls, seen from many sides: pictures that vary as those of real hands do,
+//! without a renderer.
 
 #![allow(dead_code, reason = "every test and benchmark uses its own part")]
 
@@ -11,7 +12,8 @@ use std::path::Path;
 
 pub(crate) const SIDE: usize = 48;
 
-/// The balls of a hand, centre and radius: a palm, four fingers and a thumb, bent by `curl` radians a joint.
+/// The balls of a hand, centre and radius: a palm, four fingers and a thumb, bent by `curl` radians
+/// a joint.
 fn balls(curl: f64, spread: f64) -> Vec<(Vector3<f64>, f64)> {
     let mut balls = Vec::new();
     for (x, y) in (0..4).flat_map(|x| (0..4).map(move |y| (x, y))) {

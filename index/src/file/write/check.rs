@@ -1,7 +1,7 @@
 //! What makes no index is refused before anything is written.
 
 use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
-use crate::file::input::{BuildError, IndexParams, NewEntry};
+use crate::file::input::{BuildError, EntryFault, IndexParams, NewEntry};
 use crate::file::kept::Originals;
 use crate::search::build::{HashParams, RandomParams};
 use crate::search::random::MAX_PLANES;
@@ -53,7 +53,8 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     Ok(())
 }
 
-/// Checks that held-out descriptors are rows of finite values, and that their classes, where they are known, are the index's.
+/// Checks that held-out descriptors are rows of finite values, and that their classes, where they
+/// are known, are the index's.
 pub(super) fn check_held_out(
     held_out: &[f32],
     classes: &[u16],
@@ -79,28 +80,26 @@ pub(super) fn check_held_out(
 }
 
 /// Checks an entry against them; says what does not fit.
-pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
+pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), EntryFault> {
     let dim = params.descriptor.dim();
     if entry.descriptor.len() != dim {
-        return Err(format!("its descriptor has {} values, the index's have {dim}", entry.descriptor.len()));
+        return Err(EntryFault::Dimension { found: entry.descriptor.len(), expected: dim });
     }
     if let Some(at) = entry.descriptor.iter().position(|value| !value.is_finite()) {
-        return Err(format!("value {at} of its descriptor is not a finite number"));
+        return Err(EntryFault::NotFinite { at });
     }
     if params.originals == Originals::F16
         && let Some(at) = entry.descriptor.iter().position(|value| value.abs() > f16::MAX.to_f32())
     {
-        return Err(format!(
-            "value {at} of its descriptor is too large for 16 bits: keep the originals as f32"
-        ));
+        return Err(EntryFault::TooLarge { at });
     }
     let views = [entry.azimuth_deg, entry.elevation_deg, entry.roll_deg];
     if !views.iter().all(|angle| angle.is_finite()) {
-        return Err("its view is not made of finite numbers".into());
+        return Err(EntryFault::View);
     }
     let is_unit = (entry.orientation.norm() - 1.0).abs() < 1e-4;
     if !is_unit {
-        return Err("its orientation is not a unit quaternion".into());
+        return Err(EntryFault::Orientation);
     }
     if !params.kept.labels {
         return check_thumbnail(params, entry);
@@ -111,19 +110,17 @@ pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), 
         ("hand shape", usize::from(entry.hand_shape), params.hand_shapes.len()),
     ] {
         if number >= count {
-            return Err(format!("its {what} is number {number}, and the index has {count}"));
+            return Err(EntryFault::Number { what, number, count });
         }
     }
     check_thumbnail(params, entry)
 }
 
-fn check_thumbnail(params: &IndexParams, entry: &NewEntry) -> Result<(), String> {
+fn check_thumbnail(params: &IndexParams, entry: &NewEntry) -> Result<(), EntryFault> {
     match &entry.thumbnail {
-        Some(thumbnail) if thumbnail.len() != pixels(params) => Err(format!(
-            "its thumbnail is not of the size of the index's own ({} and {} pixels)",
-            thumbnail.len(),
-            pixels(params)
-        )),
+        Some(thumbnail) if thumbnail.len() != pixels(params) => {
+            Err(EntryFault::Thumbnail { found: thumbnail.len(), expected: pixels(params) })
+        }
         _ => Ok(()),
     }
 }

@@ -1,4 +1,5 @@
-//! What an index holds of each entry besides descriptor and thumbnail: small enough to be kept in memory.
+//! What an index holds of each entry besides descriptor and thumbnail: small enough to be kept in
+//! memory.
 
 use crate::file::input::{BuildError, NewEntry};
 use crate::file::kept::Kept;
@@ -28,7 +29,8 @@ impl Columns {
         self.entries
     }
 
-    /// Adds of an entry that was checked what is to be kept. The columns are as they were where there are too many names.
+    /// Adds of an entry that was checked what is to be kept. The columns are as they were where
+    /// there are too many names.
     pub(super) fn push(&mut self, entry: &NewEntry, kept: Kept) -> Result<(), BuildError> {
         if self.entries >= u32::MAX as usize {
             return Err(BuildError::TooMany("the entries"));

@@ -32,18 +32,20 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Collects entries and writes them as an index. Entries keep the order in which they are added: the same entries in the
-/// same order, with the same parameters, make the same bytes.
+/// Collects entries and writes them as an index. Entries keep the order in which they are added:
+/// the same entries in the same order, with the same parameters, make the same bytes.
 ///
-/// [`Self::create`] writes to the disk from the first entry on, so that an index may be larger than the memory: what is
-/// held is up to 29 bytes an entry, the entries' names, and the hash tables at the end. [`Self::new`] holds everything.
+/// [`Self::create`] writes to the disk from the first entry on, so that an index may be larger than
+/// the memory: what is held is up to 29 bytes an entry, the entries' names, and the hash tables at
+/// the end. [`Self::new`] holds everything.
 #[derive(Debug)]
 pub struct IndexWriter {
     params: IndexParams,
     columns: Columns,
     /// The file's own bytes: room for the header, and the descriptors so far.
     out: Sink,
-    /// The descriptors so far, after as much room, where the file is to keep them in another form or not at all.
+    /// The descriptors so far, after as much room, where the file is to keep them in another form
+    /// or not at all.
     rows: Option<Sink>,
     /// The thumbnails so far, which follow when the descriptors are complete.
     thumbnails: Sink,
@@ -62,8 +64,8 @@ impl IndexWriter {
         Self::start(params, Sink::memory(), rows, Sink::memory(), None)
     }
 
-    /// An index without entries that [`Self::finish`] puts at `path`: the file there, if any, is then replaced in one
-    /// step, and stays as it is where that does not come to pass.
+    /// An index without entries that [`Self::finish`] puts at `path`: the file there, if any, is
+    /// then replaced in one step, and stays as it is where that does not come to pass.
     ///
     /// # Errors
     /// [`BuildError`], where the parameters are out of range or the file cannot be written.
@@ -72,8 +74,8 @@ impl IndexWriter {
         Self::create_in(AtomicFile::create(path.as_ref())?, params)
     }
 
-    /// As [`Self::create`], in a file that was started (and locked) before the parameters were known. Nothing may have been
-    /// written to it.
+    /// As [`Self::create`], in a file that was started (and locked) before the parameters were
+    /// known. Nothing may have been written to it.
     ///
     /// # Errors
     /// [`BuildError`], where the parameters are out of range or the file cannot be written.
@@ -113,7 +115,8 @@ impl IndexWriter {
         self.params.provenance.extend(provenance);
     }
 
-    /// Gives [`IndexParams::held_out`] and [`IndexParams::held_out_classes`] when all entries are in.
+    /// Gives [`IndexParams::held_out`] and [`IndexParams::held_out_classes`] when all entries are
+    /// in.
     ///
     /// # Errors
     /// [`BuildError::Params`], where they are no rows of descriptors and their classes.
@@ -137,8 +140,8 @@ impl IndexWriter {
     /// Adds an entry.
     ///
     /// # Errors
-    /// [`BuildError::Entry`], where it does not fit the index's parameters; the index is then as it was.
-    /// [`BuildError::Write`], where the disk is full; the index is then lost.
+    /// [`BuildError::Entry`], where it does not fit the index's parameters; the index is then as it
+    /// was. [`BuildError::Write`], where the disk is full; the index is then lost.
     pub fn push(&mut self, entry: NewEntry) -> Result<(), BuildError> {
         if let Err(what) = check_entry(&self.params, &entry) {
             return Err(BuildError::Entry { file: entry.file, what });
@@ -154,8 +157,8 @@ impl IndexWriter {
         write().map_err(|source| failed(self.file.as_ref(), source))
     }
 
-    /// Builds the tables and puts the index in its place. `progress` hears of every phase with a share from 0 to 1, and
-    /// stops the work by breaking.
+    /// Builds the tables and puts the index in its place. `progress` hears of every phase with a
+    /// share from 0 to 1, and stops the work by breaking.
     ///
     /// # Errors
     /// [`BuildError`]; the file at the path is then as it was.

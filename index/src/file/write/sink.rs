@@ -1,4 +1,5 @@
-//! Where the bytes of an index go on their way: in order, hashed as they come, to a file or to memory.
+//! Where the bytes of an index go on their way: in order, hashed as they come, to a file or to
+//! memory.
 
 use crate::file::align::{ALIGNMENT, align};
 use crate::file::bytes::Written;
@@ -9,7 +10,8 @@ use std::io::{self, BufWriter, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
 
-/// What a file's buffer holds, and how many bytes are written between two looks at whether to go on.
+/// What a file's buffer holds, and how many bytes are written between two looks at whether to go
+/// on.
 const PIECE: usize = 1 << 20;
 
 /// Bytes written one after the other, of which a section may be open.
@@ -37,7 +39,8 @@ impl Sink {
         Self::to(Target::File(BufWriter::with_capacity(PIECE, file)))
     }
 
-    /// Into a file without a name in `folder`: the operating system removes it, however the program ends.
+    /// Into a file without a name in `folder`: the operating system removes it, however the program
+    /// ends.
     pub(super) fn unnamed(folder: &Path) -> io::Result<Self> {
         Ok(Self::file(tempfile::tempfile_in(folder)?))
     }
@@ -82,7 +85,8 @@ impl Sink {
         }
     }
 
-    /// Writes many bytes after the others. `wrote` hears of every piece how many bytes it had, and stops the work by an error.
+    /// Writes many bytes after the others. `wrote` hears of every piece how many bytes it had, and
+    /// stops the work by an error.
     pub(super) fn append_all<E: From<io::Error>>(
         &mut self,
         bytes: &[u8],

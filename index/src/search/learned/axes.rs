@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 /// Rows that the axes are fitted to.
 const SAMPLE: usize = 20_000;
-/// The share of the variance that the axes must hold. What the rest adds to a distance comes in when the best are measured
-/// exactly.
+/// The share of the variance that the axes must hold. What the rest adds to a distance comes in
+/// when the best are measured exactly.
 const VARIANCE: f64 = 0.995;
 /// More axes than that make a scan slower than the exact distances that they save.
 const WANTED_AXES: usize = 256;
@@ -19,7 +19,8 @@ const WANTED_AXES: usize = 256;
 pub(crate) struct Axes<'a> {
     /// P.
     pub(crate) count: usize,
-    /// `D + 1` rows of P: what each value of a vector adds to each coordinate, and last the coordinates of the zero vector.
+    /// `D + 1` rows of P: what each value of a vector adds to each coordinate, and last the
+    /// coordinates of the zero vector.
     pub(crate) projection: &'a [f32],
 }
 
@@ -51,11 +52,12 @@ pub(crate) fn sample<'a>(rows: Rows<'a>, sample: usize) -> impl Iterator<Item = 
     (0..rows.len() as u32).step_by(step).filter_map(move |id| Some((id, rows.get(id)?)))
 }
 
-/// The axes in which the rows vary most: as many as hold 99.5 % of the variance, and then up to a multiple of 16 (of 4 where
-/// that is all there are).
+/// The axes in which the rows vary most: as many as hold 99.5 % of the variance, and then up to a
+/// multiple of 16 (of 4 where that is all there are).
 pub(crate) fn fit(rows: Rows<'_>) -> FittedAxes {
     let dim = rows.dim;
-    // Copied, for they are read once for each value: where they lie on a disk, few of their pages may stay in memory.
+    // Copied, for they are read once for each value: where they lie on a disk, few of their pages
+    // may stay in memory.
     let sampled: Vec<f32> = sample(rows, SAMPLE).flat_map(|(_, row)| row).copied().collect();
     let sampled: Vec<&[f32]> = sampled.chunks_exact(dim.max(1)).collect();
     let mean = mean(&sampled, dim);

@@ -1,5 +1,5 @@
-//! The tables' buckets, all in two flat arrays: bucket `b` holds `ids[directory[b]..directory[b + 1]]`. Bucket `h` of
-//! table `t` is number `t * H + h`.
+//! The tables' buckets, all in two flat arrays: bucket `b` holds `ids[directory[b]..directory[b +
+//! 1]]`. Bucket `h` of table `t` is number `t * H + h`.
 
 use crate::search::counting_sort::counting_sort;
 use crate::search::rows::Rows;
@@ -28,8 +28,9 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Puts every row into one bucket of each of `tables` tables of `buckets` buckets: the one that `bucket_of(row, table)`,
-    /// below `buckets`, names. Within a bucket ids ascend. `tables * rows` must fit a `u32`.
+    /// Puts every row into one bucket of each of `tables` tables of `buckets` buckets: the one that
+    /// `bucket_of(row, table)`, below `buckets`, names. Within a bucket ids ascend. `tables * rows`
+    /// must fit a `u32`.
     pub(crate) fn build(
         rows: Rows<'_>,
         tables: u32,

@@ -1,5 +1,5 @@
-//! How many hyperplanes and tables: learned from the data for eps and a wanted success rate, as the paper has it, and
-//! then measured.
+//! How many hyperplanes and tables: learned from the data for eps and a wanted success rate, as the
+//! paper has it, and then measured.
 
 use super::{RandomHash, RandomHyperplanes, draw};
 use crate::search::effort::EPS;
@@ -7,14 +7,16 @@ use crate::search::queries::{is_near_enough, queries};
 use crate::search::rows::{Rows, Source};
 use rayon::prelude::*;
 
-/// The share of queries whose nearest found shall be within `1 + EPS` of the true nearest: 0.95 is wanted, and a little
-/// more aimed at, so that the measurement, on other queries, comes out above it.
+/// The share of queries whose nearest found shall be within `1 + EPS` of the true nearest: 0.95 is
+/// wanted, and a little more aimed at, so that the measurement, on other queries, comes out above
+/// it.
 const AIM: f64 = 0.965;
 const MAX_TABLES: u32 = 48;
 const MAX_PLANES: u32 = 24;
 /// Rows that stand for all while the share of the database is estimated.
 const SAMPLE: usize = 2_000;
-/// The most true neighbours of a query that are known: any of them within `1 + EPS` of the nearest makes a success.
+/// The most true neighbours of a query that are known: any of them within `1 + EPS` of the nearest
+/// makes a success.
 const TRUE_NEIGHBOURS: usize = 64;
 
 /// The buckets of a table: about as many as rows.
@@ -67,12 +69,13 @@ pub(crate) fn choose<E>(
     Ok(RandomHash { planes, tables, buckets: buckets_for(rows.len()) })
 }
 
-/// What one query reaches with the first K planes of the first T tables, for every K and T at once: rows that agree
-/// with the query on the first K bits of a table do so on any fewer.
+/// What one query reaches with the first K planes of the first T tables, for every K and T at once:
+/// rows that agree with the query on the first K bits of a table do so on any fewer.
 struct Reach {
     /// For each table, the bits on which some good row agrees in this table or one before.
     good: Vec<u32>,
-    /// For each table and number of bits, how many rows agree on exactly so many in this table or, more, in one before.
+    /// For each table and number of bits, how many rows agree on exactly so many in this table or,
+    /// more, in one before.
     agreeing: Vec<[u32; MAX_PLANES as usize + 1]>,
     rows: usize,
 }

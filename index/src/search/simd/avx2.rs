@@ -1,4 +1,5 @@
-//! AVX2: codes are widened to 16 bits, so that products of two axes can be added in one instruction without loss.
+//! AVX2: codes are widened to 16 bits, so that products of two axes can be added in one instruction
+//! without loss.
 
 use super::portable;
 use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
@@ -65,7 +66,8 @@ pub(super) fn distances<'a>(
     }
 }
 
-/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and added in its order.
+/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and
+/// added in its order.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn squared(a: &[f32], b: &[f32]) -> f32 {
@@ -83,7 +85,8 @@ fn squared(a: &[f32], b: &[f32]) -> f32 {
     sum_up(_mm256_add_ps(lanes[0], lanes[1]), rest_a, rest_b)
 }
 
-/// The sum of eight lanes, and of the squared differences of what is left, fewer than sixteen values.
+/// The sum of eight lanes, and of the squared differences of what is left, fewer than sixteen
+/// values.
 #[inline]
 #[target_feature(enable = "avx2")]
 pub(super) fn sum_up(eight: __m256, a: &[f32], b: &[f32]) -> f32 {

@@ -1,5 +1,5 @@
-//! AVX-512 with VNNI: one register holds four axes of sixteen vectors, and one instruction multiplies them by four
-//! values of the query and adds the products up.
+//! AVX-512 with VNNI: one register holds four axes of sixteen vectors, and one instruction
+//! multiplies them by four values of the query and adds the products up.
 
 use super::{avx2, portable};
 use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
@@ -13,7 +13,8 @@ use std::arch::x86_64::{
     _mm512_sub_epi32, _mm512_sub_ps,
 };
 
-/// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high + low`.
+/// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
+/// low`.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
     let (factor, base) = (_mm512_set1_ps(factor), _mm512_set1_ps(base));
@@ -70,7 +71,8 @@ pub(super) fn distances<'a>(
     }
 }
 
-/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and added in its order.
+/// As [`distance::squared`], to the bit: differences, products and sums are rounded one by one, and
+/// added in its order.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 fn squared(a: &[f32], b: &[f32]) -> f32 {

@@ -3,8 +3,9 @@
 //! Whatever the path, the answers are the same to the last bit: dot products of codes are integers,
 //! and all floating-point work is done in one order without fused multiply-adds.
 //!
-//! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because [`Simd::best`] is the
-//! only way to get a value other than [`Level::Portable`] and asks the processor first.
+//! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because
+//! [`Simd::best`] is the only way to get a value other than [`Level::Portable`] and asks the
+//! processor first.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -67,8 +68,9 @@ impl Simd {
         }
     }
 
-    /// Offers every vector of `run` to `into`, by its score `base + (scalar - factor * <codes, query>)` and under its number:
-    /// its id, or, where blocks hold none, its place among all blocks.
+    /// Offers every vector of `run` to `into`, by its score `base + (scalar - factor * <codes,
+    /// query>)` and under its number: its id, or, where blocks hold none, its place among all
+    /// blocks.
     pub(crate) fn scan(
         self,
         run: Blocks<'_>,
@@ -78,7 +80,8 @@ impl Simd {
         into: &mut Smallest,
     ) {
         match self.0 {
-            // SAFETY: the level says that the processor has the instructions; `Self::available` asked it.
+            // SAFETY: the level says that the processor has the instructions; `Self::available`
+            // asked it.
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => unsafe { avx512::scan(run, query, factor, base, into) },
             // SAFETY: as above.
@@ -97,7 +100,8 @@ impl Simd {
         each: impl FnMut(usize, f32),
     ) {
         match self.0 {
-            // SAFETY: the level says that the processor has the instructions; `Self::available` asked it.
+            // SAFETY: the level says that the processor has the instructions; `Self::available`
+            // asked it.
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => unsafe { avx512::distances(query, rows, each) },
             // SAFETY: as above.
@@ -110,7 +114,8 @@ impl Simd {
     /// `out = offset + vector * matrix`: see [`portable::project`].
     pub(crate) fn project(self, matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
         match self.0 {
-            // SAFETY: the level says that the processor has the instructions; `Self::available` asked it.
+            // SAFETY: the level says that the processor has the instructions; `Self::available`
+            // asked it.
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => unsafe { avx512::project(matrix, offset, vector, out) },
             // SAFETY: as above.
@@ -127,7 +132,8 @@ pub(crate) fn prefetch_all(bytes: &[u8]) {
     #[cfg(target_arch = "x86_64")]
     for line in bytes.chunks(64) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch reads nothing that a program could see, and the address is that of a byte of the slice.
+        // SAFETY: a prefetch reads nothing that a program could see, and the address is that of a
+        // byte of the slice.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
     }
     #[cfg(not(target_arch = "x86_64"))]

@@ -35,9 +35,9 @@ pub(super) fn distances<'a>(
     }
 }
 
-/// Adds to each coordinate what each value of `vector` gives it, value by value: row `d` of `matrix` holds what value
-/// `d` gives to each of `out.len()` coordinates. The compiler makes vector instructions of it, and the order of the
-/// sums is the same with any.
+/// Adds to each coordinate what each value of `vector` gives it, value by value: row `d` of
+/// `matrix` holds what value `d` gives to each of `out.len()` coordinates. The compiler makes
+/// vector instructions of it, and the order of the sums is the same with any.
 #[inline(always)]
 pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
     let axes = out.len();

@@ -112,7 +112,8 @@ impl Cells {
         nearest(self.as_centres(), self.axes, codes, groups.max(LEAST_GROUPS), simd)
     }
 
-    /// Moves every centre to the middle of its entries and makes new groups of the centres. Buckets without entries vanish.
+    /// Moves every centre to the middle of its entries and makes new groups of the centres. Buckets
+    /// without entries vanish.
     pub(super) fn move_centres(&mut self, codes: &[i8], homes: &[u32], simd: Simd) {
         let (ends, ids) = counting_sort(homes, self.places() as u32);
         let centres: Vec<Option<Vec<i8>>> = (0..self.places())

@@ -11,7 +11,8 @@ use rkyv::util::AlignedVec;
 
 /// Rows that the unit of the codes is measured on.
 const SAMPLE: usize = 20_000;
-/// The share of coordinates that fit their code. The few that do not are cut off: a finer unit for all others is worth more.
+/// The share of coordinates that fit their code. The few that do not are cut off: a finer unit for
+/// all others is worth more.
 const CODED: f64 = 0.9995;
 
 /// What a distance needs besides the codes.

@@ -1,6 +1,7 @@
 //! Learning the hash: the axes, the tree of hyperplanes, the centres, and the blocks.
 //!
-//! The memory taken is P + 12 bytes an entry besides the blocks that are made; the rows are read twice, from front to back.
+//! The memory taken is P + 12 bytes an entry besides the blocks that are made; the rows are read
+//! twice, from front to back.
 
 mod cells;
 mod encode;
@@ -16,9 +17,11 @@ use cells::{CHUNK, Cells};
 use rayon::prelude::*;
 use rkyv::util::AlignedVec;
 
-/// Entries of a bucket, on average, that are aimed at: with fewer, more centres have to be ranked; with more, more entries scanned.
+/// Entries of a bucket, on average, that are aimed at: with fewer, more centres have to be ranked;
+/// with more, more entries scanned.
 const BUCKET: usize = 56;
-/// The most planes: buckets are numbered in 32 bits, and this many hold four thousand million entries.
+/// The most planes: buckets are numbered in 32 bits, and this many hold four thousand million
+/// entries.
 pub(crate) const MAX_PLANES: u32 = 26;
 /// How often entries move to the nearest centre and centres to the middle of their entries.
 const ROUNDS: usize = 4;

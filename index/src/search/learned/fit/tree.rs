@@ -1,7 +1,7 @@
 //! The tree of hyperplanes.
 //!
-//! Each plane stands upright on the direction in which the entries that reach it vary most, and cuts them at the widest
-//! gap in their middle third.
+//! Each plane stands upright on the direction in which the entries that reach it vary most, and
+//! cuts them at the widest gap in their middle third.
 
 use rayon::prelude::*;
 
