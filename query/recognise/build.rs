@@ -1,7 +1,7 @@
 //! Turns the published skin-colour mixture into the lookup table that the program carries.
 //!
-//! A table made here costs a process start nothing; evaluating 32 Gaussian kernels for 64^3 colours at start
-//! would cost more than the whole recognition of a picture.
+//! A table made here costs a process start nothing; evaluating 32 Gaussian kernels for 64^3 colours
+//! at start would cost more than the whole recognition of a picture.
 
 use std::error::Error;
 use std::path::Path;

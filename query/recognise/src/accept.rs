@@ -44,8 +44,8 @@ impl Doubt {
 }
 
 impl Accept {
-    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`; below `least`
-    /// it makes no answer.
+    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`; below
+    /// `least` it makes no answer.
     pub(super) fn doubt(
         self,
         index: &Index,

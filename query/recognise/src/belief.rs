@@ -19,8 +19,9 @@ impl Recogniser<'_> {
         Belief { classes, rotation: vote.orientation.rotation, spread_deg: vote.orientation.spread_deg }
     }
 
-    /// Weighs the answer by how probable each class, by its number, is without the picture. Where that makes another class the first, the
-    /// orientation is that of its neighbours, if it has any.
+    /// Weighs the answer by how probable each class, by its number, is without the picture. Where
+    /// that makes another class the first, the orientation is that of its neighbours, if it has
+    /// any.
     pub fn weigh(&self, found: &mut Recognition, prior: &[f64]) {
         let before = found.best.vote.classes.first().map(|score| score.class);
         let weighed = prior::weigh(&self.belief(found).classes, prior);
@@ -43,8 +44,8 @@ impl Recogniser<'_> {
         found.doubt = found.doubt.filter(|doubt| !doubt.is_unsure()).or(self.unsure(found));
     }
 
-    /// Makes of the answer to a frame what the frames before it and this one say together. A frame that shows an unknown hand says
-    /// nothing, and is answered by the frames before it.
+    /// Makes of the answer to a frame what the frames before it and this one say together. A frame
+    /// that shows an unknown hand says nothing, and is answered by the frames before it.
     pub fn follow(&self, found: &mut Recognition, filter: &mut Filter) {
         let frame = self.belief(found);
         let fused = match found.doubt {

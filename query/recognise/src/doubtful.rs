@@ -4,11 +4,13 @@ use crate::recognition::Recognition;
 use crate::trust::MOST_FILLED;
 use crate::warning::Warning;
 
-/// A mask that was found in a camera picture and fills more than that is rather a background; 1 of 1,000 development hands fills more.
+/// A mask that was found in a camera picture and fills more than that is rather a background; 1 of
+/// 1,000 development hands fills more.
 const MOST_FOUND: f64 = 0.5;
 /// The share of a side's length that must lie in the mask for it to touch.
 const TOUCHED: f64 = 0.05;
-/// The share of skin-coloured surroundings from which on an outline is doubtful; 1 of 100 hands on plain ground has more.
+/// The share of skin-coloured surroundings from which on an outline is doubtful; 1 of 100 hands on
+/// plain ground has more.
 const SKIN_AROUND: f64 = 0.2;
 /// The trust below which a reader is warned.
 const LITTLE_TRUST: f64 = 0.3;
@@ -21,7 +23,8 @@ const MAYBE_NONE: f64 = 0.3;
 /// Hands whose neighbours' distances differ by less than this share are told apart by chance.
 const AS_NEAR: f64 = 0.01;
 
-/// What there is to doubt about an answer. `is_calibrated`: whether the index's calibration holds for it.
+/// What there is to doubt about an answer. `is_calibrated`: whether the index's calibration holds
+/// for it.
 pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning> {
     let (mask, evidence) = (&found.prepared.mask, &found.evidence);
     let share = evidence.share;
@@ -33,7 +36,8 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
     };
     let filled = if found.prepared.skin.is_some() { MOST_FOUND } else { MOST_FILLED };
     warn(share > filled, Warning::MaskFillsFrame { share });
-    // A given mask may be cropped on purpose, and an arm that was cut off at the wrist crosses the border by its nature.
+    // A given mask may be cropped on purpose, and an arm that was cut off at the wrist crosses the
+    // border by its nature.
     if found.prepared.skin.is_some() {
         let lengths = [mask.width(), mask.width(), mask.height(), mask.height()];
         let touches = |&(on_side, length): &(usize, usize)| on_side as f64 > TOUCHED * length as f64;

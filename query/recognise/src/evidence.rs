@@ -1,4 +1,5 @@
-//! What the picture and its neighbours say about how far an answer can be relied on, beside the neighbours' classes.
+//! What the picture and its neighbours say about how far an answer can be relied on, beside the
+//! neighbours' classes.
 
 use grasp_index::Index;
 
@@ -13,12 +14,13 @@ pub struct Evidence {
     pub quality: Option<Quality>,
     /// The share of the picture that the mask fills, 0..=1.
     pub share: f64,
-    /// The distance of the nearest neighbour as a share of the farthest that known hands lie at; `None` where the index does
-    /// not know it.
+    /// The distance of the nearest neighbour as a share of the farthest that known hands lie at;
+    /// `None` where the index does not know it.
     pub nearest: Option<f64>,
     /// How far the neighbours disagree about the orientation, in degrees.
     pub spread_deg: f64,
-    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None` where it was not tried.
+    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None`
+    /// where it was not tried.
     pub other_hand: Option<f64>,
     /// What the scene network makes of the picture, where it has found the hand.
     pub scene: Option<SceneEvidence>,
@@ -45,7 +47,8 @@ impl SceneEvidence {
 
 /// No outline is shorter than a disc's, but for the pixels that it is drawn with.
 const MIN_RAGGEDNESS: f64 = 0.5;
-/// Fingers make no outline more ragged than that: nine of ten hands on plain ground have less. Beyond it a mask is no more a hand.
+/// Fingers make no outline more ragged than that: nine of ten hands on plain ground have less.
+/// Beyond it a mask is no more a hand.
 const MAX_RAGGEDNESS: f64 = 4.0;
 /// Odds beyond this, as a logarithm, say no more.
 const MOST_ODDS: f64 = 4.0;
@@ -83,18 +86,19 @@ impl Evidence {
         }
     }
 
-    /// The measures as a model takes them: shares and the spread on scales on which equal steps mean about the same.
+    /// The measures as a model takes them: shares and the spread on scales on which equal steps
+    /// mean about the same.
     pub fn measures(&self) -> [Option<f64>; Self::NAMES.len()] {
         let scene = self.scene.as_ref();
         let quality = self.quality.as_ref();
         [
             quality.map(|quality| quality.skin_around.sqrt()),
             quality.map(|quality| quality.on_border.sqrt()),
-            quality.map(|quality| quality.raggedness.clamp(MIN_RAGGEDNESS, MAX_RAGGEDNESS).ln()),
+            quality.map(|quality| libm::log(quality.raggedness.clamp(MIN_RAGGEDNESS, MAX_RAGGEDNESS))),
             quality.map(|quality| quality.thickness),
             self.nearest,
             // Neighbours that agree to 5 degrees and to none do so alike.
-            Some((self.spread_deg + 5.0).ln()),
+            Some(libm::log(self.spread_deg + 5.0)),
             self.other_hand.map(|farther| farther.max(0.0).sqrt()),
             scene.map(|scene| scene.side.min(MOST_ODDS)),
             scene.map(|scene| scene.agrees),

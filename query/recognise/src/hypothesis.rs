@@ -1,8 +1,9 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
-//! The index holds right hands. A left hand's picture is flipped; all are turned as the index's descriptors want it (upright, in
-//! one of the preset `wide`), and besides by as many angles as are to be tried. The hypothesis whose neighbours are nearest is the answer, and its
-//! orientation is turned and flipped back.
+//! The index holds right hands. A left hand's picture is flipped; all are turned as the index's
+//! descriptors want it (upright, in one of the preset `wide`), and besides by as many angles as are
+//! to be tried. The hypothesis whose neighbours are nearest is the answer, and its orientation is
+//! turned and flipped back.
 
 use grasp_index::{
     Describer, DescriptorKind, HandImage, Index, Look, Neighbour, Opinion, Search, SearchCost, SearchOptions,
@@ -18,8 +19,8 @@ use crate::scene::Scene;
 pub struct Hypothesis {
     /// Which hand.
     pub side: Side,
-    /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees clockwise, 0..360: to stand as the index's
-    /// pictures do, and by the angle that was tried.
+    /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees
+    /// clockwise, 0..360: to stand as the index's pictures do, and by the angle that was tried.
     pub roll_deg: f64,
     /// The hand image as it was described: flipped for a left hand, then turned.
     pub image: HandImage,
@@ -33,7 +34,8 @@ pub struct Hypothesis {
     pub vote: Vote,
     /// How many hypotheses were searched for, this one included.
     pub tried: usize,
-    /// How much unlikelier the other hand is: 0 as likely; 1 its neighbours lie twice as far. `None` where it was not tried.
+    /// How much unlikelier the other hand is: 0 as likely; 1 its neighbours lie twice as far.
+    /// `None` where it was not tried.
     pub rival: Option<f64>,
 }
 
@@ -43,8 +45,9 @@ impl Hypothesis {
         in_picture(self.side, self.roll_deg, entry)
     }
 
-    /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg` besides; the smallest is the answer.
-    /// So it is where the descriptor's network takes the hand for the mirror image of a right one, and where the scene network does.
+    /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg`
+    /// besides; the smallest is the answer. So it is where the descriptor's network takes the hand
+    /// for the mirror image of a right one, and where the scene network does.
     fn unlikeliness(&self, tried_deg: f64, mirrored: Option<f64>, scene: Option<&Scene>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
         let other = scene.map(|scene| scene.is_other_hand(self.side));
@@ -54,17 +57,17 @@ impl Hypothesis {
     }
 }
 
-/// How far beside upright a learned descriptor's picture is looked at besides, in degrees: as far as
-/// hands that are held alike are found upright differently. On the development hands two more looks
-/// are worth three to four points, and more of them nothing.
+/// How far beside upright a learned descriptor's picture is looked at besides, in degrees: as far
+/// as hands that are held alike are found upright differently. On the development hands two more
+/// looks are worth three to four points, and more of them nothing.
 const LOOKS_DEG: [f64; 2] = [15.0, -15.0];
 
-/// How much larger the distance of a picture counts that the network takes for a mirrored hand's for
-/// certain. From 1 on, it hardly matters how large it is.
+/// How much larger the distance of a picture counts that the network takes for a mirrored hand's
+/// for certain. From 1 on, it hardly matters how large it is.
 const MIRROR_PENALTY: f64 = 3.0;
 
-/// How much larger the distance of a picture counts that was turned the other way up: cameras are mostly level, and an upright hand is
-/// mostly found to be one.
+/// How much larger the distance of a picture counts that was turned the other way up: cameras are
+/// mostly level, and an upright hand is mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
 
 fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
@@ -78,7 +81,8 @@ fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQua
 /// A hypothesis and what the descriptor's network says of it by itself.
 type Candidate = (Hypothesis, Option<Opinion>);
 
-/// Tries every hand and roll of the options and returns the hypothesis whose neighbours are nearest.
+/// Tries every hand and roll of the options and returns the hypothesis whose neighbours are
+/// nearest.
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
@@ -103,7 +107,8 @@ pub(super) fn best(
             let (roll_deg, image, descriptor) = timings.time(
                 |t| &mut t.descriptor_ms,
                 || {
-                    // Turning and then flipping is flipping and then turning the other way: one turn serves both hands.
+                    // Turning and then flipping is flipping and then turning the other way: one
+                    // turn serves both hands.
                     let (roll_deg, image) = match side {
                         Side::Right => (degrees, turned.clone()),
                         Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
@@ -154,8 +159,9 @@ pub(super) fn best(
     Ok(best)
 }
 
-/// Looks at the hand of the answer, flipped where it is a left one, from beside, where its descriptor is one that a small turn
-/// changes otherwise than it changes the hand: the votes of all looks are joined.
+/// Looks at the hand of the answer, flipped where it is a left one, from beside, where its
+/// descriptor is one that a small turn changes otherwise than it changes the hand: the votes of all
+/// looks are joined.
 fn look_again(
     index: &Index,
     hand: &HandImage,

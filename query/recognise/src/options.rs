@@ -7,8 +7,9 @@ use crate::side::HandChoice;
 
 /// Rolls tried for each picture unless told otherwise: the picture as it is.
 ///
-/// On development pictures 1, 8 and 12 rolls class equally well, upright hands (45, 46 and 44 % of 646, the hand given)
-/// and photographs alike, but more rolls cost orientation (median error 12.6, 14.1 and 16.1 degrees) and time.
+/// On development pictures 1, 8 and 12 rolls class equally well, upright hands (45, 46 and 44 % of
+/// 646, the hand given) and photographs alike, but more rolls cost orientation (median error 12.6,
+/// 14.1 and 16.1 degrees) and time.
 pub const DEFAULT_ROLLS: usize = 1;
 
 /// How pictures are recognised.
@@ -16,8 +17,9 @@ pub const DEFAULT_ROLLS: usize = 1;
 pub struct RecogniseOptions {
     /// Which hand the pictures show.
     pub hand: HandChoice,
-    /// How many turns about the optical axis are tried, evenly over the circle, beside the one that the index's descriptors want
-    /// ([`grasp_index::DescriptorParams::turn_deg`]); 1 tries none besides.
+    /// How many turns about the optical axis are tried, evenly over the circle, beside the one that
+    /// the index's descriptors want ([`grasp_index::DescriptorParams::turn_deg`]); 1 tries none
+    /// besides.
     pub rolls: usize,
     /// How many neighbours vote; `None` takes the index's own number.
     pub k: Option<usize>,
@@ -27,8 +29,8 @@ pub struct RecogniseOptions {
     pub vote: VoteOptions,
     /// When an answer is one.
     pub accept: Accept,
-    /// Whether probabilities are tempered by the trust in a hand that was found in a camera picture, and one
-    /// of too little trust is unknown.
+    /// Whether probabilities are tempered by the trust in a hand that was found in a camera
+    /// picture, and one of too little trust is unknown.
     pub temper: bool,
     /// The numbers of the segmentation.
     pub segment: SegmentParams,

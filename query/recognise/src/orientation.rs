@@ -4,7 +4,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::Side;
 
-/// A rotation as x, y, z, w, with w >= 0: q and -q are the same rotation, and only one of them is written.
+/// A rotation as x, y, z, w, with w >= 0: q and -q are the same rotation, and only one of them is
+/// written.
 pub fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
     let q = rotation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
@@ -13,8 +14,9 @@ pub fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
 
 /// Which side of the hand the camera sees, such as `the thumb side`.
 ///
-/// The camera's direction is taken in the frame of the hand: x from the wrist to the knuckles, z out of the back,
-/// y = z cross x, which is the thumb's side of a right hand and the little finger's of a left one.
+/// The camera's direction is taken in the frame of the hand: x from the wrist to the knuckles, z
+/// out of the back, y = z cross x, which is the thumb's side of a right hand and the little
+/// finger's of a left one.
 pub fn side_seen(camera_from_hand: &UnitQuaternion<f64>, side: Side) -> &'static str {
     let to_camera = camera_from_hand.inverse() * Vector3::new(0.0, 0.0, -1.0);
     let to_thumb = match side {
@@ -39,7 +41,7 @@ pub fn fingers_point(camera_from_hand: &UnitQuaternion<f64>) -> &'static str {
         return if fingers.z < 0.0 { "toward the camera" } else { "away from the camera" };
     }
     // y is down in the camera's frame; eight directions, counterclockwise from the right.
-    let eighth = (-fingers.y).atan2(fingers.x) / std::f64::consts::FRAC_PI_4;
+    let eighth = libm::atan2(-fingers.y, fingers.x) / std::f64::consts::FRAC_PI_4;
     match (eighth.round() as i64).rem_euclid(8) {
         0 => "right",
         1 => "up and right",
@@ -66,7 +68,8 @@ mod tests {
 
     #[test]
     fn a_right_hand_laid_flat_under_the_camera_shows_its_back() {
-        // Fingers up in the picture, back toward the camera: the thumb of a right hand is then on the left.
+        // Fingers up in the picture, back toward the camera: the thumb of a right hand is then on
+        // the left.
         let rotation = seen([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]);
         assert_eq!(side_seen(&rotation, Side::Right), "the back of the hand");
         assert_eq!(fingers_point(&rotation), "up");

@@ -1,7 +1,8 @@
-//! How objects are usually grasped: what is known of the object counts for the grasp (the paper's Section VIII, the integration
-//! with object recognition).
+//! How objects are usually grasped: what is known of the object counts for the grasp (the paper's
+//! Section VIII, the integration with object recognition).
 //!
-//! A table of objects, each with probabilities of grasps; grasps that an object does not name share evenly what is left:
+//! A table of objects, each with probabilities of grasps; grasps that an object does not name share
+//! evenly what is left:
 //!
 //! ```toml
 //! [objects.bottle]
@@ -87,7 +88,8 @@ impl Priors {
     /// The probability of each of `grasps` for an object; they sum to 1.
     ///
     /// # Errors
-    /// [`PriorError`], where the table does not know the object, or what it says of it makes no sense.
+    /// [`PriorError`], where the table does not know the object, or what it says of it makes no
+    /// sense.
     pub fn of(&self, object: &str, grasps: &[String]) -> Result<Vec<f64>, PriorError> {
         let said = self.objects.get(object).ok_or_else(|| PriorError::UnknownObject {
             object: object.to_owned(),
@@ -120,7 +122,8 @@ impl Priors {
     }
 }
 
-/// Weighs calibrated probabilities, found with all classes alike before, by a prior of the same length.
+/// Weighs calibrated probabilities, found with all classes alike before, by a prior of the same
+/// length.
 pub fn weigh(probabilities: &[f64], prior: &[f64]) -> Vec<f64> {
     let products: Vec<f64> = probabilities.iter().zip(prior).map(|(p, prior)| p * prior).collect();
     let sum: f64 = products.iter().sum();

@@ -37,7 +37,8 @@ impl<'a> Recogniser<'a> {
     /// Recognises an encoded picture ([`picture::FORMATS`]), whose hand `source` finds.
     ///
     /// # Errors
-    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
+    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and
+    /// picture do not fit.
     pub fn recognise(&self, bytes: &[u8], source: &MaskSource) -> Result<Recognition, RecogniseError> {
         let mut timings = Timings::default();
         let decoded = timings.time(|t| &mut t.decode_ms, || picture::decode(bytes))?;

@@ -20,7 +20,8 @@ pub struct Recognition {
     pub best: Hypothesis,
     /// What picture and neighbours say about how far the answer can be relied on.
     pub evidence: Evidence,
-    /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by it. `None` where the mask was given and is one.
+    /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by
+    /// it. `None` where the mask was given and is one.
     pub trust: Option<f64>,
     /// What should make a reader doubt the answer.
     pub warnings: Vec<Warning>,

@@ -1,18 +1,23 @@
-//! Frames of one hand in a row, fused: what was seen before counts for what is seen now (the paper's Section VIII, further work).
+//! Frames of one hand in a row, fused: what was seen before counts for what is seen now (the
+//! paper's Section VIII, further work).
 //!
-//! **The class** is a hidden state of a Markov chain that stays as it is with probability `1 - switch` from one frame to the next,
-//! and is otherwise any class, as probable as it is without a picture (1 / C unless a prior is given). Its forward filter is
+//! **The class** is a hidden state of a Markov chain that stays as it is with probability `1 -
+//! switch` from one frame to the next, and is otherwise any class, as probable as it is without a
+//! picture (1 / C unless a prior is given). Its forward filter is
 //!
 //! ```text
 //! b'(c) = (1 - switch) b(c) + switch prior(c)                predict; b' = prior before the first frame
 //! b(c)  = b'(c) p(c | frame) / sum over all classes          update
 //! ```
 //!
-//! where a frame's calibrated probability stands for its likelihood, all classes being alike before.
+//! where a frame's calibrated probability stands for its likelihood, all classes being alike
+//! before.
 //!
-//! **The orientation** follows by a Kalman filter on rotations: its variance P grows by the square of `motion_deg` a frame, and the
-//! frame's orientation, whose variance R is the square of its own spread, is taken over by the share P / (P + R) of the way along
-//! the shortest turn. A frame farther off than three standard deviations is not followed at once: it makes the filter less sure of itself.
+//! **The orientation** follows by a Kalman filter on rotations: its variance P grows by the square
+//! of `motion_deg` a frame, and the frame's orientation, whose variance R is the square of its own
+//! spread, is taken over by the share P / (P + R) of the way along the shortest turn. A frame
+//! farther off than three standard deviations is not followed at once: it makes the filter less
+//! sure of itself.
 
 use nalgebra::UnitQuaternion;
 
@@ -36,8 +41,9 @@ pub struct SequenceParams {
 
 impl Default for SequenceParams {
     fn default() -> Self {
-        // Frames of one view err alike, which the filter does not know: with a switch of 0.05 it lost by the frames before
-        // what it gained by them (48 development sequences; with 0.2 and 0.4 it gained).
+        // Frames of one view err alike, which the filter does not know: with a switch of 0.05 it
+        // lost by the frames before what it gained by them (48 development sequences; with 0.2 and
+        // 0.4 it gained).
         Self { switch: 0.2, motion_deg: 5.0 }
     }
 }
@@ -62,7 +68,8 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// A filter that has seen nothing. `prior` is how probable each class is without a picture; all alike where there is none.
+    /// A filter that has seen nothing. `prior` is how probable each class is without a picture; all
+    /// alike where there is none.
     pub fn new(params: SequenceParams, prior: Option<Vec<f64>>) -> Self {
         Self { params, prior, belief: None }
     }
@@ -82,7 +89,8 @@ impl Filter {
         self.belief.insert(belief).clone()
     }
 
-    /// A frame that shows nothing: time goes by. Says what is still believed, where anything was ever seen.
+    /// A frame that shows nothing: time goes by. Says what is still believed, where anything was
+    /// ever seen.
     pub fn skip(&mut self) -> Option<Belief> {
         self.predict();
         self.belief.clone()
@@ -96,7 +104,7 @@ impl Filter {
         for (probability, prior) in belief.classes.iter_mut().zip(prior.chain(std::iter::repeat(alike))) {
             *probability = (1.0 - switch) * *probability + switch * prior;
         }
-        belief.spread_deg = belief.spread_deg.hypot(self.params.motion_deg).min(180.0);
+        belief.spread_deg = libm::hypot(belief.spread_deg, self.params.motion_deg).min(180.0);
     }
 }
 
@@ -110,8 +118,8 @@ fn fuse(foreseen: &Belief, frame: &Belief) -> Belief {
     };
     let apart = foreseen.rotation.angle_to(&frame.rotation).to_degrees();
     let noise = frame.spread_deg.max(LEAST_SPREAD);
-    if apart > GATE * foreseen.spread_deg.hypot(noise) {
-        let spread_deg = foreseen.spread_deg.hypot(SURPRISE * apart).min(180.0);
+    if apart > GATE * libm::hypot(foreseen.spread_deg, noise) {
+        let spread_deg = libm::hypot(foreseen.spread_deg, SURPRISE * apart).min(180.0);
         return Belief { classes, rotation: foreseen.rotation, spread_deg };
     }
     let (own, seen) = (foreseen.spread_deg.powi(2), noise.powi(2));
@@ -139,12 +147,14 @@ mod tests {
         let mut filter = Filter::new(SequenceParams { switch: 0.3, motion_deg: 0.0 }, None);
         let first = frame([0.6, 0.3, 0.1], 0.0, 10.0);
         assert_eq!(filter.update(&first), first);
-        // Predicted 0.7 b + 0.1: 0.52, 0.31, 0.17; times the frame: 0.104, 0.155, 0.051, in all 0.31.
+        // Predicted 0.7 b + 0.1: 0.52, 0.31, 0.17; times the frame: 0.104, 0.155, 0.051, in all
+        // 0.31.
         let second = filter.update(&frame([0.2, 0.5, 0.3], 0.0, 10.0));
         for (found, expected) in second.classes.iter().zip([0.104 / 0.31, 0.5, 0.051 / 0.31]) {
             assert!((found - expected).abs() < 1e-12, "{second:?}");
         }
-        // Two frames alike, the hand at rest: the mean, and the standard deviation of a mean of two.
+        // Two frames alike, the hand at rest: the mean, and the standard deviation of a mean of
+        // two.
         let mut third = Filter::new(SequenceParams { motion_deg: 0.0, ..SequenceParams::default() }, None);
         third.update(&frame([1.0, 0.0, 0.0], 0.0, 10.0));
         let mean = third.update(&frame([1.0, 0.0, 0.0], 20.0, 10.0));

@@ -53,7 +53,8 @@ impl Prepared {
     /// Finds the hand in an encoded picture ([`picture::FORMATS`]).
     ///
     /// # Errors
-    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and picture do not fit.
+    /// [`RecogniseError`]: where the bytes are no picture, the picture shows no hand, or mask and
+    /// picture do not fit.
     pub fn decode(bytes: &[u8], source: &MaskSource, params: &SegmentParams) -> Result<Self, RecogniseError> {
         let decoded = picture::decode(bytes)?;
         Self::new(decoded.picture, decoded.is_jpeg, source, params)
@@ -97,7 +98,8 @@ impl Prepared {
                 mask.clone()
             }
             MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
-                // The size first: a depth picture of another one has nothing to say about this picture.
+                // The size first: a depth picture of another one has nothing to say about this
+                // picture.
                 Mask::from_values(*depth_width, *depth_height, depth, |_| true)
                     .check_size(width, height)
                     .map_err(SourceError::Mask)?;
@@ -134,7 +136,8 @@ impl Prepared {
 /// JPEG rings around the hand: black becomes up to this bright.
 const JPEG_FLOOR: u8 = 16;
 
-/// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's box.
+/// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's
+/// box.
 fn not_black(picture: &Picture, is_jpeg: bool) -> Mask {
     let grey = picture.grey();
     let floor = if is_jpeg { JPEG_FLOOR } else { BACKGROUND };

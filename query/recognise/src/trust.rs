@@ -1,15 +1,17 @@
 //! How far an answer about a camera picture is to be trusted.
 //!
-//! An index is calibrated on hands that were segmented rightly. A mask that was found in a camera picture may be half a table, and what its
-//! neighbours agree on is then worth nothing. With a probability t, the trust, the picture is taken to be one that the index's
-//! calibration holds for, and else to show any of the C classes:
+//! An index is calibrated on hands that were segmented rightly. A mask that was found in a camera
+//! picture may be half a table, and what its neighbours agree on is then worth nothing. With a
+//! probability t, the trust, the picture is taken to be one that the index's calibration holds for,
+//! and else to show any of the C classes:
 //!
 //! ```text
 //! P(c | picture) = t P(c | neighbours) + (1 - t) / C
 //! ```
 //!
-//! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures of hands before backgrounds that are
-//! hard to distinguish from skin (`data/trust*.toml`, which name the command). A mask that was given is trusted, unless it is all of the picture.
+//! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures
+//! of hands before backgrounds that are hard to distinguish from skin (`data/trust*.toml`, which
+//! name the command). A mask that was given is trusted, unless it is all of the picture.
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 use std::collections::BTreeMap;
@@ -73,9 +75,9 @@ impl Trust {
         &OF_GRADIENTS
     }
 
-    /// The model that the program holds for a descriptor, and for what has found the hand: distances
-    /// to neighbours, and how far the other hand's lie, mean something else for a learned one, and
-    /// where the scene network looks, that says more than they do.
+    /// The model that the program holds for a descriptor, and for what has found the hand:
+    /// distances to neighbours, and how far the other hand's lie, mean something else for a learned
+    /// one, and where the scene network looks, that says more than they do.
     pub fn of_descriptor(descriptor: &DescriptorParams, by: Finder) -> &'static Self {
         match (by, descriptor.kind) {
             (Finder::Scene, _) => &OF_SCENES,
@@ -113,7 +115,7 @@ pub fn temper(probability: f64, trust: f64, classes: usize) -> f64 {
 
 /// 1 / (1 + e^-logit).
 pub fn logistic(logit: f64) -> f64 {
-    1.0 / (1.0 + (-logit).exp())
+    1.0 / (1.0 + libm::exp(-logit))
 }
 
 #[cfg(test)]

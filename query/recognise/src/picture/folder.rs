@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use image::ImageFormat;
 
-/// The pictures that lie in `folder` itself, by the endings of their names and in the order of their names, as a shell
-/// lists `FOLDER/*`: hidden files, other files and folders in it are left out.
+/// The pictures that lie in `folder` itself, by the endings of their names and in the order of
+/// their names, as a shell lists `FOLDER/*`: hidden files, other files and folders in it are left
+/// out.
 ///
 /// # Errors
 /// Where the folder cannot be read.

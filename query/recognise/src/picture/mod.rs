@@ -11,7 +11,9 @@ pub use grasp_picture::{
 };
 pub use rgb::Picture;
 
-/// The longest side, in pixels, that segmentation works on; larger pictures are averaged down first.
+/// The longest side, in pixels, that segmentation works on; larger pictures are averaged down
+/// first.
 ///
-/// A descriptor sees a hand through a grid of 8 x 8 cells, so more pixels cost time and change nothing.
+/// A descriptor sees a hand through a grid of 8 x 8 cells, so more pixels cost time and change
+/// nothing.
 pub const WORKING_SIDE: usize = 512;

@@ -9,7 +9,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of `width` x `height` pixels, or `None` where `rgb` has another length or a side is 0.
+    /// A picture of `width` x `height` pixels, or `None` where `rgb` has another length or a side
+    /// is 0.
     pub fn new(width: usize, height: usize, rgb: Vec<[u8; 3]>) -> Option<Self> {
         let fits = width > 0 && height > 0 && width.checked_mul(height) == Some(rgb.len());
         fits.then_some(Self { width, height, rgb })
@@ -54,7 +55,8 @@ impl Picture {
         }
     }
 
-    /// The picture with blocks of `factor` x `factor` pixels averaged; those at the right and lower border may be smaller.
+    /// The picture with blocks of `factor` x `factor` pixels averaged; those at the right and lower
+    /// border may be smaller.
     pub(crate) fn shrunk(&self, factor: usize) -> Self {
         let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
         let mut rgb = Vec::with_capacity(width * height);

@@ -9,12 +9,12 @@ use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
 
-/// The side of the square around a hand and what it holds, in roots of their area, while it is looked
-/// for, and where the grasp is named: the middle of what the network was trained on.
+/// The side of the square around a hand and what it holds, in roots of their area, while it is
+/// looked for, and where the grasp is named: the middle of what the network was trained on.
 const SIZES: f64 = 2.5;
 const NAMED_SIZES: f64 = 2.1;
-/// That of the first square, of the hand alone: not all of it may have been found. Its least side is a
-/// share of the picture's shorter one: what hides most of a hand is seen as well.
+/// That of the first square, of the hand alone: not all of it may have been found. Its least side
+/// is a share of the picture's shorter one: what hides most of a hand is seen as well.
 const FIRST_SIZES: f64 = 3.0;
 const FIRST_LEAST: f64 = 0.8;
 /// Parts of a picture that are looked at where no hand is found in the whole: their sides, and how
@@ -31,8 +31,8 @@ const FITS: usize = 2;
 const LOST: f64 = 0.35;
 /// Turns that are tried to see where the arm comes from.
 const TURNS: usize = 6;
-/// How much a forearm counts for that, beside all these looks together, for a share of the hand's area
-/// of 1; and the most that it counts.
+/// How much a forearm counts for that, beside all these looks together, for a share of the hand's
+/// area of 1; and the most that it counts.
 const FOREARM: f64 = 25.0;
 const MOST_FOREARM: f64 = 8.0;
 /// One pixel in so many, along each side, is asked about.
@@ -72,7 +72,7 @@ fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
     let side = eye.network.mask_side();
     let mut sum = [0.0; 2];
     let mut add = |turn: f64, weight: f64| {
-        let (sin, cos) = turn.sin_cos();
+        let (sin, cos) = libm::sincos(turn);
         sum = [sum[0] + weight * cos, sum[1] + weight * sin];
     };
     for step in 0..TURNS {
@@ -80,17 +80,17 @@ fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
         let turned = Square { turn, ..*square };
         let heads = eye.look(&turned, false);
         let arm = heads.arm();
-        let upright = (0.5 + 0.5 * (arm - FRAC_PI_2).cos()).powi(2);
+        let upright = (0.5 + 0.5 * libm::cos(arm - FRAC_PI_2)).powi(2);
         add(turn + FRAC_PI_2 - arm, upright);
         let masks = Masks::new(turned, heads.masks, side);
         let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| largest_patch(masks.part(part), side));
         if let (Some(hand), Some(forearm)) = (hand, forearm) {
             let [x, y] = [0, 1].map(|i| forearm.centre[i] - hand.centre[i]);
             let share = (FOREARM * forearm.area / hand.area).min(MOST_FOREARM) / TURNS as f64;
-            add(turn + FRAC_PI_2 - y.atan2(x), share);
+            add(turn + FRAC_PI_2 - libm::atan2(y, x), share);
         }
     }
-    sum[1].atan2(sum[0])
+    libm::atan2(sum[1], sum[0])
 }
 
 /// The largest patch of a hand in the whole picture, or in that part of it in which most of one is
@@ -128,14 +128,15 @@ impl Found {
         self.masks.fitted_to(hand, NAMED_SIZES).unwrap_or(self.masks.square)
     }
 
-    /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in pixels.
+    /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in
+    /// pixels.
     pub(crate) fn skin(&self, place: [f64; 2]) -> f32 {
         let logit = |part| self.masks.at(part, place).unwrap_or(-MOST_SURE);
         logit(Part::Hand).max(logit(Part::Forearm)).clamp(-MOST_SURE, MOST_SURE)
     }
 
-    /// The share of what the network or a mask of the picture takes for hand and forearm that both do,
-    /// 0 to 1.
+    /// The share of what the network or a mask of the picture takes for hand and forearm that both
+    /// do, 0 to 1.
     pub fn agreement(&self, skin: &Mask) -> f64 {
         let (mut both, mut either) = (0usize, 0usize);
         for y in (0..skin.height()).step_by(AGREE_STEP) {

@@ -5,8 +5,8 @@ use grasp_index::{Index, Vote};
 use super::Scene;
 use crate::side::Side;
 
-/// The odds, as a logarithm, from which on the network has made out well which hand it sees. Where it
-/// has not, it has hardly made out the grasp, and counts for less.
+/// The odds, as a logarithm, from which on the network has made out well which hand it sees. Where
+/// it has not, it has hardly made out the grasp, and counts for less.
 const MADE_OUT: f64 = 2.0;
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
@@ -15,7 +15,7 @@ impl Scene {
     /// The probability that the hand is the other one than `side`.
     pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
         let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
-        1.0 / (1.0 + odds.exp())
+        1.0 / (1.0 + libm::exp(odds))
     }
 
     /// How likely the hand is in none of the grasps, if it is this one.
@@ -37,7 +37,7 @@ impl Scene {
         for score in &mut vote.classes {
             let name = index.catalogue().classes.get(usize::from(score.class));
             let by_scene = name.map_or(0.0, |class| of_name(&class.name));
-            score.probability = score.probability.max(LEAST) * by_scene.max(LEAST).powf(weight);
+            score.probability = score.probability.max(LEAST) * libm::pow(by_scene.max(LEAST), weight);
         }
         let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
         vote.classes.iter_mut().for_each(|score| score.probability /= total);

@@ -77,8 +77,8 @@ impl Masks {
         Some(Square { centre: self.square.to_picture().of(centre), side, ..self.square })
     }
 
-    /// The sums of the places, right and down, of the cells that are of a part, and their number, each
-    /// as a share of the square.
+    /// The sums of the places, right and down, of the cells that are of a part, and their number,
+    /// each as a share of the square.
     fn sum(&self, part: Part) -> [f64; 3] {
         let cell = 1.0 / self.part(part).len().max(1) as f64;
         let inside = self.part(part).iter().enumerate().filter(|(_, logit)| **logit > 0.0);

@@ -1,11 +1,12 @@
 //! Finds a hand in a camera picture, and names its grasp, by a network that was trained on scenes
 //! of our own renders (`grasp-builder train --kind scene`).
 //!
-//! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
-//! at the square around the hand that it has found there, turned so that the arm comes from below,
-//! as in the scenes that it learned to name grasps by. What it has [`Found`] helps colours to cut the
-//! hand out, and is then looked at once more: a [`Scene`] says which hand it is, and how likely each
-//! grasp is by all that is seen, the object included, by which the neighbours are weighed.
+//! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first,
+//! then at the square around the hand that it has found there, turned so that the arm comes from
+//! below, as in the scenes that it learned to name grasps by. What it has [`Found`] helps colours
+//! to cut the hand out, and is then looked at once more: a [`Scene`] says which hand it is, and how
+//! likely each grasp is by all that is seen, the object included, by which the neighbours are
+//! weighed.
 
 mod find;
 mod join;

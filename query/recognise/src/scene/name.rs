@@ -48,7 +48,7 @@ impl Scene {
     /// how likely it is in none of them. The probabilities sum to 1.
     pub fn probabilities(&self, side: Side) -> Vec<f64> {
         let logs = &self.by_side[usize::from(side == Side::Left)];
-        logs.iter().map(|log| log.exp()).collect()
+        logs.iter().copied().map(libm::exp).collect()
     }
 }
 
@@ -67,7 +67,7 @@ fn looks(eye: &mut Eye<'_>, square: &Square, is_mirrored: bool) -> Named {
         let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
         let classes = eye.look(&square, is_mirrored).classes;
         let mirrored = classes[grasps];
-        odds += (-mirrored.exp_m1()).max(LEAST).ln() - mirrored;
+        odds += libm::log((-libm::expm1(mirrored)).max(LEAST)) - mirrored;
         let shown = classes[..grasps].iter().chain(&classes[grasps + 1..]);
         sum.iter_mut().zip(shown).for_each(|(sum, log)| *sum += log);
     }

@@ -15,8 +15,8 @@ const ROTATION: usize = 6;
 #[derive(Clone, Debug)]
 pub struct SceneNetwork {
     pub(super) network: Network,
-    /// The grasps' names in the heads' order. Behind them comes a hand that is mirrored, then one in
-    /// none of the grasps.
+    /// The grasps' names in the heads' order. Behind them comes a hand that is mirrored, then one
+    /// in none of the grasps.
     pub(super) grasps: Vec<String>,
 }
 
@@ -53,7 +53,8 @@ impl SceneNetwork {
         &BUILT_IN
     }
 
-    /// Reads a network that `grasp-builder train --kind scene` has written, whose classes are these.
+    /// Reads a network that `grasp-builder train --kind scene` has written, whose classes are
+    /// these.
     ///
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.
@@ -109,14 +110,14 @@ pub(super) struct Heads {
 impl Heads {
     /// The direction of the arm in the picture, as an angle clockwise from the right.
     pub(super) fn arm(&self) -> f64 {
-        (-self.rotation[1]).atan2(-self.rotation[0])
+        libm::atan2(-self.rotation[1], -self.rotation[0])
     }
 }
 
 /// The logarithms of probabilities that sum to 1, from logarithms up to the same constant.
 pub(super) fn normalised(logs: &[f64]) -> Vec<f64> {
     let highest = logs.iter().copied().fold(f64::MIN, f64::max);
-    let sum = logs.iter().map(|log| (log - highest).exp()).sum::<f64>().ln();
+    let sum = libm::log(logs.iter().map(|log| libm::exp(log - highest)).sum::<f64>());
     logs.iter().map(|log| log - highest - sum).collect()
 }
 

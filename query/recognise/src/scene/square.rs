@@ -25,7 +25,7 @@ impl Square {
 
     /// From places of the square, 0 to 1 right and down, to places of the picture, in pixels.
     pub fn to_picture(&self) -> Map {
-        let (sin, cos) = self.turn.sin_cos();
+        let (sin, cos) = libm::sincos(self.turn);
         let [cos, sin] = [cos * self.side, sin * self.side];
         let [x, y] = self.centre;
         Map([[cos, sin, x - 0.5 * (cos + sin)], [-sin, cos, y - 0.5 * (cos - sin)]])
@@ -33,7 +33,7 @@ impl Square {
 
     /// From places of the picture, in pixels, to places of the square.
     pub fn from_picture(&self) -> Map {
-        let (sin, cos) = self.turn.sin_cos();
+        let (sin, cos) = libm::sincos(self.turn);
         let [cos, sin] = [cos / self.side, sin / self.side];
         let [x, y] = self.centre;
         Map([[cos, -sin, 0.5 - cos * x + sin * y], [sin, cos, 0.5 - sin * x - cos * y]])
@@ -59,7 +59,8 @@ impl Square {
                 let start = [x + vx * v + 0.5 * ux * step, y + vy * v + 0.5 * uy * step].map(|v| v as f32);
                 for (column, sum) in sums.iter_mut().enumerate() {
                     for sample in column * samples..(column + 1) * samples {
-                        // Casting saturates: what is left of the picture or above it is at its border.
+                        // Casting saturates: what is left of the picture or above it is at its
+                        // border.
                         let px = (start[0] + along[0] * sample as f32) as usize;
                         let py = (start[1] + along[1] * sample as f32) as usize;
                         if let Some(rgb) = rgb.get(py.min(last_y) * width + px.min(last_x)) {

@@ -1,10 +1,12 @@
-//! The published skin model, adapted to the light, the colours and the place of the hand in the picture at hand.
+//! The published skin model, adapted to the light, the colours and the place of the hand in the
+//! picture at hand.
 //!
-//! Argyros and Lourakis ("Real-time tracking of multiple skin-colored objects with a possibly moving camera",
-//! ECCV 2004) blend the trained P(skin | colour) with one that is counted over what was lately taken for skin:
-//! P = gamma P_trained + (1 - gamma) P_counted. A single picture has no past, so here the picture's own likely
-//! pixels are counted, a few times over, as GrabCut does (Rother, Kolmogorov and Blake, SIGGRAPH 2004). The blend is taken on
-//! log-odds, where a colour that either model is sure about keeps its say.
+//! Argyros and Lourakis ("Real-time tracking of multiple skin-colored objects with a possibly
+//! moving camera", ECCV 2004) blend the trained P(skin | colour) with one that is counted over what
+//! was lately taken for skin: P = gamma P_trained + (1 - gamma) P_counted. A single picture has no
+//! past, so here the picture's own likely pixels are counted, a few times over, as GrabCut does
+//! (Rother, Kolmogorov and Blake, SIGGRAPH 2004). The blend is taken on log-odds, where a colour
+//! that either model is sure about keeps its say.
 
 use super::light::Light;
 use super::place::{Ellipse, centrality};
@@ -19,25 +21,29 @@ pub struct AdaptParams {
     pub rounds: usize,
     /// The weight of the published model, 0..=1.
     pub gamma: f32,
-    /// Added to the log-odds of the published model: photographs of one hand have more skin than the web has.
+    /// Added to the log-odds of the published model: photographs of one hand have more skin than
+    /// the web has.
     pub prior: f32,
     /// The published model's log-odds lie within plus and minus this.
     pub trust: f32,
     /// How much of a colour cast is taken out, 0 (none) to 1 (white becomes white).
     pub cast: f32,
-    /// How strongly the middle of the picture is preferred when pixels are counted: see `place::centrality`.
+    /// How strongly the middle of the picture is preferred when pixels are counted: see
+    /// `place::centrality`.
     pub centre: f32,
-    /// How decidedly a pixel is counted for one side: log-odds are multiplied by this first. A held object in the
-    /// middle is none too likely to be skin; counted by halves it would come to look like it.
+    /// How decidedly a pixel is counted for one side: log-odds are multiplied by this first. A held
+    /// object in the middle is none too likely to be skin; counted by halves it would come to look
+    /// like it.
     pub decision: f32,
-    /// The weight of what something else has seen beside the published model, and beside the counted
-    /// colours. Masks of the scene network are coarse: with more, the border suffers.
+    /// The weight of what something else has seen beside the published model, and beside the
+    /// counted colours. Masks of the scene network are coarse: with more, the border suffers.
     pub seen_first: f32,
     /// See [`Self::seen_first`].
     pub seen: f32,
     /// The share of all pixels that a bin needs before it is believed.
     pub doubt: f32,
-    /// The squared Mahalanobis distance from the hand's middle at which a pixel begins to be too far off.
+    /// The squared Mahalanobis distance from the hand's middle at which a pixel begins to be too
+    /// far off.
     pub near: f32,
     /// Log-odds lost by each unit of that distance farther off, and the most that can be lost.
     pub off: f32,
@@ -121,7 +127,8 @@ pub fn log_odds(picture: &Picture, params: &AdaptParams, seen: Option<&[f32]>) -
     Odds { colour, placed }
 }
 
-/// Much like 1 / (1 + e^-odds), but 0 and 1 from -4 and 4 on, and without an exponential for each pixel.
+/// Much like 1 / (1 + e^-odds), but 0 and 1 from -4 and 4 on, and without an exponential for each
+/// pixel.
 fn probability(odds: f32) -> f32 {
     let share = (0.5 + odds / 8.0).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)

@@ -4,14 +4,16 @@
 
 use super::{Mask, component, distance};
 
-/// The arm beyond the band crosses the picture's border for at least this long, in radii of a disc of the hand's area.
+/// The arm beyond the band crosses the picture's border for at least this long, in radii of a disc
+/// of the hand's area.
 const ARM_WIDTH: f32 = 0.5;
 /// A band is at most this wide, in the same radii.
 const WIDEST: f32 = 0.6;
 /// What lies on a way between both parts of at most this many times the shortest is band.
 const DETOUR: f32 = 1.5;
 
-/// The region with the gaps filled that lie between its largest part and parts that leave the picture.
+/// The region with the gaps filled that lie between its largest part and parts that leave the
+/// picture.
 pub fn bridge(region: &Mask) -> Mask {
     let (width, height) = (region.width(), region.height());
     let (labels, regions) = component::label(region, |_| 0.0);
@@ -45,7 +47,8 @@ pub fn bridge(region: &Mask) -> Mask {
 mod tests {
     use super::*;
 
-    /// A hand of 30 x 30, a gap of `gap` columns, and an arm of 16 rows that ends `beyond` columns after it.
+    /// A hand of 30 x 30, a gap of `gap` columns, and an arm of 16 rows that ends `beyond` columns
+    /// after it.
     fn hand_and_arm(gap: usize, beyond: usize) -> Mask {
         let (width, height) = (100, 60);
         let inside: Vec<bool> = (0..width * height)

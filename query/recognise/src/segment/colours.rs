@@ -2,7 +2,8 @@
 
 /// Bins along each of the two chroma axes.
 const CHROMA_BINS: usize = 48;
-/// Values that a chroma bin spans: the axes reach from -72 to 71, and what is more colourful shares the last bin.
+/// Values that a chroma bin spans: the axes reach from -72 to 71, and what is more colourful shares
+/// the last bin.
 const CHROMA_STEP: i32 = 3;
 /// Bins along the luma axis.
 const LUMA_BINS: usize = 12;
@@ -22,8 +23,9 @@ pub(super) fn bin([r, g, b]: [u8; 3]) -> u16 {
 
 /// ln(p(colour | hand) / p(colour | all else)) of every pixel's colour.
 ///
-/// `bins` are the pixels' colours, `shares` how much each pixel is taken for hand, 0..=1, and `weights` how much it
-/// counts as such. `doubt` is the share of all pixels that a bin needs before it is believed.
+/// `bins` are the pixels' colours, `shares` how much each pixel is taken for hand, 0..=1, and
+/// `weights` how much it counts as such. `doubt` is the share of all pixels that a bin needs before
+/// it is believed.
 pub(super) fn log_odds(bins: &[u16], shares: &[f32], weights: &[f32], doubt: f32) -> Vec<f32> {
     let mut other = vec![0f32; BINS];
     let mut hand = vec![0f32; BINS];
@@ -43,7 +45,7 @@ pub(super) fn log_odds(bins: &[u16], shares: &[f32], weights: &[f32], doubt: f32
         .map(|(&hand, &other)| match hand + other {
             // Most bins are empty: no logarithm for them.
             0.0 => 0.0,
-            _ => ((hand * of_hand + doubt) / (other * of_other + doubt)).ln(),
+            _ => libm::logf((hand * of_hand + doubt) / (other * of_other + doubt)),
         })
         .collect();
     bins.iter().map(|&bin| table[usize::from(bin)]).collect()
@@ -58,8 +60,8 @@ fn total(bins: &[f32]) -> f32 {
     sums.iter().sum()
 }
 
-/// Spreads each bin over its neighbours with the weights 1, 2, 1, twice along each chroma axis and once along luma:
-/// noise moves a pixel by a bin or so.
+/// Spreads each bin over its neighbours with the weights 1, 2, 1, twice along each chroma axis and
+/// once along luma: noise moves a pixel by a bin or so.
 fn spread(bins: &mut [f32]) {
     for plane in bins.chunks_exact_mut(PLANE) {
         if plane.iter().all(|&count| count == 0.0) {

@@ -18,14 +18,17 @@ pub(super) struct Region {
     pub(super) on_border: usize,
 }
 
-/// The largest 8-connected region, its holes as they are; `None` where it has fewer than `smallest` pixels.
+/// The largest 8-connected region, its holes as they are; `None` where it has fewer than `smallest`
+/// pixels.
 pub fn largest(mask: &Mask, smallest: usize) -> Option<Mask> {
     best(mask, |_| 1.0, |region| region.area as f64, smallest)
 }
 
-/// The region that is most like a hand: large, surely skin, and not a background that follows the picture's border.
+/// The region that is most like a hand: large, surely skin, and not a background that follows the
+/// picture's border.
 ///
-/// `odds` are the log-odds of skin, one a pixel. `None` where every region has fewer than `smallest` pixels.
+/// `odds` are the log-odds of skin, one a pixel. `None` where every region has fewer than
+/// `smallest` pixels.
 pub fn most_hand_like(mask: &Mask, odds: &[f32], smallest: usize) -> Option<Mask> {
     let perimeter = (2 * (mask.width() + mask.height())) as f64;
     let confidence = |index: usize| f64::from(odds.get(index).copied().unwrap_or(0.0).clamp(0.0, MOST_SURE));
@@ -50,8 +53,8 @@ pub fn without_specks(mask: &Mask) -> Mask {
     })
 }
 
-/// What makes another region part of the hand that was found: a finger cut off by what the hand holds, or the arm beyond
-/// a bracelet.
+/// What makes another region part of the hand that was found: a finger cut off by what the hand
+/// holds, or the arm beyond a bracelet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompanionParams {
     /// Log-odds of skin, by colour, that its pixels have.
@@ -62,7 +65,8 @@ pub struct CompanionParams {
     pub distance: f32,
     /// The least mean of its log-odds, as a share of the hand's.
     pub alike: f32,
-    /// The longest way along the picture's border, in the same radii: an arm crosses it, a table follows it.
+    /// The longest way along the picture's border, in the same radii: an arm crosses it, a table
+    /// follows it.
     pub border: f32,
 }
 

@@ -5,7 +5,8 @@ use std::str::FromStr;
 
 use super::{Mask, component, median};
 
-/// A range of depth values, both ends included, in the depth picture's own unit (commonly millimetres).
+/// A range of depth values, both ends included, in the depth picture's own unit (commonly
+/// millimetres).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthRange {
     near: u16,
@@ -40,7 +41,8 @@ impl FromStr for DepthRange {
     }
 }
 
-/// The largest connected region within the range, median filtered as a skin mask is; `None` where there is none.
+/// The largest connected region within the range, median filtered as a skin mask is; `None` where
+/// there is none.
 ///
 /// `depth` holds `width * height` values.
 pub fn mask_from_depth(width: usize, height: usize, depth: &[u16], range: DepthRange) -> Option<Mask> {

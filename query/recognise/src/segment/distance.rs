@@ -1,12 +1,14 @@
-//! How far each pixel is from a set of pixels: the chamfer distance with steps 3 and 4 (Borgefors 1986).
+//! How far each pixel is from a set of pixels: the chamfer distance with steps 3 and 4 (Borgefors
+//! 1986).
 
 /// A distance that no picture reaches.
 const FAR: u32 = u32::MAX / 2;
 
-/// Thirds of a pixel from each pixel of a picture, `width` x `height`, to the nearest that is `in_set`.
+/// Thirds of a pixel from each pixel of a picture, `width` x `height`, to the nearest that is
+/// `in_set`.
 ///
-/// With `beyond`, what lies outside the picture is in the set as well; without it and without any pixel in the set, all
-/// distances are huge.
+/// With `beyond`, what lies outside the picture is in the set as well; without it and without any
+/// pixel in the set, all distances are huge.
 pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool, beyond: bool) -> Vec<u32> {
     // A frame of one pixel saves the border's special cases.
     let stride = width + 2;

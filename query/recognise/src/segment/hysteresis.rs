@@ -2,7 +2,8 @@
 
 use super::Mask;
 
-/// Pixels whose value is at least `likely` and that are 8-connected, through such pixels, to one of at least `sure`.
+/// Pixels whose value is at least `likely` and that are 8-connected, through such pixels, to one of
+/// at least `sure`.
 ///
 /// `values` holds `width * height` numbers; missing ones count as outside.
 pub fn grow(width: usize, height: usize, values: &[f32], sure: f32, likely: f32) -> Mask {

@@ -2,21 +2,23 @@
 
 use crate::picture::Picture;
 
-/// The brightness that the brightest part of a picture is brought to: that of the web's photographs.
+/// The brightness that the brightest part of a picture is brought to: that of the web's
+/// photographs.
 const WHITE: f32 = 230.0;
 /// The share of values below "the brightest part".
 const BRIGHT_SHARE: f64 = 0.95;
 /// A picture is made at most this much brighter.
 const MOST_GAIN: f32 = 1.8;
 
-/// What each channel's value becomes under a standard light: a table, because a gain is applied to every pixel.
+/// What each channel's value becomes under a standard light: a table, because a gain is applied to
+/// every pixel.
 pub(super) struct Light {
     tables: [[u8; 256]; 3],
 }
 
 impl Light {
-    /// Takes the 95th percentile of each channel for white (the white-patch assumption); `cast`, 0..=1, is how much
-    /// of the colour cast is taken out.
+    /// Takes the 95th percentile of each channel for white (the white-patch assumption); `cast`,
+    /// 0..=1, is how much of the colour cast is taken out.
     pub(super) fn of(picture: &Picture, cast: f32) -> Self {
         let mut histogram = [[0usize; 256]; 3];
         for pixel in picture.rgb() {
@@ -36,7 +38,7 @@ impl Light {
         let mean = (bright[0] + bright[1] + bright[2]) / 3.0;
         let gain = (WHITE / mean).clamp(1.0, MOST_GAIN);
         let tables = bright.map(|bright| {
-            let channel = gain * (mean / bright).powf(cast).clamp(0.8, 1.25);
+            let channel = gain * libm::powf(mean / bright, cast).clamp(0.8, 1.25);
             std::array::from_fn(|value| (value as f32 * channel).round().min(255.0) as u8)
         });
         Self { tables }

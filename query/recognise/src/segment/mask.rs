@@ -28,7 +28,8 @@ pub enum MaskError {
 }
 
 impl Mask {
-    /// A mask that is inside where `test` says so of each of `values` (`width * height` of them; missing ones are outside).
+    /// A mask that is inside where `test` says so of each of `values` (`width * height` of them;
+    /// missing ones are outside).
     pub fn from_values<T: Copy>(width: usize, height: usize, values: &[T], test: impl Fn(T) -> bool) -> Self {
         let mut inside: Vec<u8> =
             values.iter().take(width * height).map(|&value| u8::from(test(value))).collect();
@@ -111,7 +112,8 @@ impl Mask {
         Err(MaskError::SizeMismatch { mask_width: self.width, mask_height: self.height, width, height })
     }
 
-    /// Intersection over union with a mask of the same size; 1 where both are empty, `None` where sizes differ.
+    /// Intersection over union with a mask of the same size; 1 where both are empty, `None` where
+    /// sizes differ.
     pub fn iou(&self, other: &Self) -> Option<f64> {
         other.check_size(self.width, self.height).ok()?;
         let (mut both, mut either) = (0usize, 0usize);

@@ -2,7 +2,8 @@
 
 use super::Mask;
 
-/// The majority of each pixel's 3 x 3 neighbourhood; beyond the border the border's own pixel repeats.
+/// The majority of each pixel's 3 x 3 neighbourhood; beyond the border the border's own pixel
+/// repeats.
 ///
 /// The border repeats, because an arm that leaves the picture must not be eaten there.
 pub fn median3x3(mask: &Mask) -> Mask {

@@ -1,10 +1,11 @@
 //! Which pixels of a camera picture are the hand (the paper's Section III).
 //!
-//! On the picture at a small size: skin log-odds of each colour ([`skin`]), re-estimated from the picture's own light,
-//! colours and places ([`adapt`]), grown from sure to likely pixels ([`hysteresis`]), median filtered ([`median`]),
-//! reduced to the most hand-like component and what belongs to it ([`component`]), made whole across a watch
-//! ([`band`]). The border is then found at the full size, and the forearm cut off at the wrist ([`wrist`]).
-//! Depth pictures and masks made elsewhere enter by [`depth`] and [`Mask::from_grey`].
+//! On the picture at a small size: skin log-odds of each colour ([`skin`]), re-estimated from the
+//! picture's own light, colours and places ([`adapt`]), grown from sure to likely pixels
+//! ([`hysteresis`]), median filtered ([`median`]), reduced to the most hand-like component and what
+//! belongs to it ([`component`]), made whole across a watch ([`band`]). The border is then found at
+//! the full size, and the forearm cut off at the wrist ([`wrist`]). Depth pictures and masks made
+//! elsewhere enter by [`depth`] and [`Mask::from_grey`].
 
 pub mod adapt;
 pub mod band;
@@ -46,7 +47,8 @@ pub enum Finder {
 pub struct SegmentParams {
     /// What finds the hand in a camera picture.
     pub by: Finder,
-    /// The longest side, in pixels, at which the hand is looked for; its border is found at the full size.
+    /// The longest side, in pixels, at which the hand is looked for; its border is found at the
+    /// full size.
     pub side: usize,
     /// How a picture's own colours change the published model.
     pub adapt: adapt::AdaptParams,
@@ -60,8 +62,9 @@ pub struct SegmentParams {
     pub companions: component::CompanionParams,
     /// The smallest share of the picture that a hand may fill.
     pub min_share: f32,
-    /// The smallest share of a hand's pixels that the published model must find possible, the light set right but nothing
-    /// else adapted: what follows a picture's own colours far enough finds skin on a white bottle.
+    /// The smallest share of a hand's pixels that the published model must find possible, the light
+    /// set right but nothing else adapted: what follows a picture's own colours far enough finds
+    /// skin on a white bottle.
     pub min_published: f32,
 }
 

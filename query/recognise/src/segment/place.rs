@@ -1,20 +1,22 @@
 //! What a pixel's place in the picture says for the hand.
 
-/// How much each pixel's place counts for the hand before anything is known: 1 in the middle, e^-`strength` at the middle
-/// of a side.
+/// How much each pixel's place counts for the hand before anything is known: 1 in the middle,
+/// e^-`strength` at the middle of a side.
 pub(super) fn centrality(width: usize, height: usize, strength: f32) -> Vec<f32> {
     let axis = |length: usize| -> Vec<f32> {
         let half = length as f32 / 2.0;
-        (0..length).map(|at| (-strength * ((at as f32 + 0.5 - half) / half).powi(2)).exp()).collect()
+        (0..length).map(|at| libm::expf(-strength * ((at as f32 + 0.5 - half) / half).powi(2))).collect()
     };
     let (columns, rows) = (axis(width), axis(height));
     rows.iter().flat_map(|row| columns.iter().map(move |column| row * column)).collect()
 }
 
-/// The smallest variance of a hand along an axis, in squared widths or heights of the picture: a speck is no hand.
+/// The smallest variance of a hand along an axis, in squared widths or heights of the picture: a
+/// speck is no hand.
 const LEAST_VARIANCE: f32 = 0.003;
 
-/// Where a hand lies and how far it extends: the mean and the covariance of its pixels, each axis in lengths of the picture's side.
+/// Where a hand lies and how far it extends: the mean and the covariance of its pixels, each axis
+/// in lengths of the picture's side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ellipse {
     mean: (f32, f32),

@@ -16,7 +16,8 @@ pub struct Quality {
     pub on_border: f64,
     /// The share of the mask's surroundings that is of the colour of skin, 0..=1.
     pub skin_around: f64,
-    /// The squared length of the mask's outline over that of a disc of its area: 1 for a disc, more the more ragged.
+    /// The squared length of the mask's outline over that of a disc of its area: 1 for a disc, more
+    /// the more ragged.
     pub raggedness: f64,
     /// The radius of the largest circle in the mask over that of a disc of its area, 0..=1.
     pub thickness: f64,
@@ -48,8 +49,8 @@ impl Quality {
     }
 }
 
-/// The length of the mask's outline in pixels: sides of pixels between inside and outside, taken to run at any angle, of which
-/// the mean length is pi / 4 of the steps that draw it.
+/// The length of the mask's outline in pixels: sides of pixels between inside and outside, taken to
+/// run at any angle, of which the mean length is pi / 4 of the steps that draw it.
 fn outline(mask: &Mask) -> f64 {
     let mut steps = 0usize;
     for y in 0..mask.height() {

@@ -1,16 +1,21 @@
-//! A mask found on a small picture, carried over to the large one with the border where the large picture has it.
+//! A mask found on a small picture, carried over to the large one with the border where the large
+//! picture has it.
 
 use super::Mask;
 use crate::picture::Picture;
 
-/// Half the side of the window, in pixels of the small picture, over which the colours on both sides of the border are averaged.
+/// Half the side of the window, in pixels of the small picture, over which the colours on both
+/// sides of the border are averaged.
 const RADIUS: usize = 3;
-/// Added to the squared difference of both sides' colours: where they are alike, colour has little say.
+/// Added to the squared difference of both sides' colours: where they are alike, colour has little
+/// say.
 const ALIKE: f32 = 200.0;
 
-/// Enlarges `small`, the mask of `shrunk`, to the size of `picture`, whose blocks of `factor` pixels `shrunk` averages.
+/// Enlarges `small`, the mask of `shrunk`, to the size of `picture`, whose blocks of `factor`
+/// pixels `shrunk` averages.
 ///
-/// A pixel near the border goes to the side whose mean colour near by it is closer to, place being counted as well.
+/// A pixel near the border goes to the side whose mean colour near by it is closer to, place being
+/// counted as well.
 pub(super) fn enlarge(small: &Mask, shrunk: &Picture, picture: &Picture, factor: usize) -> Mask {
     if factor <= 1 {
         return small.clone();
@@ -84,11 +89,13 @@ impl Border {
     }
 }
 
-/// Sums of colours over rectangles, for all pixels and for those inside the mask (summed-area tables).
+/// Sums of colours over rectangles, for all pixels and for those inside the mask (summed-area
+/// tables).
 struct Sums {
     width: usize,
     height: usize,
-    /// (width + 1) x (height + 1) corners: red, green, blue and count of the hand's pixels, then of all.
+    /// (width + 1) x (height + 1) corners: red, green, blue and count of the hand's pixels, then of
+    /// all.
     corners: Vec<[u32; 8]>,
 }
 

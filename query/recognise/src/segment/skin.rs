@@ -1,7 +1,8 @@
 //! How much likelier a colour is on skin than elsewhere: a Bayes classifier as a lookup table.
 //!
-//! The densities are the two mixtures of 16 Gaussian kernels that Jones and Rehg fitted to nearly a billion
-//! labelled pixels (IJCV 46(1), 2002; `data/skin-mixture.csv`). `build.rs` makes the table from them.
+//! The densities are the two mixtures of 16 Gaussian kernels that Jones and Rehg fitted to nearly a
+//! billion labelled pixels (IJCV 46(1), 2002; `data/skin-mixture.csv`). `build.rs` makes the table
+//! from them.
 
 /// Cells along each colour axis.
 const SIDE: usize = 64;

@@ -1,8 +1,8 @@
 //! Averages values over a picture's surfaces, and not across its edges.
 //!
-//! The recursive domain transform of Gastal and Oliveira ("Domain transform for edge-aware image and video
-//! processing", SIGGRAPH 2011): an exponential filter along rows and columns, in which a step across an edge counts
-//! as a long way. Its cost does not depend on how far it reaches.
+//! The recursive domain transform of Gastal and Oliveira ("Domain transform for edge-aware image
+//! and video processing", SIGGRAPH 2011): an exponential filter along rows and columns, in which a
+//! step across an edge counts as a long way. Its cost does not depend on how far it reaches.
 
 use crate::picture::Picture;
 
@@ -25,8 +25,8 @@ struct Pass {
 }
 
 impl Smooth {
-    /// A filter that reaches some `reach` pixels, and at which a sum of colour differences of `edge` doubles the way of
-    /// `reach` pixels.
+    /// A filter that reaches some `reach` pixels, and at which a sum of colour differences of
+    /// `edge` doubles the way of `reach` pixels.
     pub(super) fn new(picture: &Picture, reach: f32, edge: f32) -> Self {
         let (width, height, rgb) = (picture.width(), picture.height(), picture.rgb());
         let difference = |a: &[u8; 3], b: &[u8; 3]| {
@@ -43,8 +43,9 @@ impl Smooth {
             .map(|pass| {
                 let share = 3f32.sqrt() * 2f32.powi(PASSES - pass) / (4f32.powi(PASSES) - 1.0).sqrt();
                 let decay = -(2f32.sqrt()) / (reach * share);
-                let by_difference: Vec<f32> =
-                    (0..=3 * 255).map(|step| (decay * (1.0 + reach / edge * step as f32)).exp()).collect();
+                let by_difference: Vec<f32> = (0..=3 * 255)
+                    .map(|step| libm::expf(decay * (1.0 + reach / edge * step as f32)))
+                    .collect();
                 let feedback = |steps: &[usize]| steps.iter().map(|&step| by_difference[step]).collect();
                 Pass { above: feedback(&above), left: feedback(&left) }
             })
@@ -54,7 +55,8 @@ impl Smooth {
 
     /// Filters `values`, one a pixel, in place.
     pub(super) fn apply(&self, values: &mut [f32]) {
-        // Along rows each value waits for the one before; along columns a whole row goes at once. So rows are made columns.
+        // Along rows each value waits for the one before; along columns a whole row goes at once.
+        // So rows are made columns.
         let mut turned = vec![0f32; values.len()];
         for pass in &self.passes {
             transpose(self.width, values, &mut turned);

@@ -1,8 +1,9 @@
 //! Cuts a bare forearm off at the wrist.
 //!
-//! A descriptor of hand and forearm together describes mostly the forearm. The palm is where the largest circle
-//! fits; the arm leaves from there to where the region crosses the picture's border; the wrist is the narrowest
-//! place on that way. A region that does not reach the border ends at a sleeve, or is a hand alone: it is left as it is.
+//! A descriptor of hand and forearm together describes mostly the forearm. The palm is where the
+//! largest circle fits; the arm leaves from there to where the region crosses the picture's border;
+//! the wrist is the narrowest place on that way. A region that does not reach the border ends at a
+//! sleeve, or is a hand alone: it is left as it is.
 
 use super::{Mask, distance};
 
@@ -21,8 +22,8 @@ struct Circle {
 
 /// The region without its forearm; unchanged where no forearm leaves the picture.
 ///
-/// `scale` is how many of the region's pixels one of `outline`'s spans: the wrist is looked for in `outline`, the region
-/// itself or the same at a smaller size.
+/// `scale` is how many of the region's pixels one of `outline`'s spans: the wrist is looked for in
+/// `outline`, the region itself or the same at a smaller size.
 pub fn cut_forearm(region: &Mask, outline: &Mask, scale: usize) -> Mask {
     let Some(cut) = find_cut(outline) else {
         return region.clone();
@@ -65,7 +66,7 @@ fn find_cut(region: &Mask) -> Option<Cut> {
         return None;
     }
     let (dx, dy) = (exit_x - palm.x, exit_y - palm.y);
-    let reach = dx.hypot(dy);
+    let reach = libm::hypotf(dx, dy);
     let (nearest, farthest) = (SEARCH.start() * palm.radius, (SEARCH.end() * palm.radius).min(reach));
     if nearest + 2.0 > farthest {
         return None;
@@ -132,7 +133,8 @@ fn largest_circle(region: &Mask) -> Option<Circle> {
 mod tests {
     use super::*;
 
-    /// A palm of radius 20 at (60, 50), a wrist 24 wide at x = 88, a forearm that widens to the right border or to `arm_end`.
+    /// A palm of radius 20 at (60, 50), a wrist 24 wide at x = 88, a forearm that widens to the
+    /// right border or to `arm_end`.
     fn hand_and_arm(arm_end: usize) -> Mask {
         let (width, height) = (160, 100);
         let mut pixels = vec![false; width * height];
