@@ -9,7 +9,8 @@ use serde::Serialize;
 /// Queries whose cost is looked at; a thousand give the mean as well as all do.
 const SAMPLE: usize = 1000;
 
-/// Queries on their way through an index, or several as one, in as many parts as threads search them. Answers do not depend on the parts.
+/// Queries on their way through an index, or several as one, in as many parts as threads search
+/// them. Answers do not depend on the parts.
 #[derive(Debug)]
 pub struct Batch<'a> {
     options: SearchOptions,
@@ -85,7 +86,8 @@ impl<'a> Batch<'a> {
 /// What a query costs, on average.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanCost {
-    /// The recall that was measured at this effort when the index was built; null where that is unknown.
+    /// The recall that was measured at this effort when the index was built; null where that is
+    /// unknown.
     pub predicted_recall: Option<f64>,
     /// Entries that were looked at.
     pub candidates: f64,
@@ -106,7 +108,8 @@ pub struct EffortRecord {
     pub rerank: f64,
 }
 
-/// The mean cost of some of the queries, evenly spread over them: a search tells its cost, a batch does not.
+/// The mean cost of some of the queries, evenly spread over them: a search tells its cost, a batch
+/// does not.
 ///
 /// # Errors
 /// [`SearchError`], where a query does not fit the index.

@@ -14,7 +14,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 const SIDE: u32 = 64;
 
-/// A "hand" of one of two kinds: a palm with one long finger, or with two short ones. `n` varies it a little.
+/// A "hand" of one of two kinds: a palm with one long finger, or with two short ones. `n` varies it
+/// a little.
 fn grey_of(class: u16, n: u32) -> Vec<u8> {
     let mut grey = vec![0; (SIDE * SIDE) as usize];
     for y in 0..SIDE {

@@ -1,5 +1,5 @@
-//! Requests that no program would send: whatever comes, the service answers with a status of its own choice, panics never, and
-//! answers the next one rightly.
+//! Requests that no program would send: whatever comes, the service answers with a status of its
+//! own choice, panics never, and answers the next one rightly.
 //!
 //! `PROPTEST_CASES=20000 cargo test --release -p grasp-tests --test cli serve_fuzz` looks for
 //! longer.
@@ -76,7 +76,8 @@ fn form() -> Vec<u8> {
     body
 }
 
-/// A body: one of the seeds, changed here and there, cut, or with a piece of another in it; or noise.
+/// A body: one of the seeds, changed here and there, cut, or with a piece of another in it; or
+/// noise.
 fn bodies() -> impl Strategy<Value = Vec<u8>> {
     let edits = proptest::collection::vec((any::<Place>(), any::<u8>()), 0..8);
     let changed =

@@ -1,4 +1,5 @@
-//! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to, never renamed.
+//! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to,
+//! never renamed.
 
 use grasp_index::{Index, Neighbour, Segments, Shortlist};
 use serde::Serialize;
@@ -19,13 +20,15 @@ pub struct QueryRecord<'a> {
 pub struct ShortlistRecord<'a> {
     /// The query's place, from 0.
     pub query: usize,
-    /// Buckets of each table that were looked into; absent, with all that follows but the neighbours, where every entry was compared.
+    /// Buckets of each table that were looked into; absent, with all that follows but the
+    /// neighbours, where every entry was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// More probes than that find no more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub most_probes: Option<u32>,
-    /// How many candidates, those of the least key and number, a search of the whole index measures; absent where all.
+    /// How many candidates, those of the least key and number, a search of the whole index
+    /// measures; absent where all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep: Option<usize>,
     /// The candidates.

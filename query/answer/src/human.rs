@@ -10,13 +10,15 @@ use grasp_robot::Strategy;
 /// Classes below this probability are not named as runners-up.
 const WORTH_NAMING: f64 = 0.01;
 
-/// One line for the answer, and indented lines for the rotation, the runners-up, the nearest entry and the timings.
+/// One line for the answer, and indented lines for the rotation, the runners-up, the nearest entry
+/// and the timings.
 pub fn text(record: &Record) -> String {
     let text = match record {
         Record::Answer(answer) => answer_text(answer),
         Record::Failure(failure) => failure_text(failure),
     };
-    // Names of classes and hands come from files as well, and nobody reads an index before using it.
+    // Names of classes and hands come from files as well, and nobody reads an index before using
+    // it.
     printable_lines(&text)
 }
 

@@ -5,7 +5,8 @@ use grasp_robot::moveit::yaml;
 use super::human;
 use super::record::Answer;
 
-/// The YAML document of an answer, where it has a strategy that can be carried out: a message is for machines, which would try any.
+/// The YAML document of an answer, where it has a strategy that can be carried out: a message is
+/// for machines, which would try any.
 pub fn message(answer: &Answer) -> Option<String> {
     let id = answer.frame.map_or_else(|| answer.file.clone(), |frame| format!("{} {frame}", answer.file));
     let feasible = answer.strategy.as_ref().filter(|strategy| strategy.feasible);

@@ -212,8 +212,8 @@ pub struct OrientationRecord {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct EulerRecord {
-    /// About which axes the angles turn, and which comes first: always `extrinsic xyz`, about the camera's fixed x (right), then
-    /// its y (down), then its z (forward).
+    /// About which axes the angles turn, and which comes first: always `extrinsic xyz`, about the
+    /// camera's fixed x (right), then its y (down), then its z (forward).
     pub order: &'static str,
     /// About x.
     pub x: f64,
@@ -249,7 +249,8 @@ pub struct NeighbourRecord {
     pub object: String,
     /// The distance between the descriptors.
     pub distance: f32,
-    /// Its orientation, turned and flipped to the input as the answer is; `null` where the index keeps none.
+    /// Its orientation, turned and flipped to the input as the answer is; `null` where the index
+    /// keeps none.
     pub quaternion_xyzw: Option<[f64; 4]>,
 }
 
@@ -269,9 +270,11 @@ pub struct SearchRecord {
     pub exact: bool,
     /// Candidates whose distance was measured by the original descriptors.
     pub reranked: u32,
-    /// The share of the true 10 nearest that such a search found when the index was measured; null where that is unknown.
+    /// The share of the true 10 nearest that such a search found when the index was measured; null
+    /// where that is unknown.
     pub predicted_recall: Option<f64>,
-    /// How many such searches were made: hands times rolls. The other numbers are those of the best one.
+    /// How many such searches were made: hands times rolls. The other numbers are those of the best
+    /// one.
     pub searches: usize,
 }
 
@@ -375,7 +378,8 @@ impl Record {
         Self::Failure(Failure { file, frame, error: ErrorRecord { kind, message, is_rejection: false } })
     }
 
-    /// The exit status that the input asks for: 0 recognised, 1 rejected, unknown, or with a strategy that is not feasible, 2 an error.
+    /// The exit status that the input asks for: 0 recognised, 1 rejected, unknown, or with a
+    /// strategy that is not feasible, 2 an error.
     pub fn status(&self) -> u8 {
         match self {
             Self::Answer(answer) if answer.error.is_some() => 2,

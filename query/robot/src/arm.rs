@@ -19,7 +19,8 @@ const BUILT_IN: [(&str, &str); 1] = [("kuka-kr6-r700", include_str!("../../data/
 
 /// At most so far apart, in metres, are two waypoints of a straight way.
 const SPACING: f64 = 0.01;
-/// A joint that turns farther than this between two waypoints, in radians, has to turn over: no straight way for the hand.
+/// A joint that turns farther than this between two waypoints, in radians, has to turn over: no
+/// straight way for the hand.
 const LEAP: f64 = 0.5;
 /// No arm on a table is longer, in metres.
 const LONGEST: f64 = 10.0;
@@ -71,7 +72,8 @@ struct Mount {
     quaternion_xyzw: [f64; 4],
 }
 
-/// What the arm does while the hand approaches and retreats. JSON keys are an interface: they may be added to, never renamed.
+/// What the arm does while the hand approaches and retreats. JSON keys are an interface: they may
+/// be added to, never renamed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ArmMotion {
@@ -142,7 +144,8 @@ struct Station {
 }
 
 impl Arm {
-    /// The arm that comes with the program by that name, or that a file ending in `.toml` describes.
+    /// The arm that comes with the program by that name, or that a file ending in `.toml`
+    /// describes.
     ///
     /// # Errors
     /// [`RobotError::Read`], [`RobotError::Format`], [`RobotError::UnknownArm`].
@@ -278,7 +281,8 @@ impl Arm {
         stations
     }
 
-    /// All stations from the joints of the first one, and how far the joints turn in all; or the station that was not reached and why.
+    /// All stations from the joints of the first one, and how far the joints turn in all; or the
+    /// station that was not reached and why.
     fn follow(
         &self,
         solver: &OPWKinematics,
@@ -313,7 +317,8 @@ impl Arm {
         Ok((turned, way))
     }
 
-    /// The same posture with every joint within its limits, as near to their middle as whole turns allow.
+    /// The same posture with every joint within its limits, as near to their middle as whole turns
+    /// allow.
     fn within(&self, joints: &Joints) -> Option<Joints> {
         let mut turned = *joints;
         for (joint, [low, high]) in turned.iter_mut().zip(self.limits) {

@@ -29,7 +29,8 @@ struct File {
 }
 
 impl Camera {
-    /// Reads `position` and `quaternion_xyzw`, and where they are known `hand` and `position_spread`.
+    /// Reads `position` and `quaternion_xyzw`, and where they are known `hand` and
+    /// `position_spread`.
     ///
     /// # Errors
     /// [`RobotError::Read`], [`RobotError::Format`].

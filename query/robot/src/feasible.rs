@@ -10,10 +10,11 @@ use super::{Object, RobotHand};
 const BESIDE: f64 = 0.05;
 /// Farther than this, the length of a hand, it did not hold it.
 const AWAY: f64 = 0.20;
-/// How deep in the table the palm may seem to be before that is a problem, in metres: what a measurement may be wrong by.
+/// How deep in the table the palm may seem to be before that is a problem, in metres: what a
+/// measurement may be wrong by.
 const PALM_IN_TABLE: f64 = 0.01;
-/// The same of fingers, which give way where they meet it: in simulation a ball was held by a hand so tilted that its fingers
-/// would have been 24 mm in the table.
+/// The same of fingers, which give way where they meet it: in simulation a ball was held by a hand
+/// so tilted that its fingers would have been 24 mm in the table.
 const FINGER_IN_TABLE: f64 = 0.03;
 
 /// Why a strategy cannot be carried out.

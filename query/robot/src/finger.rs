@@ -1,4 +1,5 @@
-//! A robot hand's fingers as chains of links: where they are, for drawings and for what stands in their way.
+//! A robot hand's fingers as chains of links: where they are, for drawings and for what stands in
+//! their way.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,8 @@ const LONGEST: f64 = 1.0;
 pub struct Finger {
     /// Where it is fastened, in the palm's frame, in metres.
     at: [f64; 3],
-    /// The direction in which it leaves the palm, as an angle about the palm's z from its x, in radians.
+    /// The direction in which it leaves the palm, as an angle about the palm's z from its x, in
+    /// radians.
     outward: f64,
     /// The joint that turns that direction.
     spread: Option<Spread>,
@@ -50,7 +52,8 @@ struct Link {
 }
 
 impl Finger {
-    /// The finger's middle line in the palm's frame, from where it is fastened to its tip, its joints being as `posture` says.
+    /// The finger's middle line in the palm's frame, from where it is fastened to its tip, its
+    /// joints being as `posture` says.
     pub(super) fn points(&self, posture: &BTreeMap<String, f64>) -> Vec<Point3<f64>> {
         let value = |joint: &String| posture.get(joint).copied().unwrap_or_default();
         let spread = self.spread.as_ref().map_or(0.0, |turn| f64::from(turn.sign) * value(&turn.joint));

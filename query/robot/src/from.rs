@@ -27,8 +27,8 @@ impl From {
         UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
     }
 
-    /// From where a hand comes that moves along `approach`, of unit length in the world: the nearer of both, `None` where it comes
-    /// from below.
+    /// From where a hand comes that moves along `approach`, of unit length in the world: the nearer
+    /// of both, `None` where it comes from below.
     pub fn of(approach: &Vector3<f64>) -> Option<Self> {
         match -approach.z {
             down if down > FRAC_1_SQRT_2 => Some(Self::Top),

@@ -37,7 +37,8 @@ pub struct RobotHand {
     pub model: Option<String>,
     /// The link that an arm carries: the parent of the hand.
     pub wrist_link: String,
-    /// The middle of the palm's surface in the wrist's frame, in metres; both frames are turned alike.
+    /// The middle of the palm's surface in the wrist's frame, in metres; both frames are turned
+    /// alike.
     pub wrist_from_palm: [f64; 3],
     /// The palm's radius, in metres: it is taken for a cylinder from the wrist to its surface.
     #[serde(default = "ordinary_palm")]
@@ -84,7 +85,8 @@ pub struct RobotGrasp {
     pub middle: Value,
     /// The least height of the palm above the table, in metres.
     pub table_clearance: f64,
-    /// How far beside the palm's middle the closing tips go on lower where the palm is tilted, in metres.
+    /// How far beside the palm's middle the closing tips go on lower where the palm is tilted, in
+    /// metres.
     #[serde(default)]
     pub table_reach: f64,
     /// The widest object, in metres; without it any.
@@ -107,7 +109,8 @@ pub struct RobotGrasp {
 pub enum Value {
     /// Whatever the width.
     Fixed(f64),
-    /// Points of width (metres, ascending) and value, between which it is interpolated; constant beyond the ends.
+    /// Points of width (metres, ascending) and value, between which it is interpolated; constant
+    /// beyond the ends.
     ByWidth(Vec<[f64; 2]>),
 }
 
@@ -181,7 +184,8 @@ impl RobotHand {
     /// Reads a description from memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Format`]: a joint beyond its limits or unknown, a mapping to a grasp that is not there.
+    /// [`RobotError::Format`]: a joint beyond its limits or unknown, a mapping to a grasp that is
+    /// not there.
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "a robot hand" };
         let hand: Self = source.parse(text)?;

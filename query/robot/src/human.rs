@@ -32,8 +32,8 @@ impl HumanGrasp {
         GRASPS.keys().map(String::as_str)
     }
 
-    /// How a robot's palm is turned in the hand's frame that imitates the hand: its z is the hand's approach, its
-    /// y points to the thumb's side.
+    /// How a robot's palm is turned in the hand's frame that imitates the hand: its z is the hand's
+    /// approach, its y points to the thumb's side.
     pub(super) fn hand_from_palm(&self, side: Side) -> UnitQuaternion<f64> {
         let z = mirrored(self.approach, side).normalize();
         let thumb = mirrored(self.thumb, side);

@@ -1,5 +1,5 @@
-//! Where object, palm and fingers are in the world, and what of that is seen from the side and from above: all that a drawing of
-//! a strategy shows.
+//! Where object, palm and fingers are in the world, and what of that is seen from the side and from
+//! above: all that a drawing of a strategy shows.
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use serde::Serialize;
@@ -12,7 +12,8 @@ use super::{Object, RobotGrasp, RobotHand, Shape};
 
 /// An approach whose horizontal part is shorter than this comes from above or below.
 const VERTICAL: f64 = 0.35;
-/// The least height of the palm's cylinder, in metres, for hands whose wrist lies in the palm's surface.
+/// The least height of the palm's cylinder, in metres, for hands whose wrist lies in the palm's
+/// surface.
 const THINNEST_PALM: f64 = 0.01;
 
 /// Where everything is when the fingers begin to close. Metres, in the world.
@@ -25,7 +26,8 @@ pub struct Layout {
     pub palm_at_start: Pose,
     /// The middle of the palm after the retreat.
     pub palm_lifted: Pose,
-    /// Each finger's middle line in the open posture, from the palm to its tip; none for a hand whose description has no fingers.
+    /// Each finger's middle line in the open posture, from the palm to its tip; none for a hand
+    /// whose description has no fingers.
     pub fingers: Vec<Vec<[f64; 3]>>,
     /// The height of the table, where there is one.
     pub table: Option<f64>,
@@ -47,7 +49,8 @@ pub struct LaidObject {
     pub pose: Pose,
 }
 
-/// What is seen along one direction. Coordinates are metres along `right` and `up`, from the world's origin.
+/// What is seen along one direction. Coordinates are metres along `right` and `up`, from the
+/// world's origin.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct View {
@@ -132,7 +135,8 @@ impl Layout {
         self.palm.surface.translation.vector.into()
     }
 
-    /// The height of the palm's lowest point, in metres: where the fingers close and where the approach begins.
+    /// The height of the palm's lowest point, in metres: where the fingers close and where the
+    /// approach begins.
     pub(super) fn lowest_of_palm(&self) -> [f64; 2] {
         let (shape, pose) = self.palm.solid();
         let down = pose.inverse_transform_vector(&-Vector3::z());
@@ -153,8 +157,8 @@ impl Palm {
     }
 }
 
-/// The horizontal direction in which the hand comes, or, where it comes from above, in which its fingers close: so that the view
-/// from the side shows them from the side.
+/// The horizontal direction in which the hand comes, or, where it comes from above, in which its
+/// fingers close: so that the view from the side shows them from the side.
 fn across(placed: &Placed) -> Vector3<f64> {
     let flat = |vector: Vector3<f64>| Vector3::new(vector.x, vector.y, 0.0);
     let along = flat(placed.approach);

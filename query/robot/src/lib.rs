@@ -1,18 +1,20 @@
 //! From the human's grasp to the robot's: the paper's Section VI.
 //!
-//! [`RobotHand`] says, as data, which of a robot hand's grasps does for each human grasp, and how that is made;
-//! [`Object`] and [`Camera`] say what lies and stands where. [`Strategy`] puts them together with a recognised hand
-//! into approach, grasp and retreat, which [`moveit`] writes for ROS. An [`Arm`] says by which joint angles it carries the hand there.
+//! [`RobotHand`] says, as data, which of a robot hand's grasps does for each human grasp, and how
+//! that is made; [`Object`] and [`Camera`] say what lies and stands where. [`Strategy`] puts them
+//! together with a recognised hand into approach, grasp and retreat, which [`moveit`] writes for
+//! ROS. An [`Arm`] says by which joint angles it carries the hand there.
 //!
 //! The feature `simulate` tries grasps in a physics engine; `schema` describes the types that stand
 //! in records for OpenAPI. Both are off by default.
 //!
 //! # Frames
 //!
-//! Metres and radians; quaternions x, y, z, w. `world`: z up. `camera`: z forward, x right, y down. `hand`: the human
-//! hand, x from the wrist to the middle knuckle, z out of the back, y = z cross x. `palm`: the robot's, origin in
-//! the middle of its palm's surface, z the direction of approach, y to the side of its thumb. `wrist`: the link that an arm
-//! carries, turned as the palm is. `object`: about the middle of its shape.
+//! Metres and radians; quaternions x, y, z, w. `world`: z up. `camera`: z forward, x right, y down.
+//! `hand`: the human hand, x from the wrist to the middle knuckle, z out of the back, y = z cross
+//! x. `palm`: the robot's, origin in the middle of its palm's surface, z the direction of approach,
+//! y to the side of its thumb. `wrist`: the link that an arm carries, turned as the palm is.
+//! `object`: about the middle of its shape.
 
 mod arm;
 mod camera;
@@ -55,8 +57,8 @@ pub use strategy::{Seen, Strategy};
 pub use tolerance::Estimate;
 pub use window::Window;
 
-/// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the hand's approach, its y points to
-/// the thumb's side.
+/// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the
+/// hand's approach, its y points to the thumb's side.
 ///
 /// # Errors
 /// [`RobotError::UnknownHuman`]: the grasp is none of the six.

@@ -19,9 +19,9 @@ pub fn warnings(yaml: &str) -> impl Iterator<Item = &str> {
 
 /// The message of one strategy as a YAML document, with its leading `---`.
 ///
-/// Poses are those of the wrist, the end effector's parent link. What the message has no field for, the estimate's
-/// spread, the tolerated window and warnings, stands before it as comments. `grasp_quality` is the strategy's, and 0, the message's
-/// own default, where that is unknown.
+/// Poses are those of the wrist, the end effector's parent link. What the message has no field for,
+/// the estimate's spread, the tolerated window and warnings, stands before it as comments.
+/// `grasp_quality` is the strategy's, and 0, the message's own default, where that is unknown.
 pub fn yaml(strategy: &Strategy, id: &str) -> String {
     let mut text = String::from("---\n");
     let mut comment = |line: String| {
@@ -86,7 +86,8 @@ fn message(strategy: &Strategy, id: &str) -> Value {
     let mut retreat = Value::Null;
     for step in &strategy.steps {
         match step {
-            // MoveIt moves along the hand's own z; the hand is turned so that this is the approach vector.
+            // MoveIt moves along the hand's own z; the hand is turned so that this is the approach
+            // vector.
             Step::Approach { distance, min_distance, .. } => {
                 let forward = Direction { frame: strategy.wrist_link.clone(), vector: [0.0, 0.0, 1.0] };
                 approach = translation(&forward, *distance, *min_distance);
@@ -137,7 +138,8 @@ fn translation(direction: &Direction, desired: f64, least: f64) -> Value {
     })
 }
 
-/// A posture without efforts: those of a turning joint would be torques, and what is known is a force.
+/// A posture without efforts: those of a turning joint would be torques, and what is known is a
+/// force.
 fn posture(joints: &BTreeMap<String, f64>) -> Value {
     let positions: Vec<f64> = joints.values().copied().map(rounded).collect();
     json!({

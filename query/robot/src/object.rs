@@ -8,7 +8,8 @@ use serde::Deserialize;
 use super::read::{Source, text};
 use super::{Camera, RobotError};
 
-/// How deep an object may lie in its table before that is an error, in metres: what a measurement may be wrong by.
+/// How deep an object may lie in its table before that is an error, in metres: what a measurement
+/// may be wrong by.
 const SUNK: f64 = 0.002;
 /// The largest object, in metres.
 const LARGEST: f64 = 2.0;
@@ -127,8 +128,8 @@ struct File {
 
 impl Object {
     /// Reads a description: `name`, `shape` (`cylinder` or `disc` with `radius`
-    /// and `height`, `box` with `size`, `sphere` with `radius`), `position`, `quaternion_xyzw`, and where they matter
-    /// `frame`, `mass`, `friction`, `table`.
+    /// and `height`, `box` with `size`, `sphere` with `radius`), `position`, `quaternion_xyzw`, and
+    /// where they matter `frame`, `mass`, `friction`, `table`.
     ///
     /// # Errors
     /// [`RobotError::Read`], [`RobotError::Format`].
@@ -139,7 +140,8 @@ impl Object {
     /// Reads a description from memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Format`]: a size is missing or impossible, the pose is no rotation, a key is unknown.
+    /// [`RobotError::Format`]: a size is missing or impossible, the pose is no rotation, a key is
+    /// unknown.
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "an object" };
         let file: File = source.parse(text)?;

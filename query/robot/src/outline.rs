@@ -12,7 +12,8 @@ const SIDES: u32 = 32;
 /// Three points whose triangle's doubled area is less, in square metres, lie on a line.
 const FLAT: f64 = 1e-9;
 
-/// The outline of `shape` as it is seen against `right` x `up`, in metres along both: convex, counter-clockwise, to a micrometre.
+/// The outline of `shape` as it is seen against `right` x `up`, in metres along both: convex,
+/// counter-clockwise, to a micrometre.
 pub(super) fn outline(
     shape: Shape,
     world_from_shape: &Isometry3<f64>,
@@ -35,7 +36,8 @@ pub(super) fn outline(
         }
         Shape::Cylinder { radius, height } => {
             let axis = world_from_shape * Vector3::z();
-            // The ring's outermost points lie to both sides of the axis: with them a lying cylinder is as wide as it is.
+            // The ring's outermost points lie to both sides of the axis: with them a lying cylinder
+            // is as wide as it is.
             let side = toward.cross(&axis).try_normalize(1e-9).unwrap_or(*right);
             let ring = ring(side, axis.cross(&side), radius);
             ring.flat_map(|point| [-0.5, 0.5].map(|end| middle + point + axis * (end * height))).collect()
@@ -61,7 +63,8 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     hull
 }
 
-/// The chain below the points, which come from left to right, without its last one, which begins the chain back.
+/// The chain below the points, which come from left to right, without its last one, which begins
+/// the chain back.
 fn chain(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut chain: Vec<[f64; 2]> = Vec::new();
     for point in points {
@@ -76,8 +79,9 @@ fn chain(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     chain
 }
 
-/// Without the corners of a convex outline that rounding has made: of those that all but coincide one stays. While the hull is sought
-/// nothing may be left out so, as a point beside an edge need not lie between its ends.
+/// Without the corners of a convex outline that rounding has made: of those that all but coincide
+/// one stays. While the hull is sought nothing may be left out so, as a point beside an edge need
+/// not lie between its ends.
 fn straightened(mut outline: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let mut at = 0;
     while let Some(&corner) = outline.get(at).filter(|_| outline.len() > 3) {

@@ -18,7 +18,8 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Puts a palm that is turned so before the object, aimed at `grip`, as near as the grasp wants and the table allows.
+    /// Puts a palm that is turned so before the object, aimed at `grip`, as near as the grasp wants
+    /// and the table allows.
     pub(super) fn new(
         hand: &RobotHand,
         grasp: &RobotGrasp,
@@ -27,7 +28,8 @@ impl Placed {
         turned: UnitQuaternion<f64>,
         grip: Point3<f64>,
     ) -> Result<Self, RobotError> {
-        // Through the middle, where the fingers close: the extent of the whole would be that of its far, tilted ends.
+        // Through the middle, where the fingers close: the extent of the whole would be that of its
+        // far, tilted ends.
         let half = |direction: Vector3<f64>| {
             object.shape.half_chord(&world_from_object.inverse_transform_vector(&direction))
         };

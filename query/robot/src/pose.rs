@@ -39,7 +39,8 @@ impl Pose {
     }
 }
 
-/// To a micrometre or microradian: what lies beyond is noise that would differ between machines. Never -0.
+/// To a micrometre or microradian: what lies beyond is noise that would differ between machines.
+/// Never -0.
 pub(super) fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6 + 0.0
 }

@@ -7,7 +7,8 @@ use serde::de::DeserializeOwned;
 
 use super::RobotError;
 
-/// How far a quaternion's length may be from 1: five written decimals are exact enough, a typing error is not.
+/// How far a quaternion's length may be from 1: five written decimals are exact enough, a typing
+/// error is not.
 const UNIT_TOLERANCE: f64 = 1e-3;
 /// Nothing that this program is for lies farther away, in metres.
 const FAR: f64 = 100.0;

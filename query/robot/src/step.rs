@@ -35,7 +35,8 @@ pub enum Step {
         joints: BTreeMap<String, f64>,
         /// What they may press with, by the hand's description.
         max_contact_force: f64,
-        /// What one link pressed with in the simulation of such an object, at most; null where that is unknown.
+        /// What one link pressed with in the simulation of such an object, at most; null where that
+        /// is unknown.
         simulated_force: Option<f64>,
     },
     /// The hand lifts the object.

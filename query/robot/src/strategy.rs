@@ -1,7 +1,8 @@
 //! From what was seen to what the robot does: approach, grasp, retreat, relative to the object.
 //!
-//! As in the paper's Section VI no approach is searched for: the robot's palm comes from where the human hand came
-//! from, turned as it was turned, to the place of the object that the human hand held.
+//! As in the paper's Section VI no approach is searched for: the robot's palm comes from where the
+//! human hand came from, turned as it was turned, to the place of the object that the human hand
+//! held.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +37,8 @@ pub struct Seen {
     pub spread_deg: f64,
 }
 
-/// What the robot does. JSON keys are an interface: they may be added to, never renamed. Metres, radians, newtons; quaternions x, y, z, w.
+/// What the robot does. JSON keys are an interface: they may be added to, never renamed. Metres,
+/// radians, newtons; quaternions x, y, z, w.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct Strategy {
@@ -68,7 +70,8 @@ pub struct Strategy {
     pub open: BTreeMap<String, f64>,
     /// The joints that closing aims at.
     pub closed: BTreeMap<String, f64>,
-    /// What the fingers may press with, by the hand's description. Nothing here keeps to it: see `simulated_force` of the step `grasp`.
+    /// What the fingers may press with, by the hand's description. Nothing here keeps to it: see
+    /// `simulated_force` of the step `grasp`.
     pub max_contact_force: f64,
     /// Links of the robot that may touch the object.
     pub touch_links: Vec<String>,
@@ -76,13 +79,15 @@ pub struct Strategy {
     pub allowed_touch_objects: Vec<String>,
     /// How uncertain the estimate is.
     pub estimate: Estimate,
-    /// What error the grasp tolerates on an object as wide, from there; null where that was never simulated.
+    /// What error the grasp tolerates on an object as wide, from there; null where that was never
+    /// simulated.
     pub tolerated: Option<Window>,
     /// How an arm carries the hand there; absent where none was named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arm: Option<ArmMotion>,
-    /// The probability that the estimate's error stays within what is tolerated, were it normal; 0 where the strategy is not
-    /// feasible, null where the spread of the position or the window is unknown.
+    /// The probability that the estimate's error stays within what is tolerated, were it normal; 0
+    /// where the strategy is not feasible, null where the spread of the position or the window is
+    /// unknown.
     pub quality: Option<f64>,
     /// Where everything is in the world, as drawings show it.
     pub layout: Layout,
@@ -98,7 +103,8 @@ impl Strategy {
     /// The strategy of `hand` that imitates `seen` on `object`.
     ///
     /// # Errors
-    /// [`RobotError`]: the grasp has no counterpart, the orientation is unknown, the object lies in its table or is too wide.
+    /// [`RobotError`]: the grasp has no counterpart, the orientation is unknown, the object lies in
+    /// its table or is too wide.
     pub fn new(hand: &RobotHand, seen: &Seen, object: &Object, camera: &Camera) -> Result<Self, RobotError> {
         let (name, grasp) = hand.for_human(&seen.grasp)?;
         let human = HumanGrasp::named(&seen.grasp)
@@ -126,7 +132,8 @@ impl Strategy {
         Ok(Self::assemble(hand, seen, (name, grasp), object, layout, &placed, estimate, findings))
     }
 
-    /// What is doubtful about a strategy that may be tried all the same: the warnings that are no problems.
+    /// What is doubtful about a strategy that may be tried all the same: the warnings that are no
+    /// problems.
     pub fn doubts(&self) -> &[String] {
         self.warnings.get(self.problems.len()..).unwrap_or_default()
     }

@@ -18,21 +18,24 @@ pub struct Estimate {
     pub hand_position: &'static str,
 }
 
-/// What error the grasp tolerates on something as wide, in metres, to which the hand moves along `approach`, of unit length in the world.
+/// What error the grasp tolerates on something as wide, in metres, to which the hand moves along
+/// `approach`, of unit length in the world.
 pub(super) fn tolerated(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> Option<Window> {
     Window::of(&grasp.window, width, From::of(approach)?)
 }
 
-/// The probability that an error of the estimate's spread stays within `window`, were it normal and the same in each direction:
-/// in both directions along the table, and of the turn that is tolerated least. `None` where a spread or the tolerated turn is
-/// unknown. The estimate's whole angle is taken for the error of that one turn, which is at most as much.
+/// The probability that an error of the estimate's spread stays within `window`, were it normal and
+/// the same in each direction: in both directions along the table, and of the turn that is
+/// tolerated least. `None` where a spread or the tolerated turn is unknown. The estimate's whole
+/// angle is taken for the error of that one turn, which is at most as much.
 pub(super) fn confidence(estimate: &Estimate, window: &Window) -> Option<f64> {
     let turn = window.tilt_rad.into_iter().chain(window.yaw_rad).reduce(f64::min)?;
     let position = within(window.position_m, estimate.position_m?);
     Some(position * position * within(turn, estimate.orientation_rad))
 }
 
-/// The probability that a normal error of this standard deviation is at most `most` in either direction.
+/// The probability that a normal error of this standard deviation is at most `most` in either
+/// direction.
 fn within(most: f64, deviation: f64) -> f64 {
     // Of the error function, Abramowitz and Stegun 7.1.26: to 1.5e-7.
     let x = most / deviation.max(f64::MIN_POSITIVE) * std::f64::consts::FRAC_1_SQRT_2;
@@ -42,7 +45,8 @@ fn within(most: f64, deviation: f64) -> f64 {
     (1.0 - sum * (-x * x).exp()).clamp(0.0, 1.0)
 }
 
-/// Where the estimate is worse than the grasp tolerates, or one of them is not known; see [`tolerated`].
+/// Where the estimate is worse than the grasp tolerates, or one of them is not known; see
+/// [`tolerated`].
 pub(super) fn doubts(
     estimate: &Estimate,
     grasp: &RobotGrasp,

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::From;
 
-/// Beyond the thinnest and the widest object that were simulated a window is taken over as far as this: to a hand that is turned
-/// 30 degrees too far a round thing looks 15 % wider than it is.
+/// Beyond the thinnest and the widest object that were simulated a window is taken over as far as
+/// this: to a hand that is turned 30 degrees too far a round thing looks 15 % wider than it is.
 const BEYOND: f64 = 1.2;
 /// Widths that differ by less are the same, in metres.
 const SAME: f64 = 1e-3;
@@ -16,14 +16,17 @@ const SAME: f64 = 1e-3;
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Window {
-    /// The object's place on the table may be wrong by as much as this in either direction, in metres.
+    /// The object's place on the table may be wrong by as much as this in either direction, in
+    /// metres.
     pub position_m: f64,
-    /// The hand's turn about the vertical may be wrong by as much as this in either direction, in radians; none where any will do.
+    /// The hand's turn about the vertical may be wrong by as much as this in either direction, in
+    /// radians; none where any will do.
     pub yaw_rad: Option<f64>,
-    /// The approach may be tilted by as much as this in any direction, in radians; none where that was not simulated.
+    /// The approach may be tilted by as much as this in any direction, in radians; none where that
+    /// was not simulated.
     pub tilt_rad: Option<f64>,
-    /// What one link pressed with, at most, where object and hand were where they should be, in newtons; none where that was
-    /// not measured.
+    /// What one link pressed with, at most, where object and hand were where they should be, in
+    /// newtons; none where that was not measured.
     pub force_n: Option<f64>,
     /// The object that this was simulated with.
     pub object: String,
@@ -36,8 +39,9 @@ pub struct Window {
 }
 
 impl Window {
-    /// The one of `windows` that counts for an object as wide as `width`, in metres, to which the hand comes `from`: between two
-    /// objects that were simulated, the narrower of theirs, and the greater force. `None` where none so thin or so wide was.
+    /// The one of `windows` that counts for an object as wide as `width`, in metres, to which the
+    /// hand comes `from`: between two objects that were simulated, the narrower of theirs, and the
+    /// greater force. `None` where none so thin or so wide was.
     pub(super) fn of(windows: &[Self], width: f64, from: From) -> Option<Self> {
         let comparable = || windows.iter().filter(|window| window.from == from);
         let widths = || comparable().map(|window| window.width_m);

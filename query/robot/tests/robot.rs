@@ -204,7 +204,8 @@ fn what_cannot_be_right_is_a_problem() {
     // From below, through the table.
     let below = of("large-diameter", UnitQuaternion::new(Vector3::x() * 3.0), &bottle(), &camera);
     assert_eq!((kinds(&below), below.quality), (vec![ProblemKind::BelowTable], Some(0.0)));
-    // From the side to something that lies: the fingers close across its axis, one of them under it.
+    // From the side to something that lies: the fingers close across its axis, one of them under
+    // it.
     let lying = BOTTLE.replace("[0.50, 0.0, 0.08]", "[0.50, 0.0, 0.035]");
     let lying = lying.replace("[0.0, 0.0, 0.0, 1.0]", "[0.70710678, 0.0, 0.0, 0.70710678]");
     let lying = Object::parse("lying.toml", &lying).unwrap();
@@ -280,7 +281,8 @@ fn bad_descriptions_say_what_is_needed() {
 }
 
 proptest! {
-    /// However the hand is turned: the palm looks along the approach, a standoff before the surface, and left and right are mirror images.
+    /// However the hand is turned: the palm looks along the approach, a standoff before the
+    /// surface, and left and right are mirror images.
     #[test]
     fn the_palm_always_faces_the_object(angles in prop::array::uniform3(-3.1f64..3.1), left: bool) {
         let camera = camera();
@@ -311,7 +313,8 @@ fn shapes() -> [(&'static str, Shape); 3] {
 }
 
 proptest! {
-    /// However object and hand are turned: what is drawn is where the strategy's own numbers say that it is.
+    /// However object and hand are turned: what is drawn is where the strategy's own numbers say
+    /// that it is.
     #[test]
     fn a_drawing_shows_what_the_strategy_says(
         which in 0..3_usize,
@@ -363,7 +366,8 @@ proptest! {
             let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
             prop_assert!(far(view.approach[0], flat(start.translation.vector)) < 5e-6);
             prop_assert!(far(view.approach[1], flat(palm.translation.vector)) < 5e-6);
-            // In every direction of the drawing the outline reaches as far as the shape does, but for a circle's corners.
+            // In every direction of the drawing the outline reaches as far as the shape does, but
+            // for a circle's corners.
             for angle in 0..24 {
                 let (sin, cos) = f64::from(15 * angle).to_radians().sin_cos();
                 let direction = right * cos + up * sin;
@@ -386,7 +390,8 @@ fn arm() -> Arm {
     Arm::find("kuka-kr6-r700").unwrap()
 }
 
-/// The flange of a KR 6 R700 by the product of its joints' turns, as ROS-Industrial's description of it lists them: origins and axes, link by link.
+/// The flange of a KR 6 R700 by the product of its joints' turns, as ROS-Industrial's description
+/// of it lists them: origins and axes, link by link.
 fn flange(joints: [f64; 6]) -> Isometry3<f64> {
     let links = [
         (Vector3::new(0.0, 0.0, 0.400), -Vector3::z()),

@@ -117,7 +117,8 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
 #[serde(default, deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct OfIndex {
-    /// The index that named the neighbour, as the header `grasp-index-generation` told it; another one has other entries.
+    /// The index that named the neighbour, as the header `grasp-index-generation` told it; another
+    /// one has other entries.
     generation: Option<u64>,
 }
 
@@ -160,11 +161,13 @@ pub(super) async fn thumbnail(
     Ok(([(header::CONTENT_TYPE, "image/png")], bytes).into_response())
 }
 
-/// Whether requests are answered, and what is wrong where they are not, or where a new index could not be used.
+/// Whether requests are answered, and what is wrong where they are not, or where a new index could
+/// not be used.
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct Ready {
     ready: bool,
-    /// `serving`, `opening`, `draining`, or `lost`: the file that was served has been overwritten or truncated.
+    /// `serving`, `opening`, `draining`, or `lost`: the file that was served has been overwritten
+    /// or truncated.
     state: &'static str,
     /// The index that is served; null before the first.
     generation: Option<u64>,

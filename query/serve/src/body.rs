@@ -25,7 +25,8 @@ pub(super) struct Input {
     arm: Option<Bytes>,
 }
 
-/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`, `camera`, `robot` and `arm`.
+/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`,
+/// `camera`, `robot` and `arm`.
 pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<Input, Problem> {
     let content_type = content_type.and_then(|kind| kind.to_str().ok()).unwrap_or_default().trim_start();
     if !content_type.to_ascii_lowercase().starts_with("multipart/form-data") {
@@ -116,7 +117,8 @@ impl Input {
         }
     }
 
-    /// The robot that is asked for by `name`, with the object and the camera of the form, on the arm of that name.
+    /// The robot that is asked for by `name`, with the object and the camera of the form, on the
+    /// arm of that name.
     pub(super) fn setting(&self, name: Option<&str>, arm: Option<&str>) -> Result<Option<Setting>, Problem> {
         let Some(name) = name else {
             let parts = [&self.robot, &self.object, &self.camera, &self.arm];

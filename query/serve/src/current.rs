@@ -1,9 +1,10 @@
 //! The index that is served, and its replacement while requests are under way.
 //!
-//! A new index that is renamed to the path takes over without a gap, because the old file lives on while it is mapped. One
-//! that is copied over the old one (`cp`, `scp`) destroys what is mapped. A small index is therefore read into memory,
-//! and served on until the copy is whole. A large one is lost: its requests are turned away, because what they have read may
-//! be of two files, until the new file verifies.
+//! A new index that is renamed to the path takes over without a gap, because the old file lives on
+//! while it is mapped. One that is copied over the old one (`cp`, `scp`) destroys what is mapped. A
+//! small index is therefore read into memory, and served on until the copy is whole. A large one is
+//! lost: its requests are turned away, because what they have read may be of two files, until the
+//! new file verifies.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -18,12 +19,14 @@ use super::identity::Identity;
 pub(super) const LOST: &str =
     "has lost its index, whose file was overwritten or cut short in place, and answers when that is whole";
 
-/// A file that was written to so lately may be written to again within the same step of the file system's clock.
+/// A file that was written to so lately may be written to again within the same step of the file
+/// system's clock.
 const SETTLED: Duration = Duration::from_millis(20);
 /// A file that cannot be used and was written to so lately is taken to be on its way.
 const ON_ITS_WAY: Duration = Duration::from_secs(1);
 
-/// An index in service. Requests hold it until they are answered, also after another has taken its place.
+/// An index in service. Requests hold it until they are answered, also after another has taken its
+/// place.
 #[derive(Debug)]
 pub(super) struct Served {
     pub(super) index: Index,
@@ -79,7 +82,8 @@ pub(super) enum Looked {
 }
 
 impl Served {
-    /// Whether the file has been overwritten or truncated, so that what the index says may be wrong.
+    /// Whether the file has been overwritten or truncated, so that what the index says may be
+    /// wrong.
     pub(super) fn is_lost(&self) -> bool {
         self.index.check_unchanged().is_err()
     }
@@ -116,8 +120,9 @@ impl Current {
         self.get().is_some_and(|served| served.is_lost())
     }
 
-    /// Looks at the path and, where another file lies there than the last time, or where `forced`, opens it, checks it and
-    /// puts it in the place of the one that is served. What cannot be used changes nothing, and is tried again when it changes.
+    /// Looks at the path and, where another file lies there than the last time, or where `forced`,
+    /// opens it, checks it and puts it in the place of the one that is served. What cannot be used
+    /// changes nothing, and is tried again when it changes.
     pub(super) fn look(&self, forced: bool) -> Looked {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let old = self.get();
@@ -126,7 +131,8 @@ impl Current {
             *last = Last { found: None, lost: old.generation };
             return Looked::Lost;
         }
-        // Before opening: where the file is replaced in between, the next look finds yet another one.
+        // Before opening: where the file is replaced in between, the next look finds yet another
+        // one.
         let found = Identity::of(&self.path);
         let seen = found.as_ref().map(|identity| *identity).map_err(std::io::Error::kind);
         if !forced && last.found == Some(seen) {
@@ -167,8 +173,9 @@ impl Current {
         generation
     }
 
-    /// Opens what lies at the path. The first index is served as soon as it is open; one that replaces another is
-    /// read through first, so that nothing damaged takes the place of something sound, and no request waits for the disk.
+    /// Opens what lies at the path. The first index is served as soon as it is open; one that
+    /// replaces another is read through first, so that nothing damaged takes the place of something
+    /// sound, and no request waits for the disk.
     fn open(&self, identity: &Identity) -> anyhow::Result<Index> {
         let is_read = identity.length() <= self.most_read;
         let index = if is_read { Index::read(&self.path)? } else { Index::open(&self.path)? };

@@ -1,4 +1,5 @@
-//! How an answer came about, as data for a page to draw: pictures as `data:` addresses, the descriptor as numbers.
+//! How an answer came about, as data for a page to draw: pictures as `data:` addresses, the
+//! descriptor as numbers.
 
 use std::io::Cursor;
 
@@ -12,7 +13,8 @@ use utoipa::ToSchema;
 use grasp_answer::explain::edge_deg;
 use grasp_recognise::Recognition;
 
-/// Transparent where the hand is, red where a forearm was cut off, dark elsewhere: to be laid over the picture.
+/// Transparent where the hand is, red where a forearm was cut off, dark elsewhere: to be laid over
+/// the picture.
 const HAND: [u8; 4] = [0, 0, 0, 0];
 const FOREARM: [u8; 4] = [190, 40, 30, 150];
 const ELSEWHERE: [u8; 4] = [0, 0, 0, 170];
@@ -24,15 +26,18 @@ pub(super) struct Explained {
     width: usize,
     /// Its rows.
     height: usize,
-    /// A PNG of that size to lay over the picture: dark where no hand is, red where a forearm was cut off.
+    /// A PNG of that size to lay over the picture: dark where no hand is, red where a forearm was
+    /// cut off.
     mask: String,
-    /// The hand image H as a PNG, as it was described: flipped for a left hand, turned where that was asked for.
+    /// The hand image H as a PNG, as it was described: flipped for a left hand, turned where that
+    /// was asked for.
     hand_image: String,
     /// Values of the descriptor.
     dim: usize,
     /// Bins of orientation in each cell, 0 where there are none.
     bins: u32,
-    /// How the edges lie that each bin counts, in degrees counter-clockwise: 0 is level, 90 upright.
+    /// How the edges lie that each bin counts, in degrees counter-clockwise: 0 is level, 90
+    /// upright.
     edges_deg: Vec<f64>,
     /// The descriptor's values, where a network computed them and they have no directions or cells.
     values: Vec<f32>,

@@ -48,8 +48,9 @@ impl Gate {
         self.all - self.places.available_permits()
     }
 
-    /// Does the work on a thread that may block, as soon as a worker is free. Where this future is dropped, work that has begun
-    /// goes on, and its place stays taken: the bound holds whatever the asker does.
+    /// Does the work on a thread that may block, as soon as a worker is free. Where this future is
+    /// dropped, work that has begun goes on, and its place stays taken: the bound holds whatever
+    /// the asker does.
     pub(super) async fn run<T: Send + 'static>(
         &self,
         place: Place,

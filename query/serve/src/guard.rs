@@ -89,7 +89,8 @@ fn check_token(headers: &HeaderMap, token: &Token) -> Result<(), Problem> {
     Err(Problem::new(StatusCode::UNAUTHORIZED, "token", message))
 }
 
-/// `POST /session`: the page trades the token for a cookie that scripts cannot read, so that pictures load by themselves.
+/// `POST /session`: the page trades the token for a cookie that scripts cannot read, so that
+/// pictures load by themselves.
 #[utoipa::path(post, path = "/session", tag = tags::OPERATION,
     summary = "Trade the token for a cookie",
     description = "For the page in a browser: the cookie `grasp_token` shows the token from now on. Without `--token-file` nothing is \

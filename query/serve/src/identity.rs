@@ -42,7 +42,8 @@ impl Identity {
         self.length
     }
 
-    /// Whether the file was written to so lately. By a clock that is ahead of this machine's, never.
+    /// Whether the file was written to so lately. By a clock that is ahead of this machine's,
+    /// never.
     pub(super) fn was_written_within(&self, time: Duration) -> bool {
         self.modified
             .and_then(|modified| SystemTime::now().duration_since(modified).ok())

@@ -1,4 +1,5 @@
-//! Connections: accepted up to a bound, each with a time for its requests' heads, and drained when the program ends.
+//! Connections: accepted up to a bound, each with a time for its requests' heads, and drained when
+//! the program ends.
 
 use std::io;
 use std::pin::Pin;
@@ -18,7 +19,8 @@ use tokio::sync::Semaphore;
 
 use super::impatient::Impatient;
 
-/// How long a connection may take to send a request's head, and how long it may lie idle between requests.
+/// How long a connection may take to send a request's head, and how long it may lie idle between
+/// requests.
 const HEAD_TIME: Duration = Duration::from_secs(30);
 /// The most bytes of a request's head, and of what is read ahead of it.
 const MOST_HEAD: usize = 64 * 1024;

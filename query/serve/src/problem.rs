@@ -1,5 +1,6 @@
 //! Requests that have no answer, told as JSON in the form of a record's own `error`.
 
+use crate::wire::ParameterError;
 use axum::Json;
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -100,5 +101,10 @@ impl IntoResponse for Problem {
             headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
         }
         response
+    }
+}
+impl From<ParameterError> for Problem {
+    fn from(error: ParameterError) -> Self {
+        Self::bad_request(error.to_string())
     }
 }

@@ -39,9 +39,9 @@ pub(super) fn answer(
     index
         .check_recognises()
         .map_err(|error| Problem::new(StatusCode::CONFLICT, "index", error.to_string()))?;
-    let options = parameters.options().map_err(Problem::bad_request)?;
+    let options = parameters.options()?;
     input.check_pixels(most_pixels)?;
-    let range = parameters.depth_range().map_err(Problem::bad_request)?;
+    let range = parameters.depth_range()?;
     let source = input.source(parameters.segmented, range)?;
     let setting = input.setting(parameters.robot.as_deref(), parameters.arm.as_deref())?;
     let name = parameters.file.clone().unwrap_or_else(|| "-".into());

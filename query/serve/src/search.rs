@@ -26,7 +26,7 @@ pub(super) fn answer(
     parameters: &SearchParameters,
 ) -> Result<Response, Problem> {
     let index = &served.index;
-    let options = parameters.options().map_err(Problem::bad_request)?;
+    let options = parameters.options()?;
     let queries = read(body, index)?;
     let rows = queries.len() / index.dim().max(1);
     if rows.saturating_mul(options.k) > MOST_NEIGHBOURS {

@@ -24,8 +24,8 @@ use crate::wire::Token;
 pub struct Settings {
     /// The index's file.
     pub index: PathBuf,
-    /// Where it has at most so many bytes, read it into memory instead of mapping it: it is then served on while another file
-    /// is copied over it.
+    /// Where it has at most so many bytes, read it into memory instead of mapping it: it is then
+    /// served on while another file is copied over it.
     pub most_read: u64,
     /// Requests that are worked on at a time.
     pub workers: usize,
@@ -54,7 +54,8 @@ pub enum Event {
     Serving(u64),
     /// The file at the index's path cannot be used; the one before is served.
     StillTheOld(String),
-    /// The file that was served has been overwritten or truncated: requests are turned away until it is whole.
+    /// The file that was served has been overwritten or truncated: requests are turned away until
+    /// it is whole.
     Lost,
     /// The file at the index's path cannot be used, and the one before is lost.
     StillNone(String),

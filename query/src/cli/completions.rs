@@ -4,7 +4,8 @@ use grasp_terminal::completions::with_subcommands;
 
 use super::status::SUCCESS;
 
-/// Print a shell's completion script, e.g. `grasp-query completions bash > /etc/bash_completion.d/grasp-query`.
+/// Print a shell's completion script, e.g. `grasp-query completions bash >
+/// /etc/bash_completion.d/grasp-query`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Completions {
     /// The shell.

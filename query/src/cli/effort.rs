@@ -12,10 +12,12 @@ const HEADING: &str = "How hard to search";
 /// A wanted success, which the index looks up in what it has measured, or the effort itself.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct EffortArguments {
-    /// Find this share of the true 10 nearest, on average, as measured when the index was built [default: 0.95].
+    /// Find this share of the true 10 nearest, on average, as measured when the index was built
+    /// [default: 0.95].
     #[arg(long, help_heading = HEADING, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, conflicts_with_all = ["eps", "probes", "exact"])]
     recall: Option<f64>,
-    /// Find a neighbour at most 1 + E times as far as the true nearest, e.g. 0.05, with --success of the queries.
+    /// Find a neighbour at most 1 + E times as far as the true nearest, e.g. 0.05, with --success
+    /// of the queries.
     #[arg(long, help_heading = HEADING, value_name = "E", allow_negative_numbers = true, value_parser = parse_eps, conflicts_with_all = ["probes", "exact"])]
     eps: Option<f64>,
     /// The share of queries for which --eps shall be reached; without it, 0.95.

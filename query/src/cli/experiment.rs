@@ -45,11 +45,13 @@ enum Name {
     Sequence(SequenceArguments),
 }
 
-/// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it reports.
+/// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it
+/// reports.
 ///
-/// X is every selected picture, X' those of the stages close and grasp, X'' those of the stage grasp. Segmented and camera
-/// pictures are reported separately. With --out, DIR gets paper.csv, confusion.csv, orientation.csv, paper.json, confusion.svg
-/// (Figure 7) and orientation.svg (Figure 8).
+/// X is every selected picture, X' those of the stages close and grasp, X'' those of the stage
+/// grasp. Segmented and camera pictures are reported separately. With --out, DIR gets paper.csv,
+/// confusion.csv, orientation.csv, paper.json, confusion.svg (Figure 7) and orientation.svg (Figure
+/// 8).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -76,10 +78,11 @@ struct PaperArguments {
     recognise: RecogniseArguments,
 }
 
-/// Hand shapes against accuracy: the same labelled pictures, recognised by indexes of ever more hand shapes.
+/// Hand shapes against accuracy: the same labelled pictures, recognised by indexes of ever more
+/// hand shapes.
 ///
-/// How many an index holds is read from it; `grasp-builder experiment shapes` builds such indexes. With --out, DIR gets
-/// shapes.csv, shapes.json and shapes.svg.
+/// How many an index holds is read from it; `grasp-builder experiment shapes` builds such indexes.
+/// With --out, DIR gets shapes.csv, shapes.json and shapes.svg.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -107,11 +110,12 @@ struct ShapesArguments {
     recognise: RecogniseArguments,
 }
 
-/// How well known hands are distinguished from others, by the distance of the nearest entry, by the probability and by the
-/// trust in the mask.
+/// How well known hands are distinguished from others, by the distance of the nearest entry, by the
+/// probability and by the trust in the mask.
 ///
-/// Known are the pictures labelled with a class of the index, others those labelled `other` and those of --others. With --out,
-/// DIR gets unknown.csv, unknown.json and unknown.svg: the share of known hands kept over that of others, at every limit.
+/// Known are the pictures labelled with a class of the index, others those labelled `other` and
+/// those of --others. With --out, DIR gets unknown.csv, unknown.json and unknown.svg: the share of
+/// known hands kept over that of others, at every limit.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -142,11 +146,12 @@ struct UnknownArguments {
 }
 
 /// How far to trust an answer about a camera picture: fits the models that the program holds in
-/// query/recognise/data: trust-scene.toml, and for --segment skin trust-learned.toml and, for descriptors
-/// of gradients, trust.toml.
+/// query/recognise/data: trust-scene.toml, and for --segment skin trust-learned.toml and, for
+/// descriptors of gradients, trust.toml.
 ///
-/// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are hard to tell from skin, and such
-/// backgrounds are tried alone. The model is fitted to seven tenths of them all and measured on the rest.
+/// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are
+/// hard to tell from skin, and such backgrounds are tried alone. The model is fitted to seven
+/// tenths of them all and measured on the rest.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -174,10 +179,11 @@ struct TrustArguments {
     json: bool,
 }
 
-/// What the frames before are worth: views of a grasp at the stages reach, close and grasp, recognised one by one and in this order.
+/// What the frames before are worth: views of a grasp at the stages reach, close and grasp,
+/// recognised one by one and in this order.
 ///
-/// A sequence is a view (azimuth, elevation, roll) of a grasp of which all three stages are labelled. With --out, DIR gets
-/// sequence.csv and sequence.json.
+/// A sequence is a view (azimuth, elevation, roll) of a grasp of which all three stages are
+/// labelled. With --out, DIR gets sequence.csv and sequence.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

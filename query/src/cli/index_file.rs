@@ -5,16 +5,31 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use etcetera::base_strategy::{BaseStrategy as _, choose_native_strategy};
 use grasp_index::{Index, Segments};
 use grasp_terminal::error::message;
 
-/// Where an index is looked for when neither an option nor the environment names one.
+/// What an index is called when neither an option nor the environment names one.
 const DEFAULT: &str = "grasp.idx";
+/// The folder that it has among a user's data.
+const FOLDER: &str = "grasp";
+
+/// Where it lies: in the working directory, among the user's data
+/// (`$XDG_DATA_HOME/grasp/grasp.idx` on Linux), or beside this program, whichever is there first;
+/// where none is, the first is where one is missed.
+fn default_path() -> PathBuf {
+    let folders = choose_native_strategy().ok();
+    let data = folders.map(|folders| folders.data_dir().join(FOLDER).join(DEFAULT));
+    let program = std::env::current_exe().ok().map(|program| program.with_file_name(DEFAULT));
+    let places = [Some(PathBuf::from(DEFAULT)), data, program];
+    places.into_iter().flatten().find(|path| path.exists()).unwrap_or_else(|| DEFAULT.into())
+}
 
 /// The index to search.
 #[derive(Debug, clap::Args)]
 pub(super) struct IndexFile {
-    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx.
+    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx, else grasp/grasp.idx in
+    /// the user's data folder (~/.local/share on Linux), else grasp.idx beside this program.
     #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true, value_parser = clap::value_parser!(OsString))]
     index: Option<OsString>,
     /// Read the index into memory instead of mapping it, e.g. from a network file system.
@@ -27,7 +42,7 @@ impl IndexFile {
     pub(super) fn path(&self) -> PathBuf {
         // `GRASP_INDEX= grasp-query ...` is how a shell unsets a variable for one command.
         let named = self.index.as_ref().filter(|name| !name.is_empty());
-        named.map_or_else(|| DEFAULT.into(), PathBuf::from)
+        named.map_or_else(default_path, PathBuf::from)
     }
 
     /// Opens an index that can tell what a picture shows.
@@ -35,7 +50,8 @@ impl IndexFile {
         open_for_pictures(&self.path(), self.no_mmap)
     }
 
-    /// Whether what the index has said may be believed. To be asked after the work, and before anything of it is written.
+    /// Whether what the index has said may be believed. To be asked after the work, and before
+    /// anything of it is written.
     pub(super) fn check(&self, index: &Index) -> anyhow::Result<()> {
         check(&self.path(), index)
     }
@@ -65,14 +81,17 @@ impl IndexFile {
 /// The indexes to search as one.
 #[derive(Debug, clap::Args)]
 pub(super) struct IndexFiles {
-    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx. May be repeated: the indexes are searched as one, their
-    /// entries being numbered on in this order.
+    /// The index; without it, what GRASP_INDEX names, else ./grasp.idx, else grasp/grasp.idx in
+    /// the user's data folder (~/.local/share on Linux), else grasp.idx beside this program. May
+    /// be repeated: the indexes are searched as one, their entries being numbered on in this
+    /// order.
     #[arg(long, value_name = "FILE", env = "GRASP_INDEX", hide_env_values = true, value_parser = clap::value_parser!(OsString))]
     index: Vec<OsString>,
     /// Read the index into memory instead of mapping it, e.g. from a network file system.
     #[arg(long)]
     no_mmap: bool,
-    /// Of several indexes, leave out those that cannot be opened, and say so, instead of failing. Entries are numbered without them.
+    /// Of several indexes, leave out those that cannot be opened, and say so, instead of failing.
+    /// Entries are numbered without them.
     #[arg(long)]
     allow_missing: bool,
 }
@@ -82,7 +101,7 @@ impl IndexFiles {
     pub(super) fn paths(&self) -> Vec<PathBuf> {
         let named: Vec<PathBuf> =
             self.index.iter().filter(|name| !name.is_empty()).map(PathBuf::from).collect();
-        if named.is_empty() { vec![DEFAULT.into()] } else { named }
+        if named.is_empty() { vec![default_path()] } else { named }
     }
 
     /// Opens them all, or those that can be; returns how many there should be as well.

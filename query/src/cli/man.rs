@@ -7,7 +7,8 @@ use super::status::SUCCESS;
 /// Print a manual page, e.g. `grasp-query man | man -l -`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Man {
-    /// The subcommand whose page to print, e.g. `grasp-query man SUBCOMMAND`; without it, the program's own.
+    /// The subcommand whose page to print, e.g. `grasp-query man SUBCOMMAND`; without it, the
+    /// program's own.
     subcommand: Option<String>,
 }
 

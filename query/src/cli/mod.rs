@@ -38,7 +38,8 @@ use grasp_terminal::text::printable_lines;
 use global::Global;
 use status::{ERROR, SUCCESS};
 
-/// Recognises which of six grasps a hand in a picture makes, and how the hand is turned toward the camera.
+/// Recognises which of six grasps a hand in a picture makes, and how the hand is turned toward the
+/// camera.
 #[derive(Debug, Parser)]
 #[command(name = "grasp-query", version, propagate_version = true, after_help = EXAMPLES)]
 struct Arguments {
@@ -117,8 +118,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints a usage error, or the help that was asked for. An argument with control characters, such as the odd name of a
-/// file that begins with a dash, is escaped, which costs the colours.
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such
+/// as the odd name of a file that begins with a dash, is escaped, which costs the colours.
 fn print_usage(message: &clap::Error) -> io::Result<()> {
     let plain = message.render().to_string();
     let safe = printable_lines(&plain);
@@ -129,7 +130,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if arguments.global.threads > 0 {
         rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
-    // Every command asks its index, after the work, whether it was overwritten meanwhile: see `index_file::check`.
+    // Every command asks its index, after the work, whether it was overwritten meanwhile: see
+    // `index_file::check`.
     grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Recognise(command) => command.run(),

@@ -13,7 +13,8 @@ const RESEARCH: &str = "Research";
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
 pub(super) struct RecogniseArguments {
-    /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are nearer.
+    /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are
+    /// nearer.
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
     /// What finds the hand in a camera picture.
@@ -21,14 +22,15 @@ pub(super) struct RecogniseArguments {
     segment: SegmentBy,
     #[command(flatten)]
     effort: EffortArguments,
-    /// Turn each picture this many times, evenly over the circle, and take the turn whose neighbours are nearest; 1: as it
-    /// is, or upright where the index's descriptors are.
+    /// Turn each picture this many times, evenly over the circle, and take the turn whose
+    /// neighbours are nearest; 1: as it is, or upright where the index's descriptors are.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]
     rolls: usize,
     /// How many neighbours vote; without it, what the index was calibrated with.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "N", value_parser = parse_k)]
     k: Option<usize>,
-    /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the index's own.
+    /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the
+    /// index's own.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
     sigma: Option<f64>,
     /// Width of the vote's kernel as a multiple of the index's measured sigma.
@@ -40,10 +42,12 @@ pub(super) struct RecogniseArguments {
     /// Average Euler angles, as Equation 4 is printed, instead of rotations.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true)]
     euler_mean: bool,
-    /// Whether a hand may be unknown: by the limits that the index was calibrated with, or not at all.
+    /// Whether a hand may be unknown: by the limits that the index was calibrated with, or not at
+    /// all.
     #[arg(long, value_enum, default_value_t = AcceptChoice::Calibrated)]
     accept: AcceptChoice,
-    /// A hand is unknown where its nearest entry lies farther than D, whatever the index was calibrated with.
+    /// A hand is unknown where its nearest entry lies farther than D, whatever the index was
+    /// calibrated with.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "accept", value_parser = parse_positive)]
     unknown_at: Option<f64>,
 }
@@ -72,8 +76,8 @@ impl From<HandArgument> for HandChoice {
 /// `--segment`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum SegmentBy {
-    /// A network that was trained on scenes, and the colour of skin: it knows hands by their shape, and
-    /// sees the object.
+    /// A network that was trained on scenes, and the colour of skin: it knows hands by their shape,
+    /// and sees the object.
     Scene,
     /// The colour of skin, as in the paper.
     Skin,

@@ -23,12 +23,14 @@ use grasp_recognise::Recogniser;
 /// The exit status where Ctrl-C came before the last answer, as shells count it (128 + SIGINT).
 const INTERRUPTED: u8 = 130;
 
-/// Let a person name the grasps of labelled pictures, beside the program: the paper's human baseline.
+/// Let a person name the grasps of labelled pictures, beside the program: the paper's human
+/// baseline.
 ///
-/// Serves a page that shows the hand images as the program sees them (the hand cut out, cropped and grey) in random order,
-/// and takes the answers by mouse, touch or the keys 1 to 6; Backspace goes back one picture. Every answer is kept at once:
-/// started again with the same --out, the quiz goes on where it stopped. The page shows nothing of the labels until
-/// the last picture is answered; then it shows the person's confusion matrix beside the program's. Ctrl-C ends the quiz and
+/// Serves a page that shows the hand images as the program sees them (the hand cut out, cropped and
+/// grey) in random order, and takes the answers by mouse, touch or the keys 1 to 6; Backspace goes
+/// back one picture. Every answer is kept at once: started again with the same --out, the quiz goes
+/// on where it stopped. The page shows nothing of the labels until the last picture is answered;
+/// then it shows the person's confusion matrix beside the program's. Ctrl-C ends the quiz and
 /// prints the table so far.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -131,7 +133,8 @@ pub(super) struct Means<'a> {
     pub(super) recogniser: Option<Recogniser<'a>>,
 }
 
-/// The quiz over the selected pictures, and how many rows and pictures of them could not be used, each reported on standard error.
+/// The quiz over the selected pictures, and how many rows and pictures of them could not be used,
+/// each reported on standard error.
 pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyhow::Result<(Quiz, usize)> {
     let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
     let Selected { mut labels, broken, folder } = selection.read(&classes)?;
@@ -164,7 +167,8 @@ pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyh
     Ok((Quiz::new(shown, answers, &before, means.seed), errors))
 }
 
-/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the server starts.
+/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the
+/// server starts.
 #[cfg(unix)]
 fn stop() -> anyhow::Result<impl Future<Output = ()>> {
     use tokio::signal::unix::{SignalKind, signal};

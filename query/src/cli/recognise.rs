@@ -55,8 +55,9 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Recognise {
-    /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads a picture or a stream
-    /// from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or YUV4MPEG2.
+    /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads
+    /// a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or
+    /// YUV4MPEG2.
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -76,10 +77,12 @@ pub(super) struct Recognise {
     /// Print JSON Lines, one record a picture.
     #[arg(long)]
     json: bool,
-    /// Draw how each answer came about: into the file OUT.png or OUT.jpg, or into files in a folder.
+    /// Draw how each answer came about: into the file OUT.png or OUT.jpg, or into files in a
+    /// folder.
     ///
-    /// OUT is a folder where it ends in a slash, where it is a folder already, and where several pictures are given; its files are PNGs
-    /// named after the pictures, or after the frames of a stream.
+    /// OUT is a folder where it ends in a slash, where it is a folder already, and where several
+    /// pictures are given; its files are PNGs named after the pictures, or after the frames of a
+    /// stream.
     #[arg(long, value_name = "OUT")]
     explain: Option<PathBuf>,
     /// Say how long each step took.
@@ -88,7 +91,8 @@ pub(super) struct Recognise {
     /// The pictures are frames of one hand in their order: each is answered by all frames so far.
     #[arg(long)]
     sequence: bool,
-    /// How objects are usually grasped: a table of [objects.NAME] with grasp = probability. Grasps that it does not name share the rest.
+    /// How objects are usually grasped: a table of [objects.NAME] with grasp = probability. Grasps
+    /// that it does not name share the rest.
     #[arg(long, value_name = "PRIOR.toml", requires = "holding")]
     prior: Option<PathBuf>,
     /// The object that the hand holds, as the --prior names it.
@@ -302,7 +306,8 @@ impl Recognise {
         }
         if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
             let drawing = explain::draw(&found, answer, index);
-            // What an index says that has changed is no answer: its record will not be written either.
+            // What an index says that has changed is no answer: its record will not be written
+            // either.
             if index.check_unchanged().is_ok() {
                 self.drawn(&name, frame, drawings.of(&name, frame), |path| {
                     Ok(explain::save(&drawing, path)?)
@@ -312,8 +317,8 @@ impl Recognise {
         record
     }
 
-    /// Draws into the file that a picture's drawing belongs in. Reports a drawing that could not be made; the answer
-    /// stands, drawn or not.
+    /// Draws into the file that a picture's drawing belongs in. Reports a drawing that could not be
+    /// made; the answer stands, drawn or not.
     fn drawn(
         &self,
         name: &str,
@@ -367,8 +372,9 @@ fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
     images.chunk_by(move |a, b| a != stdin && b != stdin)
 }
 
-/// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited only then. `answer` is
-/// given a frame's number and its bytes, or the record of why there are none.
+/// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited
+/// only then. `answer` is given a frame's number and its bytes, or the record of why there are
+/// none.
 fn each_frame(
     mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
@@ -440,7 +446,8 @@ impl<W: Write> Output<W> {
         Ok(())
     }
 
-    /// Writes a message for MoveIt, and what it warns of for the person who does not read its comments.
+    /// Writes a message for MoveIt, and what it warns of for the person who does not read its
+    /// comments.
     fn write_message(&mut self, name: &str, yaml: &str) -> io::Result<()> {
         for warning in grasp_robot::moveit::warnings(yaml) {
             warn(&format!("{name}: warning: {warning}\n"));

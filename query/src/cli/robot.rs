@@ -14,7 +14,8 @@ const HEADING: &str = "What a robot does";
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
 pub(super) struct RobotArguments {
-    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or a HAND.toml that describes another.
+    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or a HAND.toml that
+    /// describes another.
     #[arg(long, help_heading = HEADING, value_name = "HAND", requires_all = ["object", "camera"], value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
     robot: Option<String>,
     /// The object: shape, size and pose.
@@ -23,10 +24,12 @@ pub(super) struct RobotArguments {
     /// The camera: its pose in the world, and where it saw the hand.
     #[arg(long, help_heading = HEADING, value_name = "CAMERA.toml", requires = "robot")]
     camera: Option<PathBuf>,
-    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or an ARM.toml that describes another and where it stands.
+    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or an ARM.toml that
+    /// describes another and where it stands.
     #[arg(long, help_heading = HEADING, value_name = "ARM", requires = "robot", value_parser = NameOrFile::new(Arm::names()), hide_possible_values = true)]
     arm: Option<String>,
-    /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message; what is not feasible is no message, and exit status 1.
+    /// Print the strategy alone, as YAML in the shape of a moveit_msgs/Grasp message; what is not
+    /// feasible is no message, and exit status 1.
     #[arg(long, help_heading = HEADING, value_enum, value_name = "FORMAT", requires = "robot", conflicts_with = "json")]
     format: Option<Format>,
 }
@@ -57,7 +60,8 @@ impl RobotArguments {
 /// What is sent to a service.
 #[cfg(feature = "serve")]
 impl RobotArguments {
-    /// The robot hand's name, and its description where that is a file; the object's and the camera's files.
+    /// The robot hand's name, and its description where that is a file; the object's and the
+    /// camera's files.
     pub(super) fn files(&self) -> Option<(&str, [Option<&Path>; 3])> {
         let (robot, object, camera) = (self.robot.as_ref()?, self.object.as_deref(), self.camera.as_deref());
         Some((robot, [grasp_robot::described(robot), object, camera]))

@@ -19,9 +19,10 @@ use grasp_robot::simulation::{SCENES, Scene};
 
 /// How far a robot's grasp may be off: trials on a grid of positions and over a range of yaws.
 ///
-/// The object lies beside where the hand takes it to be, along the world's x and y (a side approach comes along x), or the hand is
-/// turned about the vertical. With --out, DIR gets robustness.csv, a line a trial, as they end: stopped and started again, the
-/// sweep goes on. windows.csv and robustness.svg follow.
+/// The object lies beside where the hand takes it to be, along the world's x and y (a side approach
+/// comes along x), or the hand is turned about the vertical. With --out, DIR gets robustness.csv, a
+/// line a trial, as they end: stopped and started again, the sweep goes on. windows.csv and
+/// robustness.svg follow.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -30,8 +31,8 @@ Examples:
 
 Exit status: 0, or 2 where the sweep could not be run.")]
 pub(super) struct RobustnessArguments {
-    /// A built-in object (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle), with the grasp
-    /// that is meant for it; may be repeated; without it, all.
+    /// A built-in object (cylinder-upright, cylinder-lying, box, sphere, disc, block, stick,
+    /// handle), with the grasp that is meant for it; may be repeated; without it, all.
     #[arg(long = "object", value_name = "NAME", value_parser = scene_named(), hide_possible_values = true)]
     objects: Vec<&'static Scene>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
@@ -87,10 +88,11 @@ fn scene_named() -> impl TypedValueParser<Value = &'static Scene> {
     names.try_map(|name| Scene::named(&name).ok_or_else(|| format!("no scene is named {name}")))
 }
 
-/// From pictures to lifted objects: what was recognised, with its real errors, is imitated in the simulation.
+/// From pictures to lifted objects: what was recognised, with its real errors, is imitated in the
+/// simulation.
 ///
-/// Each labelled hand is put round an object that its grasp is for, turned by the error that its recognition made, and the robot
-/// does what was recognised. The object's position is exact.
+/// Each labelled hand is put round an object that its grasp is for, turned by the error that its
+/// recognition made, and the robot does what was recognised. The object's position is exact.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -52,8 +52,8 @@ pub(super) struct Search {
     /// How many neighbours to find for each query.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = super::options::parse_k)]
     k: usize,
-    /// Write the neighbours' numbers, uint32, a row of k for each query, nearest first; 4294967295 where the index has
-    /// fewer entries. `-` writes to standard output.
+    /// Write the neighbours' numbers, uint32, a row of k for each query, nearest first; 4294967295
+    /// where the index has fewer entries. `-` writes to standard output.
     #[arg(long, value_name = "IDS.npy")]
     out: Option<PathBuf>,
     /// Write their distances, float32, in the same order. `-` writes to standard output.
@@ -337,7 +337,8 @@ impl Target {
     }
 }
 
-/// Every query's neighbours as a line of JSON. The names are the index's: `check` says whether they may be believed.
+/// Every query's neighbours as a line of JSON. The names are the index's: `check` says whether they
+/// may be believed.
 fn print_neighbours<'f, 'n>(
     names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
     found: impl Iterator<Item = &'f [Neighbour]>,

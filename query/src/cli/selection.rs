@@ -20,7 +20,8 @@ pub(super) struct Selection {
     /// Take only rows whose column has this value; several must all hold.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_condition)]
     conditions: Vec<(String, String)>,
-    /// Take all pictures, the seven tenths to choose parameters by, or the rest (split by a hash of the file's name).
+    /// Take all pictures, the seven tenths to choose parameters by, or the rest (split by a hash of
+    /// the file's name).
     #[arg(long, value_enum, default_value_t = Part::All)]
     part: Part,
 }
@@ -81,8 +82,8 @@ impl Selection {
         Ok(Selected { labels: selected, broken, folder })
     }
 
-    /// Rejects a column that the table does not have, or a value that no row has in it: a slip of the keyboard must not
-    /// pass for a table without such pictures.
+    /// Rejects a column that the table does not have, or a value that no row has in it: a slip of
+    /// the keyboard must not pass for a table without such pictures.
     fn check_conditions(&self, rows: &[Result<Label, RowError>]) -> anyhow::Result<()> {
         let labels = || rows.iter().flatten();
         // A table without a sound row is reported as such.

@@ -30,9 +30,11 @@ const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
 
 /// Answer over HTTP for as long as it runs: robots, scripts, and people by the page at /.
 ///
-/// The index is opened once. Where another file is put in its place (by `grasp-builder build --out` or by renaming), that one is
-/// checked and takes over between two requests; one that cannot be used is reported, and the old one goes on. A file copied over the
-/// one that is served takes over when it is whole. SIGHUP opens it anew at once. SIGTERM and Ctrl-C let the requests under way finish.
+/// The index is opened once. Where another file is put in its place (by `grasp-builder build --out`
+/// or by renaming), that one is checked and takes over between two requests; one that cannot be
+/// used is reported, and the old one goes on. A file copied over the one that is served takes over
+/// when it is whole. SIGHUP opens it anew at once. SIGTERM and Ctrl-C let the requests under way
+/// finish.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -57,7 +59,8 @@ pub(super) struct Serve {
     /// Ask for the token in this file; needed to listen beyond this machine.
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
-    /// Requests that may wait while all threads work; more are rejected with status 429, to be tried again later.
+    /// Requests that may wait while all threads work; more are rejected with status 429, to be
+    /// tried again later.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(0..=4096))]
     queue: u16,
     /// The largest request, in megabytes.
@@ -72,9 +75,11 @@ pub(super) struct Serve {
     /// Seconds between two looks at whether another index lies at the path.
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = parse_seconds)]
     poll: f64,
-    /// Read an index of at most so many megabytes into memory, so that it is served on while another is copied over it; a larger
-    /// one is mapped, and a copy over it turns requests away until it is whole.
-    // 256 MB are read in 0.2 s and searched as fast as mapped ones; indexes for pictures are mostly smaller.
+    /// Read an index of at most so many megabytes into memory, so that it is served on while
+    /// another is copied over it; a larger one is mapped, and a copy over it turns requests away
+    /// until it is whole.
+    // 256 MB are read in 0.2 s and searched as fast as mapped ones; indexes for pictures are mostly
+    // smaller.
     #[arg(long, value_name = "MB", default_value_t = 256)]
     read_below: u32,
     /// Let people name the grasps of labelled pictures as well, at /quiz/; see `grasp-query quiz`.
@@ -117,7 +122,8 @@ impl Serve {
             token,
             has_quiz: quiz.is_some(),
         });
-        // Requests are worked on by threads that may block: as many as workers, and one to look after the index.
+        // Requests are worked on by threads that may block: as many as workers, and one to look
+        // after the index.
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(workers.min(4))
             .max_blocking_threads(workers + 1)
@@ -194,7 +200,8 @@ impl Serve {
         })
     }
 
-    /// The quiz's pictures and the program's own answers to them, by the index that lies at the path now.
+    /// The quiz's pictures and the program's own answers to them, by the index that lies at the
+    /// path now.
     fn quiz_table(&self, labels: &Path) -> anyhow::Result<Table> {
         refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
@@ -218,7 +225,8 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     seconds.ok_or_else(|| "a number of seconds from 0.01 to 86400 is needed".into())
 }
 
-/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the server starts.
+/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the
+/// server starts.
 #[cfg(unix)]
 fn signals(
     service: &Arc<Service>,
@@ -275,8 +283,8 @@ mod socket {
         }
     }
 
-    /// Listens at a path, for the same user only. A socket that a killed service left behind is taken over; one that answers,
-    /// and whatever is no socket, is left alone.
+    /// Listens at a path, for the same user only. A socket that a killed service left behind is
+    /// taken over; one that answers, and whatever is no socket, is left alone.
     pub(super) fn bind(path: &Path) -> io::Result<(UnixListener, Socket)> {
         let is_left = std::fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_socket());
         if is_left {

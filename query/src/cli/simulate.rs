@@ -17,10 +17,11 @@ use strip::strip;
 use super::name_or_file::NameOrFile;
 use super::status::SUCCESS;
 
-/// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it pressed?
+/// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it
+/// pressed?
 ///
-/// The hand approaches, closes, lifts by 150 mm and holds. The trial is a success where the object came up by more than 100 mm
-/// and moved by less than 10 mm in the hand while it was held.
+/// The hand approaches, closes, lifts by 150 mm and holds. The trial is a success where the object
+/// came up by more than 100 mm and moved by less than 10 mm in the hand while it was held.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -32,13 +33,15 @@ Examples:
 Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
 it does not, 2 an error.")]
 pub(super) struct Simulate {
-    /// The grasp: wrap, two-finger-thumb, precision-disc, or a human grasp that is mapped to one of them.
+    /// The grasp: wrap, two-finger-thumb, precision-disc, or a human grasp that is mapped to one of
+    /// them.
     #[arg(long, value_name = "NAME")]
     grasp: String,
     /// The object: a built-in one, or an OBJECT.toml; without it, one that the grasp is meant for.
     #[arg(long, value_name = "OBJECT", value_parser = NameOrFile::new(SCENES.iter().map(|scene| scene.name)), hide_possible_values = true)]
     object: Option<String>,
-    /// From where the hand comes; without it, from the side that a built-in object is meant for, and from above for others.
+    /// From where the hand comes; without it, from the side that a built-in object is meant for,
+    /// and from above for others.
     #[arg(long, value_enum)]
     from: Option<FromArgument>,
     /// The robot hand: barrett, or a HAND.toml with other grasps of it.
@@ -56,7 +59,8 @@ pub(super) struct Simulate {
     /// Draw the trial as a strip of frames.
     #[arg(long, value_name = "OUT.png")]
     pictures: Option<PathBuf>,
-    /// Say how good the grasp is: the acceleration at which the object slips when it is shaken, and Ferrari and Canny's epsilon.
+    /// Say how good the grasp is: the acceleration at which the object slips when it is shaken, and
+    /// Ferrari and Canny's epsilon.
     #[arg(long)]
     quality: bool,
     /// Print one JSON record.

@@ -18,12 +18,13 @@ pub struct CalibrationReport {
     pub n: u32,
     /// The expected calibration error over ten bins: 0 where what is stated comes true.
     pub ece: Option<f64>,
-    /// The mean logarithm of the labelled class's probability: 0 at best, -1.79 where all of six classes are as probable.
+    /// The mean logarithm of the labelled class's probability: 0 at best, -1.79 where all of six
+    /// classes are as probable.
     pub log_likelihood: Option<f64>,
     /// Answers by the probability that they state; bins without answers are left out.
     pub reliability: Vec<BinReport>,
-    /// What became of answers that state a high probability. Pictures of none of the classes count as wrong, whatever they were
-    /// taken for; those that are unknown state nothing.
+    /// What became of answers that state a high probability. Pictures of none of the classes count
+    /// as wrong, whatever they were taken for; those that are unknown state nothing.
     pub stated_above: Vec<StatedAbove>,
 }
 
@@ -57,7 +58,8 @@ pub struct BinReport {
 }
 
 impl CalibrationReport {
-    /// Over labelled pictures of the index's classes, and `all` pictures, those of none of them included.
+    /// Over labelled pictures of the index's classes, and `all` pictures, those of none of them
+    /// included.
     pub(super) fn new(outcomes: &[&Outcome], all: &[&Outcome]) -> Self {
         let answers: Vec<(&Guess, &Outcome)> =
             outcomes.iter().filter_map(|outcome| Some((outcome.guess()?, *outcome))).collect();

@@ -10,7 +10,8 @@ use grasp_answer::record::UNKNOWN;
 /// A confusion matrix: counts of each labelled class (rows) by each answered class (columns).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Confusion {
-    /// The classes, in the order of rows and columns; one more column counts pictures without an answer.
+    /// The classes, in the order of rows and columns; one more column counts pictures without an
+    /// answer.
     pub classes: Vec<String>,
     /// `counts[labelled][answered]`.
     pub counts: Vec<Vec<usize>>,
@@ -23,7 +24,8 @@ impl Confusion {
         Self { classes, counts }
     }
 
-    /// Counts an answer; `None` where there was none. Labels that are no class of the index are left out.
+    /// Counts an answer; `None` where there was none. Labels that are no class of the index are
+    /// left out.
     pub fn add(&mut self, labelled: &str, answered: Option<&str>) {
         let position = |name: &str| self.classes.iter().position(|class| class == name);
         let column = answered.and_then(position).unwrap_or(self.classes.len());
@@ -32,7 +34,8 @@ impl Confusion {
         }
     }
 
-    /// The share of the matrix's pictures whose class was answered rightly, `None` where it is empty.
+    /// The share of the matrix's pictures whose class was answered rightly, `None` where it is
+    /// empty.
     pub fn accuracy(&self) -> Option<f64> {
         let share = self.share();
         (share.n > 0).then(|| share.top1())
@@ -92,8 +95,8 @@ impl Share {
         if self.n == 0 { 0.0 } else { self.right as f64 / self.n as f64 }
     }
 
-    /// Between which shares the true one lies, 0..=1, with 95 % confidence (Wilson's interval, which holds for few
-    /// pictures too); all that is possible where there are no pictures.
+    /// Between which shares the true one lies, 0..=1, with 95 % confidence (Wilson's interval,
+    /// which holds for few pictures too); all that is possible where there are no pictures.
     pub fn interval(&self) -> [f64; 2] {
         const Z: f64 = 1.959_964;
         if self.n == 0 {

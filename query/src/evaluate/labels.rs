@@ -90,8 +90,9 @@ pub struct RowError {
     pub message: String,
 }
 
-/// Reads a table of labels: columns `file, kind, grasp` are needed; `mask, stage, hand, qx, qy, qz, qw` are used where
-/// they are there, and all others can be filtered by. A broken row becomes an error in its place.
+/// Reads a table of labels: columns `file, kind, grasp` are needed; `mask, stage, hand, qx, qy, qz,
+/// qw` are used where they are there, and all others can be filtered by. A broken row becomes an
+/// error in its place.
 ///
 /// # Errors
 /// Where the file cannot be read or a needed column is missing.
@@ -172,8 +173,8 @@ fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<Uni
 }
 
 impl Label {
-    /// The part that the picture belongs to, by the hash of its name without folder and ending: the segmented and the
-    /// camera picture of one view have the same name and fall on the same side.
+    /// The part that the picture belongs to, by the hash of its name without folder and ending: the
+    /// segmented and the camera picture of one view have the same name and fall on the same side.
     pub fn part(&self) -> Part {
         let stem = Path::new(&self.file).file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
         if xxh3_64(stem.as_bytes()) % 10 < 7 { Part::Choose } else { Part::Final }

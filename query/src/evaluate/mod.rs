@@ -28,7 +28,8 @@ pub struct Outcome {
     pub result: Result<Guess, Miss>,
     /// Time for the picture, decoding included, in milliseconds.
     pub ms: f64,
-    /// Intersection over union of the segmentation and the labelled mask, before the forearm is cut off and after.
+    /// Intersection over union of the segmentation and the labelled mask, before the forearm is cut
+    /// off and after.
     pub iou: Option<Iou>,
 }
 
@@ -75,8 +76,9 @@ pub struct Miss {
 
 /// Recognises one labelled picture and scores its segmentation.
 ///
-/// `folder` is what the table's paths are relative to. A segmented picture is multiplied by its labelled mask, which
-/// removes JPEG ringing; a camera picture is, only where `labelled_masks` asks for it.
+/// `folder` is what the table's paths are relative to. A segmented picture is multiplied by its
+/// labelled mask, which removes JPEG ringing; a camera picture is, only where `labelled_masks` asks
+/// for it.
 pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_masks: bool) -> Outcome {
     let path = resolve(folder, &label.file);
     let started = Instant::now();
@@ -106,7 +108,8 @@ pub fn hand_image(folder: &Path, label: &Label, labelled_masks: bool) -> Result<
     prepared.and_then(|prepared| prepared.hand_image()).map_err(|error| miss(&error))
 }
 
-/// A labelled picture in its colours, and its hand's mask: the labelled one, or what is not black where there is none.
+/// A labelled picture in its colours, and its hand's mask: the labelled one, or what is not black
+/// where there is none.
 ///
 /// # Errors
 /// [`Miss`]: where the picture or its mask cannot be used, or no hand is found.
@@ -127,10 +130,11 @@ fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource
     }
 }
 
-/// The folder that a table's paths are relative to: the nearest folder above the table in which its first picture is
-/// found, as `dev/hands/labels.csv` names `hands/easy/a.jpg`.
+/// The folder that a table's paths are relative to: the nearest folder above the table in which its
+/// first picture is found, as `dev/hands/labels.csv` names `hands/easy/a.jpg`.
 pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
-    // `labels.csv` alone lies in the current folder, whose name is not the empty one that `parent` gives.
+    // `labels.csv` alone lies in the current folder, whose name is not the empty one that `parent`
+    // gives.
     let beside = match table.parent() {
         Some(folder) if folder != Path::new("") => folder.to_owned(),
         _ => PathBuf::from("."),

@@ -43,7 +43,8 @@ pub struct Report {
     pub orientation_error_deg_right_class: Errors,
     /// Whether the neighbours' disagreement foretells it.
     pub spread: SpreadReport,
-    /// The paper's Figure 8: the mean absolute difference of each Euler angle (x, y, z), in degrees.
+    /// The paper's Figure 8: the mean absolute difference of each Euler angle (x, y, z), in
+    /// degrees.
     pub euler_error_deg: Option<[f64; 3]>,
     /// The share of pictures whose labelled hand was recognised, where it was left to the program.
     pub hand_right: Option<f64>,
@@ -178,7 +179,8 @@ impl Outcome {
         self.guess().is_some_and(|guess| guess.grasp == self.label.grasp)
     }
 
-    /// The full angle between labelled and answered rotation, in degrees; `None` where either is missing.
+    /// The full angle between labelled and answered rotation, in degrees; `None` where either is
+    /// missing.
     pub fn orientation_error_deg(&self) -> Option<f64> {
         let labelled = self.label.orientation?;
         Some(self.guess()?.orientation.angle_to(&labelled).to_degrees())

@@ -13,8 +13,8 @@ const FROM: [f64; 5] = [0.0, 10.0, 20.0, 30.0, 45.0];
 /// Errors by spread, over labelled pictures that have an answer and a labelled rotation.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpreadReport {
-    /// Spearman's correlation of spread and error, -1..=1: 1 where the order of the ones is that of the others. Null for fewer
-    /// than three pictures.
+    /// Spearman's correlation of spread and error, -1..=1: 1 where the order of the ones is that of
+    /// the others. Null for fewer than three pictures.
     pub correlation: Option<f64>,
     /// The errors of pictures by their spread; bins without pictures are left out.
     pub bins: Vec<SpreadBin>,

@@ -1,4 +1,5 @@
-//! What the frames before are worth: labelled pictures of one view of one grasp at several stages, told one by one and in their order.
+//! What the frames before are worth: labelled pictures of one view of one grasp at several stages,
+//! told one by one and in their order.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -48,7 +49,8 @@ pub struct Row {
     pub alone_top1: f64,
     /// The same by all frames so far.
     pub together_top1: f64,
-    /// The median angle between the labelled and the answered rotation by this frame alone, in degrees; null without labels.
+    /// The median angle between the labelled and the answered rotation by this frame alone, in
+    /// degrees; null without labels.
     pub alone_median_deg: Option<f64>,
     /// The same by all frames so far.
     pub together_median_deg: Option<f64>,
@@ -61,7 +63,8 @@ struct Scored {
 }
 
 impl Sequences {
-    /// Puts the outcomes together that show one view of one grasp at all three stages; others are left out.
+    /// Puts the outcomes together that show one view of one grasp at all three stages; others are
+    /// left out.
     pub fn new(labels: String, outcomes: &[Outcome], broken: &[RowError], params: SequenceParams) -> Self {
         let rows = KINDS.iter().flat_map(|&kind| rows(kind, outcomes, params)).collect();
         let errors = Report::new(Vec::new(), outcomes, broken, false).errors;

@@ -1,4 +1,5 @@
-//! The table of answers: a line is added for each and is on the disk before the next picture is shown.
+//! The table of answers: a line is added for each and is on the disk before the next picture is
+//! shown.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,7 +11,8 @@ use super::choices::CHOICES;
 /// The columns of the table; an interface.
 const HEADER: &str = "file,answer,cutkosky\n";
 
-/// A table of answers that is open, and locked against a second quiz. Of several answers to a picture the last counts.
+/// A table of answers that is open, and locked against a second quiz. Of several answers to a
+/// picture the last counts.
 #[derive(Debug)]
 pub struct AnswerFile {
     path: PathBuf,
@@ -54,8 +56,8 @@ pub enum AnswerError {
 }
 
 impl AnswerFile {
-    /// Opens a table, or begins one, and tells the answers in it by picture, as places in [`CHOICES`]. A last line that was
-    /// cut short is dropped.
+    /// Opens a table, or begins one, and tells the answers in it by picture, as places in
+    /// [`CHOICES`]. A last line that was cut short is dropped.
     ///
     /// # Errors
     /// [`AnswerError`]; the file is then as it was.
@@ -112,7 +114,8 @@ impl AnswerFile {
                 Ok(())
             }
             Err(source) => {
-                // Half a line must not stay; where even that fails, opening the file again drops it.
+                // Half a line must not stay; where even that fails, opening the file again drops
+                // it.
                 let _ = self.file.set_len(self.length);
                 Err(AnswerError::Io { path: self.path.clone(), source })
             }

@@ -1,9 +1,10 @@
-//! The human baseline of the paper's Section VII: a person is shown the hand images H, one by one and in random order, and
-//! names the grasp of each, as the program does.
+//! The human baseline of the paper's Section VII: a person is shown the hand images H, one by one
+//! and in random order, and names the grasp of each, as the program does.
 //!
-//! [`pictures`] makes what is shown, [`answers`] keeps what the person says, [`Quiz`] knows whose turn it is, [`server`] is
-//! the page's other end, and [`result`] scores both. Until the last picture is answered nothing that leaves this program
-//! tells a label: a picture's address is its place in the random order.
+//! [`pictures`] makes what is shown, [`answers`] keeps what the person says, [`Quiz`] knows whose
+//! turn it is, [`server`] is the page's other end, and [`result`] scores both. Until the last
+//! picture is answered nothing that leaves this program tells a label: a picture's address is its
+//! place in the random order.
 
 pub mod answers;
 mod choices;
@@ -71,8 +72,8 @@ pub enum Refused {
 }
 
 impl Quiz {
-    /// Goes on with a quiz over `pictures`, which are in their random order, where the file of answers leaves it.
-    /// `before` is what [`AnswerFile::open`] found in it.
+    /// Goes on with a quiz over `pictures`, which are in their random order, where the file of
+    /// answers leaves it. `before` is what [`AnswerFile::open`] found in it.
     pub fn new(
         mut pictures: Vec<Shown>,
         answers: AnswerFile,
@@ -104,7 +105,8 @@ impl Quiz {
         self.pictures.get(number).map(|picture| picture.png.clone()).ok_or(Refused::NoPicture(number))
     }
 
-    /// Takes the answer, 1 to 6, to the next picture, or another one to the last; keeps it before it counts.
+    /// Takes the answer, 1 to 6, to the next picture, or another one to the last; keeps it before
+    /// it counts.
     ///
     /// # Errors
     /// [`Refused`]; the quiz is then as it was.

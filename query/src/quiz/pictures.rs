@@ -28,18 +28,20 @@ pub struct Shown {
     pub machine: Option<Option<String>>,
 }
 
-/// At most `limit` of the labels, in the order that `seed` gives; a file that is listed twice comes once.
+/// At most `limit` of the labels, in the order that `seed` gives; a file that is listed twice comes
+/// once.
 pub fn shuffled(mut labels: Vec<Label>, seed: u64, limit: usize) -> Vec<Label> {
     let mut seen = HashSet::new();
     labels.retain(|label| seen.insert(label.file.clone()));
-    // The order of a hash is as good as a shuffle, and pictures that are added later do not change that of the others.
+    // The order of a hash is as good as a shuffle, and pictures that are added later do not change
+    // that of the others.
     labels.sort_by_cached_key(|label| xxh3_64_with_seed(label.file.as_bytes(), seed));
     labels.truncate(limit);
     labels
 }
 
-/// Cuts the hands out, in parallel, and asks the program about each where there is one. In the order of the labels; what
-/// cannot be shown is told in its place.
+/// Cuts the hands out, in parallel, and asks the program about each where there is one. In the
+/// order of the labels; what cannot be shown is told in its place.
 pub fn make(
     labels: &[Label],
     folder: &Path,

@@ -1,7 +1,8 @@
 //! The page and its other end, over HTTP.
 //!
-//! `GET /` is the page, `GET /choices` the six grasps, `GET /state` where the quiz is, `GET /picture/N` the N-th picture,
-//! `POST /answer` takes `{"picture": N, "answer": 1..6}`, and `POST /finish` ends the quiz and tells the result.
+//! `GET /` is the page, `GET /choices` the six grasps, `GET /state` where the quiz is, `GET
+//! /picture/N` the N-th picture, `POST /answer` takes `{"picture": N, "answer": 1..6}`, and `POST
+//! /finish` ends the quiz and tells the result.
 
 use std::future::Future;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -97,8 +97,9 @@ impl Canvas {
         }
     }
 
-    /// Draws a picture into a square of `side` pixels, its proportions kept and centred, framed; what it does not fill
-    /// is `ground`. Returns where its top left corner lies and by how much it was scaled.
+    /// Draws a picture into a square of `side` pixels, its proportions kept and centred, framed;
+    /// what it does not fill is `ground`. Returns where its top left corner lies and by how much it
+    /// was scaled.
     pub(super) fn picture(
         &mut self,
         (x, y): (u32, u32),

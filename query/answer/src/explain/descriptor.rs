@@ -1,5 +1,5 @@
-//! A descriptor, drawn. A pyramid is the paper's Figure 4: for each direction of edges, how much of it
-//! each cell holds. An embedding is a row of shades.
+//! A descriptor, drawn. A pyramid is the paper's Figure 4: for each direction of edges, how much of
+//! it each cell holds. An embedding is a row of shades.
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 
@@ -15,9 +15,11 @@ const SHADE: u32 = 14;
 /// Directions in a row.
 const ACROSS: u32 = 4;
 
-/// How edges lie that a bin counts: from `0.0` (level) counter-clockwise to below 180 degrees (90 is upright).
+/// How edges lie that a bin counts: from `0.0` (level) counter-clockwise to below 180 degrees (90
+/// is upright).
 ///
-/// Where bins are soft it is their centre; the paper's hard bins begin at 0, and it is their middle.
+/// Where bins are soft it is their centre; the paper's hard bins begin at 0, and it is their
+/// middle.
 pub fn edge_deg(params: &DescriptorParams, bin: u32) -> f64 {
     let width = 180.0 / f64::from(params.bins.max(1));
     match params.kind {
@@ -81,7 +83,8 @@ pub(super) fn draw(canvas: &mut Canvas, top: u32, params: &DescriptorParams, des
     };
     let largest: Vec<f32> = (1..=params.levels).map(largest_of).collect();
     for cell in params.cells(descriptor) {
-        // Each coarser level is drawn at half the side, to the right of the finest and below the one before.
+        // Each coarser level is drawn at half the side, to the right of the finest and below the
+        // one before.
         let side = FINE >> (cell.level - 1).min(7);
         let (shift, drop) = match cell.level {
             1 => (0, 0),

@@ -1,5 +1,6 @@
-//! One sheet that shows how an answer came about, for somebody who has read nothing else: the picture, the hand in it,
-//! the hand image, the vote, the descriptor as the paper's Figure 4 and the nearest neighbours as its Figure 5.
+//! One sheet that shows how an answer came about, for somebody who has read nothing else: the
+//! picture, the hand in it, the hand image, the vote, the descriptor as the paper's Figure 4 and
+//! the nearest neighbours as its Figure 5.
 
 mod canvas;
 mod descriptor;
@@ -170,7 +171,8 @@ fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
     note(canvas, 2, &how);
 }
 
-/// Where the fingers point and where the back of the hand looks, from the hand's middle in its picture.
+/// Where the fingers point and where the back of the hand looks, from the hand's middle in its
+/// picture.
 fn axes(canvas: &mut Canvas, ([left, top], scale): ([f64; 2], f64), found: &Recognition) {
     const LENGTH: f64 = 80.0;
     let mask = &found.prepared.mask;

@@ -1,7 +1,9 @@
-//! The BarrettHand BH8-280 as rigid links, in the palm's frame (origin in the middle of the palm's surface, z the approach).
+//! The BarrettHand BH8-280 as rigid links, in the palm's frame (origin in the middle of the palm's
+//! surface, z the approach).
 //!
-//! Sources of the numbers: BH8-262 manual (the kinematic rows), GraspIt! and JHU models (lengths, limits), Barrett's
-//! support pages (coupling, masses), public MJCF scripts (inertias). Shapes are round boxes of the measured extents.
+//! Sources of the numbers: BH8-262 manual (the kinematic rows), GraspIt! and JHU models (lengths,
+//! limits), Barrett's support pages (coupling, masses), public MJCF scripts (inertias). Shapes are
+//! round boxes of the measured extents.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -13,11 +15,13 @@ pub(super) const FINGERS: usize = 3;
 pub(super) const INNER_LENGTH: f32 = 0.070;
 /// From the distal joint's axis to the end of the finger, in metres.
 pub(super) const DISTAL_LENGTH: f32 = 0.058;
-/// From the palm's middle axis (of finger 3; 1 and 2 stand beside it) to the inner joints' axes, in metres.
+/// From the palm's middle axis (of finger 3; 1 and 2 stand beside it) to the inner joints' axes, in
+/// metres.
 const KNUCKLE_LENGTH: f32 = 0.050;
 /// How far fingers 1 and 2 stand from the middle, in metres.
 const HALF_BREADTH: f32 = 0.025;
-/// The inner joints' axes over the palm's surface, in metres: 75.4 mm over the flange, the surface 80 mm.
+/// The inner joints' axes over the palm's surface, in metres: 75.4 mm over the flange, the surface
+/// 80 mm.
 const AXIS_HEIGHT: f32 = -0.0046;
 /// What an inner link is turned by when its joint says 0, in radians.
 const INNER_REST: f32 = 2.46 * PI / 180.0;
@@ -50,7 +54,8 @@ pub(super) struct Solid {
     pub(super) round: f32,
 }
 
-/// The palm, the knuckles that do not move in a grasp included: the spread is held while the fingers close.
+/// The palm, the knuckles that do not move in a grasp included: the spread is held while the
+/// fingers close.
 pub(super) const PALM: Part = Part {
     mass: 0.609 + 3.0 * 0.141,
     centre: Vector::new(0.0, 0.0, -0.040),
@@ -92,7 +97,8 @@ pub(super) const DISTAL: Part = Part {
     },
 };
 
-/// Where a finger is fastened, in the palm's frame: x the inner joint's axis, y outward, z the approach. `finger` from 0; `spread` in radians.
+/// Where a finger is fastened, in the palm's frame: x the inner joint's axis, y outward, z the
+/// approach. `finger` from 0; `spread` in radians.
 pub(super) fn finger_base(finger: usize, spread: f32) -> Pose {
     let (side, direction) = match finger {
         0 => (-1.0, -FRAC_PI_2 - spread),
@@ -127,8 +133,9 @@ mod tests {
 
     #[test]
     fn fingers_stand_where_the_manual_puts_them() {
-        // The modified D-H rows, multiplied out by hand for an angle of 90 degrees less both rests: the finger is straight up
-        // to the distal joint, and bent inward by 42.46 degrees beyond it.
+        // The modified D-H rows, multiplied out by hand for an angle of 90 degrees less both rests:
+        // the finger is straight up to the distal joint, and bent inward by 42.46 degrees beyond
+        // it.
         let up = FRAC_PI_2 - INNER_REST;
         let bent = DISTAL_REST;
         for (finger, x, sign) in [(0, -0.025, -1.0), (1, 0.025, -1.0), (2, 0.0, 1.0)] {

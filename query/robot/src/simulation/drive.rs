@@ -1,8 +1,9 @@
 //! One finger's motor: a worm gear, and a clutch that shares it between both joints.
 //!
-//! Inner and distal joint turn together, the distal by a third, until the inner link meets something: where the torque
-//! there holds above the clutch's limit, the clutch lets go ("breakaway"), the inner link is locked by its worm, and the motor turns
-//! the distal joint alone, four thirds as fast. A worm gear does not turn back: a target only advances.
+//! Inner and distal joint turn together, the distal by a third, until the inner link meets
+//! something: where the torque there holds above the clutch's limit, the clutch lets go
+//! ("breakaway"), the inner link is locked by its worm, and the motor turns the distal joint alone,
+//! four thirds as fast. A worm gear does not turn back: a target only advances.
 
 use super::barrett::LIMITS;
 
@@ -12,8 +13,9 @@ pub(super) const SPEED: f32 = 2.0;
 const BREAKAWAY: f32 = 1.2;
 /// For how long it must hold, in seconds: a knock is no grasp.
 const BREAKAWAY_TIME: f32 = 0.008;
-/// Torque at the inner joint at which the motor stalls where its clutch may not let go, in N m: some 7 N at a finger's tip.
-/// The hand could press three times as hard, but then what two fingers meet first is jammed between them before the third arrives.
+/// Torque at the inner joint at which the motor stalls where its clutch may not let go, in N m:
+/// some 7 N at a finger's tip. The hand could press three times as hard, but then what two fingers
+/// meet first is jammed between them before the third arrives.
 const STALL: f32 = 0.8;
 /// Torque at the distal joint at which the motor stalls, in N m.
 const DISTAL_STALL: f32 = 0.8;

@@ -183,7 +183,8 @@ impl Canvas {
             let middle = corners.iter().copied().sum::<Vector>() / corners.len() as f32;
             let [a, b, c, ..] = corners[..] else { continue };
             let mut normal = (b - a).cross(c - a).normalize_or_zero();
-            // Whichever way its corners run, a face of a convex body looks away from the body's middle.
+            // Whichever way its corners run, a face of a convex body looks away from the body's
+            // middle.
             if normal.dot(middle - at.translation) < 0.0 {
                 normal = -normal;
             }
@@ -197,7 +198,8 @@ impl Canvas {
         }
     }
 
-    /// Darkens the table where a solid keeps the light from it. Of what is drawn already, only the table's surface has its colour.
+    /// Darkens the table where a solid keeps the light from it. Of what is drawn already, only the
+    /// table's surface has its colour.
     fn shade(&mut self, faces: &Faces, at: &Pose, table: f32) {
         let surface = lit(TABLE, Vector::Z);
         let shadow = Rgb(surface.0.map(|value| (f32::from(value) * SHADE) as u8));

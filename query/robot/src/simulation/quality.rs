@@ -1,4 +1,5 @@
-//! How good a grasp is: how hard it can be shaken, and how well its contacts resist any disturbance.
+//! How good a grasp is: how hard it can be shaken, and how well its contacts resist any
+//! disturbance.
 
 use nalgebra::{Vector3, Vector6};
 use rapier3d::math::Vector;
@@ -21,17 +22,19 @@ const EDGES: u32 = 8;
 /// How good a grasp is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quality {
-    /// The least acceleration, of six directions, that moves the object by 5 mm in the hand, in m/s^2, gravity not counted; null
-    /// where none up to 1000 m/s^2 does.
+    /// The least acceleration, of six directions, that moves the object by 5 mm in the hand, in
+    /// m/s^2, gravity not counted; null where none up to 1000 m/s^2 does.
     pub shake_m_s2: Option<f64>,
-    /// Ferrari and Canny's epsilon, for contact forces that sum to 1 and torques in units of the object's radius: the least wrench
-    /// that the contacts cannot resist. It is found by a search among directions and so is an upper bound, of the epsilon of friction
-    /// cones with eight edges. 0: some wrench is not resisted at all.
+    /// Ferrari and Canny's epsilon, for contact forces that sum to 1 and torques in units of the
+    /// object's radius: the least wrench that the contacts cannot resist. It is found by a search
+    /// among directions and so is an upper bound, of the epsilon of friction cones with eight
+    /// edges. 0: some wrench is not resisted at all.
     pub epsilon: f64,
 }
 
 impl Plan {
-    /// How good the grasp is, the world being off by `error`; `None` where the object was not lifted.
+    /// How good the grasp is, the world being off by `error`; `None` where the object was not
+    /// lifted.
     pub fn quality(&self, error: Error) -> Option<Quality> {
         let (outcome, world) = self.run_watched(error, |_, _| {});
         if !outcome.success {
@@ -78,9 +81,11 @@ fn epsilon(touches: &[Touch], friction: f32, radius: f32) -> f64 {
     inner_radius(&wrenches)
 }
 
-/// The radius of the largest ball about 0 in the convex hull of points in six dimensions, or a little more; 0 where 0 is outside.
+/// The radius of the largest ball about 0 in the convex hull of points in six dimensions, or a
+/// little more; 0 where 0 is outside.
 ///
-/// It is the least, over directions, of the hull's reach; from many directions the search goes downhill.
+/// It is the least, over directions, of the hull's reach; from many directions the search goes
+/// downhill.
 fn inner_radius(points: &[Vector6<f64>]) -> f64 {
     let reach = |direction: &Vector6<f64>| {
         points.iter().map(|point| (point.dot(direction), point)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -98,7 +103,8 @@ fn inner_radius(points: &[Vector6<f64>]) -> f64 {
     least.max(0.0)
 }
 
-/// Directions spread evenly, always the same ones: the points of a low-discrepancy sequence (M. Roberts' R6) in a cube about 0.
+/// Directions spread evenly, always the same ones: the points of a low-discrepancy sequence (M.
+/// Roberts' R6) in a cube about 0.
 fn starts() -> impl Iterator<Item = Vector6<f64>> {
     // The root of x^7 = x + 1.
     const RATIO: f64 = 1.112_775_684_278_705_5;
@@ -129,7 +135,8 @@ mod tests {
             .into_iter()
             .flat_map(|axis| [touch(axis), touch(-axis)])
             .collect();
-        // Hardest to resist is a torque about a diagonal: two of its three parts are within a contact's reach.
+        // Hardest to resist is a torque about a diagonal: two of its three parts are within a
+        // contact's reach.
         for friction in [0.2_f32, 0.8] {
             let expected = f64::from(friction) * (2.0_f64 / 3.0).sqrt();
             let found = epsilon(&six, friction, 1.0);

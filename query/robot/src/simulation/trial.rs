@@ -79,10 +79,12 @@ pub(super) const LINKS: [&str; 1 + 2 * FINGERS] = [
 ];
 
 impl Plan {
-    /// The grasp called `grasp` of a Barrett hand whose palm is turned by `turned`, on an object that lies in the world.
+    /// The grasp called `grasp` of a Barrett hand whose palm is turned by `turned`, on an object
+    /// that lies in the world.
     ///
     /// # Errors
-    /// [`RobotError`]: the hand has no such grasp or no model to simulate it by, the object no table or lies in it.
+    /// [`RobotError`]: the hand has no such grasp or no model to simulate it by, the object no
+    /// table or lies in it.
     pub fn new(
         hand: &RobotHand,
         grasp: &str,
@@ -122,7 +124,8 @@ impl Plan {
         })
     }
 
-    /// When a phase has ended, in seconds: settled, approached, closed; then half way up, and all but held to the end.
+    /// When a phase has ended, in seconds: settled, approached, closed; then half way up, and all
+    /// but held to the end.
     pub(super) fn moments(&self) -> [f32; 5] {
         let approached = SETTLE + self.distance as f32 / APPROACH_SPEED;
         let closed = approached + CLOSE;

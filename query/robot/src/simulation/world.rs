@@ -1,4 +1,5 @@
-//! Table, object and hand in the physics engine, with the settings that hold at the scale of a hand.
+//! Table, object and hand in the physics engine, with the settings that hold at the scale of a
+//! hand.
 
 use nalgebra::Isometry3;
 use rapier3d::prelude::*;
@@ -14,9 +15,11 @@ const TABLE_FRICTION: f32 = 0.4;
 const FINGER_FRICTION: f32 = 1.0;
 /// What holds the palm in place: N/m, N s/m, N.
 const BASE: [f32; 3] = [4e4, 800.0, 400.0];
-/// What holds an inner joint at its target: N m/rad, N m s/rad, N m. The distal joint has half of each.
+/// What holds an inner joint at its target: N m/rad, N m s/rad, N m. The distal joint has half of
+/// each.
 const JOINT: [f32; 3] = [150.0, 1.0, 6.0];
-/// How fast an object that rolls by itself comes to rest, in 1/s: the engine's cylinders roll without any resistance.
+/// How fast an object that rolls by itself comes to rest, in 1/s: the engine's cylinders roll
+/// without any resistance.
 const ROLLING: f32 = 5.0;
 /// Sides of the prism that stands for a cylinder: it is 0.1 % thinner than that across its faces.
 const SIDES: u32 = 64;
@@ -223,7 +226,8 @@ impl World {
             for (joint, share) in [1.0, 0.5].into_iter().enumerate() {
                 let goal = targets[joint] - self.hand.open[finger][joint];
                 let handle = self.hand.joints[finger][joint];
-                // With the target's speed: damping that fights the motion would look like a torque from outside.
+                // With the target's speed: damping that fights the motion would look like a torque
+                // from outside.
                 let speed = (targets[joint] - before[joint]) / DT;
                 if let Some(joint) = self.joint_mut(handle) {
                     joint.set_motor(JointAxis::AngX, goal, speed, share * JOINT[0], share * JOINT[1]);
@@ -283,7 +287,8 @@ impl World {
         self.bodies[self.hand.palm].position().inv_mul(&self.object())
     }
 
-    /// The hand's solids where they are: the palm, inner and distal link of each finger, the knuckles.
+    /// The hand's solids where they are: the palm, inner and distal link of each finger, the
+    /// knuckles.
     pub(super) fn hand_solids(&self) -> Vec<(Solid, Pose)> {
         let handles = std::iter::once(self.hand.palm).chain(self.hand.links.into_iter().flatten());
         let parts = handles.enumerate().map(|(at, handle)| {
@@ -357,7 +362,8 @@ fn parameters() -> IntegrationParameters {
     }
 }
 
-/// A hinge about x at a frame of the parent that is the joint's at `open`; it may turn to 0 and to `most`.
+/// A hinge about x at a frame of the parent that is the joint's at `open`; it may turn to 0 and to
+/// `most`.
 fn hinge(frame: Pose, open: f32, most: f32, share: f32) -> GenericJoint {
     let [stiffness, damping, force] = JOINT.map(|value| share * value);
     GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
@@ -380,7 +386,8 @@ fn pose(pose: &Isometry3<f64>) -> Pose {
     Pose::from_parts(Vector::new(t.x, t.y, t.z), Rotation::from_xyzw(q.x, q.y, q.z, q.w))
 }
 
-/// A cylinder about z as a prism: faces give the solver areas of contact, a curved surface single points, which creep.
+/// A cylinder about z as a prism: faces give the solver areas of contact, a curved surface single
+/// points, which creep.
 fn prism(radius: f32, half: f32) -> ColliderBuilder {
     let corners: Vec<Vector> = (0..SIDES)
         .flat_map(|side| {

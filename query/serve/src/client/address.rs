@@ -13,7 +13,8 @@ pub enum Address {
     Http {
         /// HOST:PORT, to connect to.
         authority: String,
-        /// What stands before the service's own paths; empty, or begins with a slash and does not end in one.
+        /// What stands before the service's own paths; empty, or begins with a slash and does not
+        /// end in one.
         prefix: String,
     },
     /// `unix:PATH`.

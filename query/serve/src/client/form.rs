@@ -1,4 +1,5 @@
-//! What is sent: a picture alone, or a form of a picture and what tells the hand in it or the robot its work.
+//! What is sent: a picture alone, or a form of a picture and what tells the hand in it or the robot
+//! its work.
 
 use axum::body::Bytes;
 use xxhash_rust::xxh3::xxh3_128;

@@ -1,7 +1,8 @@
 //! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service,
 //! which answers in the words of this program.
 //!
-//! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them to threads.
+//! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them
+//! to threads.
 
 mod address;
 mod form;
@@ -26,7 +27,8 @@ use crate::wire::{Format, STATUS, Token};
 
 /// How long a service may take for one answer.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// How often a picture is offered to a service that has too many already; it says itself how long to wait in between.
+/// How often a picture is offered to a service that has too many already; it says itself how long
+/// to wait in between.
 const ATTEMPTS: u32 = 60;
 /// The longest that it may make us wait.
 const LONGEST_WAIT: u64 = 30;
@@ -168,7 +170,8 @@ impl Client {
         }
     }
 
-    /// One request, on the connection that is open, or on a new one where there is none or it was closed meanwhile.
+    /// One request, on the connection that is open, or on a new one where there is none or it was
+    /// closed meanwhile.
     fn send_once(
         &mut self,
         question: &Question<'_>,

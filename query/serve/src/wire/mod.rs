@@ -2,12 +2,14 @@
 //! of an answer, the token, and the names of headers and of parts.
 
 mod format;
+mod parameter_error;
 pub mod parameters;
 mod token;
 
 use axum::http::HeaderName;
 
 pub use format::Format;
+pub use parameter_error::ParameterError;
 pub use token::Token;
 
 /// The header of the exit status that the command line would have had: 0 recognised, 1 rejected, 2

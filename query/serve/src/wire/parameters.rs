@@ -1,5 +1,6 @@
 //! The options of a request: query parameters, named as the options of the command line are.
 
+use super::parameter_error::ParameterError;
 use grasp_index::{Effort, SearchOptions, VoteOptions};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -52,7 +53,8 @@ pub struct PictureParameters {
     /// Average Euler angles, as Equation 4 is printed.
     #[serde(skip_serializing_if = "is_false")]
     pub euler_mean: bool,
-    /// Whether a hand may be unknown: `calibrated`, by the limits of the index, or `always` a class; without it, calibrated.
+    /// Whether a hand may be unknown: `calibrated`, by the limits of the index, or `always` a
+    /// class; without it, calibrated.
     #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accept: Option<AcceptChoice>,
@@ -88,10 +90,12 @@ pub struct PictureParameters {
     /// NEAR..FAR: what of the depth picture is hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<String>,
-    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or `described` by the form's part `robot`.
+    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or `described` by
+    /// the form's part `robot`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or `described` by the form's part `arm`.
+    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or `described` by the
+    /// form's part `arm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arm: Option<String>,
     /// Add how long each step took.
@@ -150,8 +154,8 @@ pub struct SearchParameters {
     /// Compare with every entry.
     #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
-    /// Tell the candidates of the search, each with the `key` that it was kept by: for one who puts the answers of several segments of an
-    /// index together.
+    /// Tell the candidates of the search, each with the `key` that it was kept by: for one who puts
+    /// the answers of several segments of an index together.
     #[serde(skip_serializing_if = "is_false")]
     pub shortlist: bool,
 }
@@ -162,7 +166,8 @@ fn is_false(value: &bool) -> bool {
 }
 
 impl PictureParameters {
-    /// The parameters that mean these options; a service that is sent them recognises as this program would.
+    /// The parameters that mean these options; a service that is sent them recognises as this
+    /// program would.
     pub fn of(options: &RecogniseOptions) -> Self {
         let vote = options.vote;
         let Efforts { recall, eps, success, probes, exact } = Efforts::of(options.effort);
@@ -197,16 +202,16 @@ impl PictureParameters {
     /// The options that these parameters mean, or what is wrong with them.
     ///
     /// # Errors
-    /// A message for the one who asked.
-    pub fn options(&self) -> Result<RecogniseOptions, String> {
+    /// [`ParameterError`]: its message is for the one who asked.
+    pub fn options(&self) -> Result<RecogniseOptions, ParameterError> {
         let defaults = RecogniseOptions::default();
         if self.sigma.is_some() && (self.sigma_scale.is_some() || self.literal_sigma)
             || self.sigma_scale.is_some() && self.literal_sigma
         {
-            return Err("only one of sigma, sigma_scale and literal_sigma can be given".into());
+            return Err(ParameterError::OneOf("sigma, sigma_scale and literal_sigma"));
         }
         if self.accept.is_some() && self.unknown_at.is_some() {
-            return Err("only one of accept and unknown_at can be given".into());
+            return Err(ParameterError::OneOf("accept and unknown_at"));
         }
         let accept = match (positive("unknown_at", self.unknown_at)?, self.accept) {
             (Some(farthest), _) => Accept::Within(farthest),
@@ -245,9 +250,8 @@ impl PictureParameters {
     }
 
     /// The depths that are hand, where any are named.
-    pub(crate) fn depth_range(&self) -> Result<Option<DepthRange>, String> {
-        let parse = |text: &String| text.parse().map_err(|error| format!("depth_range: {error}"));
-        self.depth_range.as_ref().map(parse).transpose()
+    pub(crate) fn depth_range(&self) -> Result<Option<DepthRange>, ParameterError> {
+        Ok(self.depth_range.as_ref().map(|text| text.parse()).transpose()?)
     }
 }
 
@@ -264,7 +268,7 @@ impl SearchParameters {
     }
 
     /// The options that these parameters mean, or what is wrong with them.
-    pub(crate) fn options(&self) -> Result<SearchOptions, String> {
+    pub(crate) fn options(&self) -> Result<SearchOptions, ParameterError> {
         Ok(SearchOptions {
             k: count("k", self.k, MOST_K)?.unwrap_or(SearchOptions::default().k),
             effort: self.efforts().effort()?,
@@ -272,26 +276,28 @@ impl SearchParameters {
     }
 }
 
-fn count(name: &str, value: Option<usize>, most: usize) -> Result<Option<usize>, String> {
+fn count(name: &'static str, value: Option<usize>, most: usize) -> Result<Option<usize>, ParameterError> {
     match value {
-        Some(count) if !(1..=most).contains(&count) => {
-            Err(format!("{name} is {count}: an integer from 1 to {most} is needed"))
-        }
+        Some(value) if !(1..=most).contains(&value) => Err(ParameterError::Count { name, value, most }),
         count => Ok(count),
     }
 }
 
-fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, String> {
+fn positive(name: &'static str, value: Option<f64>) -> Result<Option<f64>, ParameterError> {
     match value {
-        Some(number) if !(number.is_finite() && number > 0.0) => {
-            Err(format!("{name} is {number}: a number above 0 is needed"))
-        }
+        Some(value) if !(value.is_finite() && value > 0.0) => Err(ParameterError::Positive { name, value }),
         number => Ok(number),
     }
 }
 
-/// What is wanted of the search, as both kinds of requests name it. (They cannot share it as fields: numbers in a query are text, which
-/// serde does not hand on to what is flattened into another.)
+fn share(name: &'static str, value: f64) -> Result<f64, ParameterError> {
+    let is_share = value > 0.0 && value <= 1.0;
+    is_share.then_some(value).ok_or(ParameterError::Share { name, value })
+}
+
+/// What is wanted of the search, as both kinds of requests name it. (They cannot share it as
+/// fields: numbers in a query are text, which serde does not hand on to what is flattened into
+/// another.)
 #[derive(Clone, Copy, Debug, Default)]
 struct Efforts {
     recall: Option<f64>,
@@ -313,29 +319,23 @@ impl Efforts {
     }
 
     /// The effort that is meant. Whether the numbers can be is checked when it is searched.
-    fn effort(self) -> Result<Effort, String> {
+    fn effort(self) -> Result<Effort, ParameterError> {
         let Self { recall, eps, success, probes, exact } = self;
         let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];
         if named.into_iter().filter(|is_named| *is_named).count() > 1 {
-            return Err("only one of recall, eps, probes and exact can be given".into());
+            return Err(ParameterError::OneOf("recall, eps, probes and exact"));
         }
-        let share = |name: &str, value: f64| {
-            let is_share = value > 0.0 && value <= 1.0;
-            is_share
-                .then_some(value)
-                .ok_or(format!("{name} is {value}: a number above 0 and at most 1 is needed"))
-        };
         match (recall, eps, success, probes) {
-            (_, None, Some(_), _) => Err("success needs eps".into()),
+            (_, None, Some(_), _) => Err(ParameterError::SuccessWithoutEps),
             (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
             (_, Some(eps), success, _) => {
                 if !(eps.is_finite() && eps >= 0.0) {
-                    return Err(format!("eps is {eps}: a number of at least 0 is needed"));
+                    return Err(ParameterError::Eps(eps));
                 }
                 let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
                 Ok(Effort::Success { eps, success })
             }
-            (.., Some(0)) => Err("probes is 0: an integer of at least 1 is needed".into()),
+            (.., Some(0)) => Err(ParameterError::Probes),
             (.., Some(probes)) => Ok(Effort::Probes(probes)),
             _ if exact => Ok(Effort::Exact),
             _ => Ok(SearchOptions::default().effort),
@@ -400,7 +400,7 @@ mod tests {
             ("probes=0", "probes is 0"),
         ] {
             let parameters: PictureParameters = serde_urlencoded::from_str(query).unwrap();
-            let message = parameters.options().unwrap_err();
+            let message = parameters.options().unwrap_err().to_string();
             assert!(message.contains(says), "{query}: {message}");
         }
         for query in ["recal=0.9", "k=-1", "hand=both", "exact=yes", "k=1&k=2"] {

@@ -16,8 +16,8 @@ pub(super) enum Drawings {
 }
 
 impl Drawings {
-    /// What `out` means where so many pictures are given: a folder if it ends in a slash, is one already, or several
-    /// pictures are given; otherwise a file, whose extension names its format.
+    /// What `out` means where so many pictures are given: a folder if it ends in a slash, is one
+    /// already, or several pictures are given; otherwise a file, whose extension names its format.
     ///
     /// # Errors
     /// Where it could be meant either way.
@@ -74,8 +74,9 @@ fn folder_like(out: &Path) -> String {
     format!("{}/", out.with_extension("").display())
 }
 
-/// The file name of a drawing in a folder: the picture's path with its separators flattened, so that `a/1.jpg` and
-/// `b/1.jpg` do not overwrite each other where only the last part would be the same.
+/// The file name of a drawing in a folder: the picture's path with its separators flattened, so
+/// that `a/1.jpg` and `b/1.jpg` do not overwrite each other where only the last part would be the
+/// same.
 fn name_in_folder(picture: &str, frame: Option<u64>) -> String {
     let flat = picture.trim_start_matches(['.', '/', '\\']).replace(['/', '\\', ':'], "_");
     match frame {

@@ -29,7 +29,8 @@ impl Recognise {
         images: &[PathBuf],
         drawings: Option<&Drawings>,
     ) -> anyhow::Result<u8> {
-        // What is wrong with a mask or a robot is told in the same words, and before anything is sent.
+        // What is wrong with a mask or a robot is told in the same words, and before anything is
+        // sent.
         self.source()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;

@@ -12,7 +12,8 @@ use grasp_serve::wire::parameters::SearchParameters;
 
 /// The most neighbours that a service tells at a time.
 const MOST_NEIGHBOURS: usize = 100_000;
-/// The most bytes of queries that are sent at a time: as many as a service takes unless told otherwise, with some to spare.
+/// The most bytes of queries that are sent at a time: as many as a service takes unless told
+/// otherwise, with some to spare.
 const MOST_BYTES: usize = 16_000_000;
 
 /// What a service has found.

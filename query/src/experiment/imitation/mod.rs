@@ -1,9 +1,10 @@
-//! The paper's Figure 1 end to end: from a picture of a hand, through its recognised grasp and orientation with their real
-//! errors, to a robot hand that lifts the object, or does not.
+//! The paper's Figure 1 end to end: from a picture of a hand, through its recognised grasp and
+//! orientation with their real errors, to a robot hand that lifts the object, or does not.
 //!
-//! Each picture's hand is put where a person's would be on an object that the labelled grasp is for, and turned by the
-//! error that the recognition made: `world_from_hand * labelled^-1 * recognised`. The robot then imitates what was
-//! recognised, class and orientation, on that object. The object's position is exact, as in the paper.
+//! Each picture's hand is put where a person's would be on an object that the labelled grasp is
+//! for, and turned by the error that the recognition made: `world_from_hand * labelled^-1 *
+//! recognised`. The robot then imitates what was recognised, class and orientation, on that object.
+//! The object's position is exact, as in the paper.
 
 use grasp_terminal::text::counted;
 use nalgebra::UnitQuaternion;
@@ -25,7 +26,8 @@ pub struct Imitation {
     pub engine: &'static str,
     /// Each labelled class, and all of them.
     pub classes: Vec<ClassResult>,
-    /// Pictures that no trial was made of: they are labelled with no orientation, or with none of the six grasps.
+    /// Pictures that no trial was made of: they are labelled with no orientation, or with none of
+    /// the six grasps.
     pub left_out: usize,
 }
 
@@ -162,7 +164,8 @@ impl Case {
     }
 }
 
-/// How the palm is turned in the world: a person's hand round the scene's object, off by `error`, imitated as `guessed`.
+/// How the palm is turned in the world: a person's hand round the scene's object, off by `error`,
+/// imitated as `guessed`.
 fn turned(
     scene: &Scene,
     labelled: &str,

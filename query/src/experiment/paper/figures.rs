@@ -66,7 +66,8 @@ pub struct SetResult {
     pub orientation_error_deg: Errors,
     /// Each picture's, smallest first: the cumulative distribution.
     pub orientation_errors_deg: Vec<f64>,
-    /// Figure 8 as it is drawn: the mean absolute difference of each Euler angle (about x, y, z), in degrees.
+    /// Figure 8 as it is drawn: the mean absolute difference of each Euler angle (about x, y, z),
+    /// in degrees.
     pub euler_error_deg: Option<[f64; 3]>,
     /// What the paper has for its own set of this name.
     pub paper: Published,

@@ -1,5 +1,6 @@
-//! The paper's Section VII over one's own labelled pictures: what it calls X (all), X' (the hand near the object) and X''
-//! (the hand grasping it), classed (its Figure 7) and oriented (its Figure 8), with its own figures beside.
+//! The paper's Section VII over one's own labelled pictures: what it calls X (all), X' (the hand
+//! near the object) and X'' (the hand grasping it), classed (its Figure 7) and oriented (its Figure
+//! 8), with its own figures beside.
 
 mod figures;
 mod files;
@@ -18,8 +19,8 @@ impl Paper {
         text::text(self)
     }
 
-    /// Writes `paper.csv`, `confusion.csv`, `orientation.csv`, `paper.json`, `confusion.svg` and `orientation.svg` into a
-    /// folder, which is made where there is none.
+    /// Writes `paper.csv`, `confusion.csv`, `orientation.csv`, `paper.json`, `confusion.svg` and
+    /// `orientation.svg` into a folder, which is made where there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.

@@ -13,7 +13,8 @@ pub struct Published {
     pub top1: Share,
     /// Classed by a person who knew the taxonomy (Figure 7 d); known for X alone.
     pub human_top1: Option<Share>,
-    /// The mean error of each angle in degrees (Figure 8); known for X alone. The paper does not say what its axes are.
+    /// The mean error of each angle in degrees (Figure 8); known for X alone. The paper does not
+    /// say what its axes are.
     pub euler_error_deg: Option<[f64; 3]>,
 }
 

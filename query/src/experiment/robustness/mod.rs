@@ -1,4 +1,5 @@
-//! How far a robot's grasp may be off: the paper's Section VI, by trials on a grid of positions and over a range of yaws.
+//! How far a robot's grasp may be off: the paper's Section VI, by trials on a grid of positions and
+//! over a range of yaws.
 
 mod plot;
 mod sweep;

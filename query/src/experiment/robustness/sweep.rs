@@ -37,7 +37,8 @@ pub struct Cell {
     yaw_deg: i32,
 }
 
-/// What a grasp tolerates on an object. JSON keys are an interface: they may be added to, never renamed.
+/// What a grasp tolerates on an object. JSON keys are an interface: they may be added to, never
+/// renamed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tolerance {
     /// The object.
@@ -50,7 +51,8 @@ pub struct Tolerance {
     pub cells: usize,
     /// Successes among them.
     pub successes: usize,
-    /// Every cell within +- this of the middle was a success, in millimetres; null where not even the middle was.
+    /// Every cell within +- this of the middle was a success, in millimetres; null where not even
+    /// the middle was.
     pub position_mm: Option<i32>,
     /// Every yaw within +- this was a success, in degrees; null where not even 0 was.
     pub yaw_deg: Option<i32>,
@@ -94,11 +96,13 @@ impl Sweep {
 }
 
 impl Robustness {
-    /// Runs the trials of a sweep in parallel. With a folder, each is written to `robustness.csv` there as it ends, and those
-    /// that it holds already are not repeated. `tick` is told how many trials there are and then of each.
+    /// Runs the trials of a sweep in parallel. With a folder, each is written to `robustness.csv`
+    /// there as it ends, and those that it holds already are not repeated. `tick` is told how many
+    /// trials there are and then of each.
     ///
     /// # Errors
-    /// Where the hand cannot be simulated, the table cannot be read or written, or was made with another hand.
+    /// Where the hand cannot be simulated, the table cannot be read or written, or was made with
+    /// another hand.
     pub fn run(
         hand: &RobotHand,
         sweep: &Sweep,

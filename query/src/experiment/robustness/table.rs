@@ -59,7 +59,8 @@ struct Growing {
 }
 
 impl Table {
-    /// Reads what a folder's table holds; a line that was cut short is left out. Without a folder nothing is kept.
+    /// Reads what a folder's table holds; a line that was cut short is left out. Without a folder
+    /// nothing is kept.
     pub(super) fn open(folder: Option<&Path>, made_with: String) -> anyhow::Result<Self> {
         let Some(folder) = folder else {
             return Ok(Self {
@@ -104,7 +105,8 @@ impl Table {
         Ok(())
     }
 
-    /// All rows in order; the table on the disk is put in order too, so that its bytes do not tell which thread was faster.
+    /// All rows in order; the table on the disk is put in order too, so that its bytes do not tell
+    /// which thread was faster.
     pub(super) fn finish(self) -> anyhow::Result<Vec<Row>> {
         let mut rows = self.known;
         rows.extend(self.growing.into_inner().unwrap_or_else(PoisonError::into_inner).rows);

@@ -25,7 +25,8 @@ pub struct Shapes {
     pub errors: Vec<RowReport>,
 }
 
-/// The score of one index on the pictures of one kind and stage. Columns are an interface, like keys.
+/// The score of one index on the pictures of one kind and stage. Columns are an interface, like
+/// keys.
 #[derive(Clone, Debug, Serialize)]
 pub struct Point {
     /// Segmented or camera pictures.
@@ -66,7 +67,8 @@ pub struct Scored {
 }
 
 impl Shapes {
-    /// Sums up what indexes with `classes` made of the same pictures, and the rows that could not be read.
+    /// Sums up what indexes with `classes` made of the same pictures, and the rows that could not
+    /// be read.
     pub fn new(labels: String, classes: &[String], scored: &[Scored], broken: &[RowError]) -> Self {
         let mut points = Vec::new();
         let mut errors: Vec<RowReport> = Vec::new();

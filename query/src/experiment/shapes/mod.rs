@@ -1,5 +1,6 @@
-//! What more hand shapes in the index are worth: the paper's conclusion expects a gain from "a training set with hands of
-//! many different shapes". The same labelled pictures are scored by indexes of ever more of them.
+//! What more hand shapes in the index are worth: the paper's conclusion expects a gain from "a
+//! training set with hands of many different shapes". The same labelled pictures are scored by
+//! indexes of ever more of them.
 
 mod figures;
 mod plot;
@@ -13,7 +14,8 @@ use super::{csv_of, write_file};
 pub use figures::{Point, Scored, Shapes};
 
 impl Shapes {
-    /// Writes `shapes.csv`, `shapes.json` and `shapes.svg` into a folder, which is made where there is none.
+    /// Writes `shapes.csv`, `shapes.json` and `shapes.svg` into a folder, which is made where there
+    /// is none.
     ///
     /// # Errors
     /// Where a file cannot be written.

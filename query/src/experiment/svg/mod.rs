@@ -1,5 +1,5 @@
-//! What every drawing here is made of. One look with the drawings of `grasp-builder experiment`: white ground, thin grey
-//! axes, and colours that the colour-blind tell apart.
+//! What every drawing here is made of. One look with the drawings of `grasp-builder experiment`:
+//! white ground, thin grey axes, and colours that the colour-blind tell apart.
 
 mod axes;
 mod drawing;

@@ -104,7 +104,8 @@ fn background(width: u32, height: u32, draws: &mut Draws) -> Rgb32FImage {
     let noise = noise(width, height, waves, draws);
     let wave = |x: u32, y: u32| f32::from(noise.get_pixel(x, y).0[0]) / 255.0;
     let mut canvas = Rgb32FImage::from_fn(width, height, |x, y| match (kind, wave(x, y) - 0.5) {
-        // Cloth has two colours, wood waves of one, a wall a shade, and clutter things before a wall.
+        // Cloth has two colours, wood waves of one, a wall a shade, and clutter things before a
+        // wall.
         (2, wave) => Rgb(if wave > 0.0 { first } else { second }),
         (_, wave) => Rgb(first.map(|value| value + 60.0 * wave)),
     });

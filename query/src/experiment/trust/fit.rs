@@ -1,4 +1,5 @@
-//! Fitting a model of trust: a mixture of what neighbours say and of no knowledge, by expectation maximisation.
+//! Fitting a model of trust: a mixture of what neighbours say and of no knowledge, by expectation
+//! maximisation.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,7 +14,8 @@ const RIDGE: f64 = 2.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Example {
     pub(super) measures: [Option<f64>; Evidence::NAMES.len()],
-    /// The labelled class's probability by the neighbours; 0 where the picture shows none of the classes.
+    /// The labelled class's probability by the neighbours; 0 where the picture shows none of the
+    /// classes.
     pub(super) labelled: f64,
     /// The same without knowledge of the picture; 1 where it shows none of the classes.
     pub(super) unknowing: f64,

@@ -265,7 +265,8 @@ impl Fitted {
         text
     }
 
-    /// Writes the model as `data/trust.toml` is written, with the command and the index that it was made by.
+    /// Writes the model as `data/trust.toml` is written, with the command and the index that it was
+    /// made by.
     ///
     /// # Errors
     /// Where the file cannot be written.

@@ -53,7 +53,8 @@ pub struct AtLimits {
 pub struct Curve {
     /// `nearest`, `probability` or `trust`.
     pub measure: &'static str,
-    /// The area under the curve: 0.5 tells nothing, 1 tells all. Null without known hands or others.
+    /// The area under the curve: 0.5 tells nothing, 1 tells all. Null without known hands or
+    /// others.
     pub area: Option<f64>,
     /// From the strictest limit to the most lenient.
     pub points: Vec<Point>,
@@ -71,8 +72,9 @@ pub struct Point {
 }
 
 impl Unknown {
-    /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could not be read. The outcomes must
-    /// not have been told from one another yet. `limits` are the index's own: the farthest distance and the least probability.
+    /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
+    /// not be read. The outcomes must not have been told from one another yet. `limits` are the
+    /// index's own: the farthest distance and the least probability.
     pub fn new(
         labels: String,
         outcomes: &[Outcome],

@@ -1,4 +1,5 @@
-//! How well hands in one of the grasps are told from all else: pictures of no grasp, open hands, things that are no hand.
+//! How well hands in one of the grasps are told from all else: pictures of no grasp, open hands,
+//! things that are no hand.
 
 mod figures;
 mod plot;
@@ -22,7 +23,8 @@ struct Row {
 }
 
 impl Unknown {
-    /// Writes `unknown.csv`, `unknown.json` and `unknown.svg` into a folder, which is made where there is none.
+    /// Writes `unknown.csv`, `unknown.json` and `unknown.svg` into a folder, which is made where
+    /// there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.
