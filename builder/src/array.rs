@@ -22,7 +22,8 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Opens an array of at least one row. What the file is too short for is told now, not after hours.
+    /// Opens an array of at least one row. What the file is too short for is told now, not after
+    /// hours.
     pub(crate) fn open(path: &Path) -> anyhow::Result<Self> {
         let name = || format!("cannot use {}", path.display());
         let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -91,7 +92,8 @@ impl Rows {
     }
 }
 
-/// Writes `rows` rows of `columns` values to `path`: all or nothing. `row` appends row after row, and may stop the work.
+/// Writes `rows` rows of `columns` values to `path`: all or nothing. `row` appends row after row,
+/// and may stop the work.
 pub(crate) fn write(
     path: &Path,
     rows: u64,

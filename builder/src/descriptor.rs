@@ -16,8 +16,8 @@ pub const NAMES: [&str; 4] = [LEARNED, "upright", "default", "paper"];
 /// The name of the descriptor that a network computes.
 pub const LEARNED: &str = "learned";
 
-/// The descriptor that goes by a name: a learned one is that of the network in a file, or of the one
-/// that comes with the program.
+/// The descriptor that goes by a name: a learned one is that of the network in a file, or of the
+/// one that comes with the program.
 ///
 /// # Errors
 /// Where there is no such name, or the file holds no network.

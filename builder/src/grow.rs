@@ -1,7 +1,9 @@
-//! Indexes that change: entries are added to what there is, removed from it, or several indexes become one.
+//! Indexes that change: entries are added to what there is, removed from it, or several indexes
+//! become one.
 //!
-//! What was described once is taken over; only the hash is made anew, which takes seconds for half a million entries. So the answers
-//! are those of an index that is built of the same entries from nothing.
+//! What was described once is taken over; only the hash is made anew, which takes seconds for half
+//! a million entries. So the answers are those of an index that is built of the same entries from
+//! nothing.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -24,7 +26,8 @@ const ENTRIES_AT_ONCE: u32 = 1 << 10;
 /// What an index is to be made of.
 #[derive(Debug)]
 pub struct Growth {
-    /// The indexes whose entries it has, in this order. They are alike in how their entries are described and what they keep.
+    /// The indexes whose entries it has, in this order. They are alike in how their entries are
+    /// described and what they keep.
     pub indexes: Vec<PathBuf>,
     /// Whether their entries go in, or only the parameters of the first are taken.
     pub keep: bool,
@@ -41,8 +44,9 @@ pub struct Growth {
 /// Makes the index `out`, which may be one of those that it is made of.
 ///
 /// # Errors
-/// When an index is damaged or unlike the first, a picture cannot be read, nothing is left, or `out` cannot be written; the file at
-/// `out` is then as it was. [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
+/// When an index is damaged or unlike the first, a picture cannot be read, nothing is left, or
+/// `out` cannot be written; the file at `out` is then as it was.
+/// [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
 pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<Report> {
     let started = Instant::now();
     let file = AtomicFile::create(out)?;

@@ -1,5 +1,5 @@
-//! Descriptors of hands that an index does not hold, to measure its search by: what is asked in practice is never a hand
-//! that was rendered for the index.
+//! Descriptors of hands that an index does not hold, to measure its search by: what is asked in
+//! practice is never a hand that was rendered for the index.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +19,8 @@ use crate::interrupt;
 const FIRST_SEED: u64 = 2_000_000;
 /// Hand shapes that a build holds out.
 pub const HANDS: usize = 6;
-/// Of these, how many are seen in each grasp: posing and meshing a hand takes as long as a hundred views of it.
+/// Of these, how many are seen in each grasp: posing and meshing a hand takes as long as a hundred
+/// views of it.
 const HANDS_A_GRASP: usize = 4;
 /// Views of them: half a second's work for two cores.
 pub const VIEWS: usize = 1_200;
@@ -95,8 +96,8 @@ fn cannot_use(path: &Path) -> String {
     format!("cannot use {}", path.display())
 }
 
-/// Views of hand shapes that a plan does not have, in its grasps, posed as differently as people do, in varied light, from anywhere
-/// between its views.
+/// Views of hand shapes that a plan does not have, in its grasps, posed as differently as people
+/// do, in varied light, from anywhere between its views.
 #[derive(Clone, Debug)]
 pub struct Hands {
     hand_shapes: Vec<HandShape>,
@@ -114,7 +115,8 @@ impl std::fmt::Display for Hands {
 }
 
 impl Hands {
-    /// `hands` hand shapes beside those of `plan` and those `known`, and about `views` views of them.
+    /// `hands` hand shapes beside those of `plan` and those `known`, and about `views` views of
+    /// them.
     #[must_use]
     pub fn beside(plan: &RenderPlan, known: &[String], hands: usize, views: usize, seed: u64) -> Self {
         let is_new = |shape: &HandShape| !known.contains(&shape.name) && !plan.hand_shapes.contains(shape);
@@ -162,8 +164,8 @@ impl Hands {
         Ok(all)
     }
 
-    /// Each grasp by as many hands, in turn, at a stage drawn from the plan's and with an object of any size, and its share of
-    /// the views.
+    /// Each grasp by as many hands, in turn, at a stage drawn from the plan's and with an object of
+    /// any size, and its share of the views.
     fn scenes(&self) -> Vec<(SceneSpec, Vec<View>)> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let plan = &self.plan;

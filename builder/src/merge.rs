@@ -20,8 +20,9 @@ const NAMED: usize = 10;
 /// Merges all parts in `folder` into the index `out`: the bytes are those of a single build.
 ///
 /// # Errors
-/// When a part is missing, damaged, or a part of something else, or the index cannot be written; the file at `out` is then as it
-/// was. [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
+/// When a part is missing, damaged, or a part of something else, or the index cannot be written;
+/// the file at `out` is then as it was. [`Interrupted`](crate::interrupt::Interrupted) when the
+/// user asked to stop.
 pub fn merge(folder: &Path, out: &Path, progress: Progress) -> anyhow::Result<Report> {
     let started = Instant::now();
     let parts = parts(folder)?;

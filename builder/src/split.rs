@@ -1,4 +1,5 @@
-//! One index in several files: segments that are searched, on one machine or on many, as the index that they are.
+//! One index in several files: segments that are searched, on one machine or on many, as the index
+//! that they are.
 
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
@@ -20,12 +21,13 @@ pub struct Segment {
     pub bytes: u64,
 }
 
-/// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, in order, as many entries in each as can be.
-/// What a run that was killed has left there is removed.
+/// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, in
+/// order, as many entries in each as can be. What a run that was killed has left there is removed.
 ///
 /// # Errors
-/// When the index is damaged or has fewer entries, or a segment cannot be written; then no segment of this index stays, and what was
-/// at the place of those that were not begun is as it was. [`Interrupted`] when the user asked to stop.
+/// When the index is damaged or has fewer entries, or a segment cannot be written; then no segment
+/// of this index stays, and what was at the place of those that were not begun is as it was.
+/// [`Interrupted`] when the user asked to stop.
 pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow::Result<Vec<Segment>> {
     let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
     // What is flipped in it would be sealed as sound.
@@ -73,7 +75,8 @@ impl Drop for Written {
     }
 }
 
-/// Removes from `folder` what a run that was killed has left of segments on their way. What another program is writing is locked, and stays.
+/// Removes from `folder` what a run that was killed has left of segments on their way. What another
+/// program is writing is locked, and stays.
 pub(crate) fn clear(folder: &Path) {
     let Ok(entries) = folder.read_dir() else { return };
     for name in entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()) {
@@ -99,7 +102,8 @@ pub fn file_name(number: u32, count: u32) -> String {
     format!("{number:0width$}-of-{count}.idx")
 }
 
-/// Where each segment ends: where another hand shape begins, if there are as many, next to its even share.
+/// Where each segment ends: where another hand shape begins, if there are as many, next to its even
+/// share.
 fn ends(index: &Index, count: u32) -> anyhow::Result<Vec<u32>> {
     let entries = index.len() as u32;
     let mut begins = Vec::new();

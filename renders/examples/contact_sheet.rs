@@ -8,7 +8,8 @@ use std::io::BufWriter;
 
 use grasp_renders::{GraspSet, HandShape, Look, Preset, RenderPlan, View};
 
-/// Azimuth and elevation in degrees with the back of the hand up, and the same seen from the thumb's side.
+/// Azimuth and elevation in degrees with the back of the hand up, and the same seen from the
+/// thumb's side.
 const VIEWS: [[f64; 3]; 10] = [
     [333.0, 59.0, 0.0],
     [230.0, 82.0, 0.0],

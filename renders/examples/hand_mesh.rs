@@ -1,10 +1,12 @@
-//! Writes the hands that the page of `grasp-query serve` turns: each grasp's posed hand and what it holds, coarse and small.
+//! Writes the hands that the page of `grasp-query serve` turns: each grasp's posed hand and what it
+//! holds, coarse and small.
 //!
 //! `cargo run --release -p grasp-renders --example hand_mesh -- query/serve/src/page/hand.mesh`
 //!
-//! Little-endian. u32: how many hands. For each, five u32: bytes of its name, vertices, triangles, and how many of these
-//! vertices and triangles are the hand's, which come first (the others are its object's); then the name; vertices as three
-//! i16 in tenths of a millimetre in the frame of the hand, relative to its middle; triangles as three u16 corners.
+//! Little-endian. u32: how many hands. For each, five u32: bytes of its name, vertices, triangles,
+//! and how many of these vertices and triangles are the hand's, which come first (the others are
+//! its object's); then the name; vertices as three i16 in tenths of a millimetre in the frame of
+//! the hand, relative to its middle; triangles as three u16 corners.
 
 use std::error::Error;
 

@@ -15,10 +15,12 @@ use crate::scene::{Look, SceneSpec};
 use crate::variation::Variation;
 use crate::view::{View, ViewGrid, Views};
 
-/// Object sizes, at the grasp and before it, of the presets of people's hands: 72 scenes a hand shape.
+/// Object sizes, at the grasp and before it, of the presets of people's hands: 72 scenes a hand
+/// shape.
 const SIZES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 const SIZES_BEFORE: [f64; 3] = [0.2, 0.5, 0.8];
-/// Hand shapes and views a scene of `standard`: 2,880 scenes, 103,680 renders, as many as an index of 150 MB holds.
+/// Hand shapes and views a scene of `standard`: 2,880 scenes, 103,680 renders, as many as an index
+/// of 150 MB holds.
 const STANDARD: (usize, usize) = (40, 36);
 /// The same of `wide`: 11,160 scenes, 669,600 renders, as many as an index of 1 GB holds.
 const WIDE: (usize, usize) = (155, 60);
@@ -29,8 +31,8 @@ const WIDE: (usize, usize) = (155, 60);
 pub enum Preset {
     /// As in the paper: one hand shape, six grasps, 900 views each over the upper half-sphere.
     Paper,
-    /// Forty hand shapes, all stages, objects of any size, poses and arms that vary as people's do, and views from
-    /// everywhere with any roll: what recognises pictures, and is built in a minute.
+    /// Forty hand shapes, all stages, objects of any size, poses and arms that vary as people's do,
+    /// and views from everywhere with any roll: what recognises pictures, and is built in a minute.
     Standard,
     /// The same with more hand shapes and more views of each.
     Wide,
@@ -72,8 +74,8 @@ impl FromStr for Preset {
     }
 }
 
-/// Which renders to make: every hand shape in every grasp at every stage with every object size, from
-/// every view.
+/// Which renders to make: every hand shape in every grasp at every stage with every object size,
+/// from every view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderPlan {
     /// Whose hands.
@@ -86,7 +88,8 @@ pub struct RenderPlan {
     pub stages: Vec<Stage>,
     /// Object sizes at the grasp as shares (0 to 1) of the grasp's own range.
     pub object_sizes: Vec<f64>,
-    /// The same at the stages before it, where the hand does not show so well what it is going to hold.
+    /// The same at the stages before it, where the hand does not show so well what it is going to
+    /// hold.
     pub object_sizes_before: Vec<f64>,
     /// The camera directions.
     pub views: Views,

@@ -49,8 +49,8 @@ pub(crate) struct Projected {
 
 /// Draws into a square picture of `side` pixels, the hand filling the frame; 0 is outside the hand.
 ///
-/// `turn` is the rotation into the camera's frame, `distance` the camera's distance from the point it
-/// looks at, in the vertices' unit.
+/// `turn` is the rotation into the camera's frame, `distance` the camera's distance from the point
+/// it looks at, in the vertices' unit.
 pub(crate) fn draw(
     drawing: &Drawing,
     turn: &Matrix3<f32>,
@@ -124,13 +124,14 @@ pub(crate) fn fill<T>(
     out: &mut [T],
     value: impl Fn(f32, f32, f32) -> T,
 ) {
-    // Outside counter-clockwise becomes clockwise when y points down: fronts have a positive area here.
+    // Outside counter-clockwise becomes clockwise when y points down: fronts have a positive area
+    // here.
     let area = (b.y - a.y) * (c.x - a.x) - (b.x - a.x) * (c.y - a.y);
     if area <= 0.0 {
         return;
     }
-    // The samples between two coordinates, the upper one left out: samples lie at halves. Casting cuts off
-    // the fraction and is much cheaper than rounding, and this runs for every triangle.
+    // The samples between two coordinates, the upper one left out: samples lie at halves. Casting
+    // cuts off the fraction and is much cheaper than rounding, and this runs for every triangle.
     let first = |v: f32| ((v.max(0.0) + 0.5) as i32 as usize).min(samples);
     let columns = first(a.x.min(b.x).min(c.x))..first(a.x.max(b.x).max(c.x));
     let rows = first(a.y.min(b.y).min(c.y))..first(a.y.max(b.y).max(c.y));
@@ -168,8 +169,8 @@ pub(crate) fn fill<T>(
     }
 }
 
-/// The part of a row of `len` samples in which no edge function `e0 + i * step` is negative, give or take a
-/// sample: long slanting triangles are mostly air inside their box.
+/// The part of a row of `len` samples in which no edge function `e0 + i * step` is negative, give
+/// or take a sample: long slanting triangles are mostly air inside their box.
 fn narrow(len: usize, edges: [(f32, f32); 3]) -> Range<usize> {
     let (mut low, mut high) = (0.0f32, len as f32);
     for (e0, step) in edges {

@@ -10,27 +10,30 @@ use crate::hand::{Digit, HandPose, JOINTS, joint_limits};
 use crate::random::{between, normal, unit};
 use crate::scene::SceneSpec;
 
-/// How far joint angles spread between people at [`Variation::joints`] = 1, in degrees (standard deviation): each joint
-/// of a finger, each of the thumb.
+/// How far joint angles spread between people at [`Variation::joints`] = 1, in degrees (standard
+/// deviation): each joint of a finger, each of the thumb.
 const SPREAD_DEG: [[f64; JOINTS]; 2] = [[3.0, 7.0, 7.0, 6.0, 0.0], [6.0, 6.0, 9.0, 8.0, 10.0]];
 /// How much of a common spreading of the fingers each digit takes: the middle finger hardly any.
 const FAN: [f64; 5] = [0.0, 1.0, 0.2, -0.5, -1.0];
 /// An example's object: how far its place and its size spread (metres, logarithm of the ratio).
 const EXAMPLE_PLACE: f64 = 0.003;
 const EXAMPLE_SIZE: f64 = 0.2;
-/// How far the way left to the object spreads at the stages before the grasp (logarithm of the ratio).
+/// How far the way left to the object spreads at the stages before the grasp (logarithm of the
+/// ratio).
 const AWAY: f64 = 0.4;
-/// The power of an evenly drawn number that a forearm's length goes by: half of the arms are shorter than a third of the
-/// longest. Chosen between the two development hands, one of which has shorter arms than the other.
+/// The power of an evenly drawn number that a forearm's length goes by: half of the arms are
+/// shorter than a third of the longest. Chosen between the two development hands, one of which has
+/// shorter arms than the other.
 const SHORT_ARMS: f64 = 1.5;
-/// How far on the way from one recorded pose to another a scene's pose lies; a little before the first, too.
+/// How far on the way from one recorded pose to another a scene's pose lies; a little before the
+/// first, too.
 const MIXED: [f64; 2] = [-0.2, 0.5];
 
 /// How far scenes differ. Spreads are standard deviations; what is 0 stays as the data say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variation {
-    /// Joint angles, 1 being as far as people's hands differ in one grasp; a half of that is each joint's own, the rest
-    /// common to all fingers.
+    /// Joint angles, 1 being as far as people's hands differ in one grasp; a half of that is each
+    /// joint's own, the rest common to all fingers.
     pub joints: f64,
     /// How far the object is tilted in the hand, in degrees.
     pub tilt_deg: f64,
@@ -38,17 +41,21 @@ pub struct Variation {
     pub place: f64,
     /// How far an object's size may leave the share that the plan asks for, up or down (all alike).
     pub size: f64,
-    /// How far the closing of the fingers differs at the stages before the grasp, as a share of the whole way.
+    /// How far the closing of the fingers differs at the stages before the grasp, as a share of the
+    /// whole way.
     pub closure: f64,
     /// The share of scenes that are posed like one of the grasp's examples.
     pub examples: f64,
-    /// The share of scenes that are posed like people's recorded hands ([`RecordedPose`]) in the same grasp.
+    /// The share of scenes that are posed like people's recorded hands ([`RecordedPose`]) in the
+    /// same grasp.
     pub recorded: f64,
     /// Which of the recorded poses these are.
     pub recorded_from: PoseGroup,
-    /// Narrowest and widest sleeve, as shares of the wrist, every width as likely: `None` leaves the plan's.
+    /// Narrowest and widest sleeve, as shares of the wrist, every width as likely: `None` leaves
+    /// the plan's.
     pub sleeve: Option<[f64; 2]>,
-    /// Shortest and longest bare forearm in metres, shorter ones more often: `None` leaves the plan's.
+    /// Shortest and longest bare forearm in metres, shorter ones more often: `None` leaves the
+    /// plan's.
     pub forearm: Option<[f64; 2]>,
 }
 
@@ -67,8 +74,9 @@ impl Variation {
         forearm: None,
     };
 
-    /// As people's hands, objects and arms differ; measured on development pictures of two hands that this project did
-    /// not make. Longer arms or fewer examples help one of the two and cost the other as much.
+    /// As people's hands, objects and arms differ; measured on development pictures of two hands
+    /// that this project did not make. Longer arms or fewer examples help one of the two and cost
+    /// the other as much.
     pub const PEOPLE: Variation = Variation {
         joints: 0.65,
         tilt_deg: 6.0,
@@ -82,7 +90,8 @@ impl Variation {
         forearm: Some([0.0, 0.16]),
     };
 
-    /// The scene, varied as its own parameters' hash says: the same scene is varied in the same way.
+    /// The scene, varied as its own parameters' hash says: the same scene is varied in the same
+    /// way.
     pub fn of(&self, mut spec: SceneSpec) -> SceneSpec {
         if *self == Variation::NONE {
             return spec;
@@ -131,7 +140,8 @@ impl Variation {
         HandPose { digits }
     }
 
-    /// A pose somewhere between two recorded ones of a grasp, varied; `None` where none was recorded.
+    /// A pose somewhere between two recorded ones of a grasp, varied; `None` where none was
+    /// recorded.
     fn recorded(&self, grasp: &str, noise: &HandPose, rng: &mut ChaCha8Rng) -> Option<HandPose> {
         let of_grasp = RecordedPose::all()
             .iter()
@@ -160,7 +170,8 @@ impl Variation {
         varied
     }
 
-    /// The object, a little smaller or larger: never less than a third of the smallest that the grasp is for.
+    /// The object, a little smaller or larger: never less than a third of the smallest that the
+    /// grasp is for.
     fn object(&self, spec: &SceneSpec, rng: &mut ChaCha8Rng) -> Object {
         let [low, high] = spec.grasp.object.radius;
         let change = (high - low) * self.size * between(rng, [-1.0, 1.0]);

@@ -7,10 +7,11 @@ use crate::random::between;
 
 /// One camera direction, in degrees.
 ///
-/// The camera stands in the direction (azimuth, elevation) from the hand's centre, in `world` (z up), and
-/// looks at that centre. Azimuth 0 is the side to which the hand's x axis points, 90 is a quarter turn
-/// counter-clockwise seen from above. Without roll the picture's upper edge is up in the world; a positive
-/// roll turns the camera about its optical axis so that the picture's content turns counter-clockwise.
+/// The camera stands in the direction (azimuth, elevation) from the hand's centre, in `world` (z
+/// up), and looks at that centre. Azimuth 0 is the side to which the hand's x axis points, 90 is a
+/// quarter turn counter-clockwise seen from above. Without roll the picture's upper edge is up in
+/// the world; a positive roll turns the camera about its optical axis so that the picture's content
+/// turns counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// 0 up to 360.
@@ -49,8 +50,9 @@ impl View {
     }
 }
 
-/// How the hand is held: the rotation from the hand's frame into `world`, given which of its directions
-/// points up. The hand's x axis points to azimuth 0 (its z axis, should x itself point up or down).
+/// How the hand is held: the rotation from the hand's frame into `world`, given which of its
+/// directions points up. The hand's x axis points to azimuth 0 (its z axis, should x itself point
+/// up or down).
 pub fn world_from_hand(up: &Vector3<f64>) -> UnitQuaternion<f64> {
     let level = |v: Vector3<f64>| (v - up * up.dot(&v)).try_normalize(1e-3);
     let x = level(Vector3::x()).or_else(|| level(Vector3::z())).unwrap_or_else(Vector3::x);
@@ -64,8 +66,9 @@ pub fn world_from_hand(up: &Vector3<f64>) -> UnitQuaternion<f64> {
 pub enum Views {
     /// The same directions for every scene, in equal steps.
     Grid(ViewGrid),
-    /// So many directions for every scene, other ones for each, drawn from all rotations alike: any azimuth, elevation
-    /// and roll. As many scenes then cover the rotations more densely than any grid of the same number would.
+    /// So many directions for every scene, other ones for each, drawn from all rotations alike: any
+    /// azimuth, elevation and roll. As many scenes then cover the rotations more densely than any
+    /// grid of the same number would.
     Random(usize),
 }
 
@@ -84,14 +87,16 @@ impl Views {
 pub struct ViewGrid {
     /// Step of azimuth and elevation in degrees.
     pub step_deg: f64,
-    /// Lowest and highest elevation in degrees; the highest is left out when a step does not meet it.
+    /// Lowest and highest elevation in degrees; the highest is left out when a step does not meet
+    /// it.
     pub elevation_deg: [f64; 2],
     /// Rolls in degrees.
     pub rolls_deg: Vec<f64>,
 }
 
 impl Default for ViewGrid {
-    /// The paper's half-sphere: 60 azimuths x 15 elevations (0 to 84 degrees) in steps of 6 degrees.
+    /// The paper's half-sphere: 60 azimuths x 15 elevations (0 to 84 degrees) in steps of 6
+    /// degrees.
     fn default() -> ViewGrid {
         ViewGrid { step_deg: 6.0, elevation_deg: [0.0, 84.0], rolls_deg: vec![0.0] }
     }

@@ -1,4 +1,5 @@
-//! Bad input gets a clear error and the right exit status, and the good input beside it is answered all the same.
+//! Bad input gets a clear error and the right exit status, and the good input beside it is answered
+//! all the same.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +19,8 @@ fn good() -> PathBuf {
     pictures().join(&row[0])
 }
 
-/// Recognises a bad file between two good ones and returns its error; the good ones must be answered.
+/// Recognises a bad file between two good ones and returns its error; the good ones must be
+/// answered.
 fn error_between_good_ones(bad: &Path, status: i32) -> String {
     let outcome = recognise(&[&good(), bad, &good()]);
     assert_eq!(outcome.status, status, "{}{}", outcome.stdout, outcome.stderr);
@@ -225,7 +227,8 @@ fn a_plan_of_millions_of_views_is_refused_at_once() {
     assert!(outcome.stderr.contains("too many"), "{}", outcome.stderr);
 }
 
-/// A limit on the size of a file stands in for a full disk: the write fails in the midst, on any machine.
+/// A limit on the size of a file stands in for a full disk: the write fails in the midst, on any
+/// machine.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_the_old_index_and_no_debris() {

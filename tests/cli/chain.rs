@@ -40,13 +40,14 @@ fn hands_described_upright_are_found_at_any_roll() {
         .arg(&level));
     assert_eq!(built.status, 0, "{}", built.stderr);
     finds_its_own(&level, &index, 1e-3, 1e-6);
-    // Its own view is the nearest whatever the roll, and its orientation is turned back: to some degrees, where a small hand's pixels
-    // fall otherwise.
+    // Its own view is the nearest whatever the roll, and its orientation is turned back: to some
+    // degrees, where a small hand's pixels fall otherwise.
     finds_its_own(&rolled, &index, 0.5, 0.01);
 }
 
-/// Recognises some pictures of a set of the views in `index`: the nearest is the picture's own, at most `far` away, and `1 - |p . q|` of the
-/// orientations' quaternions is at most `apart`, for all where both are strict, and for nine in ten where they are not.
+/// Recognises some pictures of a set of the views in `index`: the nearest is the picture's own, at
+/// most `far` away, and `1 - |p . q|` of the orientations' quaternions is at most `apart`, for all
+/// where both are strict, and for nine in ten where they are not.
 fn finds_its_own(set: &Path, index: &Path, far: f64, apart: f64) {
     let mut manifest = csv::Reader::from_path(set.join("manifest.csv")).unwrap();
     let headers = manifest.headers().unwrap().clone();

@@ -1,4 +1,5 @@
-//! What else is known of a hand than one picture: the frames before it (`--sequence`), the object that it holds (`--prior`).
+//! What else is known of a hand than one picture: the frames before it (`--sequence`), the object
+//! that it holds (`--prior`).
 
 use std::path::PathBuf;
 

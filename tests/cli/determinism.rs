@@ -1,4 +1,5 @@
-//! Same inputs and seed, same bytes: at any thread count, by way of pictures on disk or not, built anew or onto an old index.
+//! Same inputs and seed, same bytes: at any thread count, by way of pictures on disk or not, built
+//! anew or onto an old index.
 
 use std::fs;
 use std::path::Path;

@@ -8,7 +8,8 @@ use grasp_tests::{Outcome, program, run};
 
 const DIM: u64 = 84;
 
-/// Rows around a few centres, from a small generator of its own: the test needs no more than that they differ.
+/// Rows around a few centres, from a small generator of its own: the test needs no more than that
+/// they differ.
 fn write_rows(path: &Path, rows: u64, seed: u64) {
     let mut state = seed;
     let mut next = || {

@@ -79,7 +79,8 @@ fn the_sheet_shows_the_probabilities_as_bars_and_the_axes_as_arrows() {
         run(command.args(["--explain", "why.png", "--index"]).arg(small_index()).current_dir(folder.path()));
     let record = &outcome.json_lines()[0];
     let sheet = image::open(folder.path().join("why.png")).unwrap().into_rgb8();
-    // The answer's bar: as many pixels long as its share of 300. Longer than any stroke of the letters in that colour.
+    // The answer's bar: as many pixels long as its share of 300. Longer than any stroke of the
+    // letters in that colour.
     let green = [110, 210, 130];
     let longest = sheet.rows().map(|row| {
         let runs = row.map(|pixel| usize::from(pixel.0 == green)).scan(0, |length, is_green| {

@@ -1,4 +1,5 @@
-//! Indexes that change: `add`, `remove` and `compact` make what a build of the same entries from nothing makes.
+//! Indexes that change: `add`, `remove` and `compact` make what a build of the same entries from
+//! nothing makes.
 
 use std::fs;
 use std::path::Path;
@@ -22,8 +23,8 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
     outcome.stderr
 }
 
-/// That two indexes are the same in everything but where they say they come from: every section, to the last bit, and all that
-/// was measured.
+/// That two indexes are the same in everything but where they say they come from: every section, to
+/// the last bit, and all that was measured.
 fn assert_same(folder: &Path, one: &str, other: &str) {
     let [one, other] = [one, other].map(|name| Index::open(folder.join(name)).unwrap());
     assert!(one.verify().is_sound());

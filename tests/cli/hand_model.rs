@@ -1,4 +1,5 @@
-//! A hand from a file is rendered, indexed and found like our own; a file that is no hand is refused by name.
+//! A hand from a file is rendered, indexed and found like our own; a file that is no hand is
+//! refused by name.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Limits of the machine: a build holds little in memory, and where it is stopped or the disk is full nothing half-written
-//! stays.
+//! Limits of the machine: a build holds little in memory, and where it is stopped or the disk is
+//! full nothing half-written stays.
 #![cfg(target_os = "linux")]
 
 use std::fs::{self, File};
@@ -17,7 +17,8 @@ const ROWS: usize = 100_000;
 const DIM: usize = 256;
 /// What the rows are spread out by: as with descriptors, far fewer directions than values.
 const DIRECTIONS: usize = 8;
-/// The bytes that a build may hold for each row: twice its codes, on their way from one order to another, and its label.
+/// The bytes that a build may hold for each row: twice its codes, on their way from one order to
+/// another, and its label.
 const HELD_A_ROW: usize = 300;
 /// What it may hold besides: buffers, the threads' stacks, the program's own data.
 const HELD_BESIDES: usize = 40 << 20;
@@ -82,7 +83,8 @@ fn a_build_holds_the_quantised_form_of_its_vectors_and_no_more() {
     let (x, y) = (folder().join("x.npy"), folder().join("y.csv"));
     let built = |limit: usize, hash: &[&str]| {
         let files = ["--descriptors", x.to_str().unwrap(), "--labels", y.to_str().unwrap()];
-        // Private memory that can be written; what is mapped from files does not count, because it can be dropped.
+        // Private memory that can be written; what is mapped from files does not count, because it
+        // can be dropped.
         let arguments = [&["build", "--out", "big.idx", "--threads", "2"][..], &files, hash].concat();
         limited(&format!("-d {}", limit >> 10), &arguments, out.path())
     };

@@ -1,4 +1,5 @@
-//! An index that is overwritten or cut short while the programs read it: an error, never a wrong answer or a signal.
+//! An index that is overwritten or cut short while the programs read it: an error, never a wrong
+//! answer or a signal.
 
 use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -1,6 +1,8 @@
-//! The page of `grasp-query serve` in a real browser: a picture is dropped, the answer is read, the neighbours are seen.
+//! The page of `grasp-query serve` in a real browser: a picture is dropped, the answer is read, the
+//! neighbours are seen.
 //!
-//! `SCREENSHOTS=DIR` keeps what it looks like. Where no Chromium is installed (`CHROMIUM` names another), nothing is tested.
+//! `SCREENSHOTS=DIR` keeps what it looks like. Where no Chromium is installed (`CHROMIUM` names
+//! another), nothing is tested.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -101,7 +103,8 @@ fn a_dropped_picture_is_answered_with_its_neighbours() {
     let warnings = browser.evaluate("document.getElementById('warnings').innerText");
     assert_eq!(warnings, "it may as well be the other hand: say which above, under “Hand”");
 
-    // On a phone, in the dark, nothing runs out of the side, and what explains the answer waits to be asked for.
+    // On a phone, in the dark, nothing runs out of the side, and what explains the answer waits to
+    // be asked for.
     assert_eq!(browser.evaluate(FOLDED), serde_json::json!([false, false]));
     browser.look_like(390, 844, "dark");
     browser.wait_for("document.querySelectorAll('details.fold:not([open])').length === 2");
@@ -194,7 +197,8 @@ fn masks_and_depth_pictures_are_sent_as_the_command_line_sends_them() {
     assert!(!said.as_str().unwrap().contains("--"), "{said}");
 }
 
-/// Counts the requests for answers: how many were begun, and how many were under way at once at most.
+/// Counts the requests for answers: how many were begun, and how many were under way at once at
+/// most.
 const COUNT_REQUESTS: &str = "(() => { const real = fetch; window.seen = { begun: 0, now: 0, most: 0 }; window.fetch = async (path, options) => { if (!String(path).startsWith('v1/recognise')) return real(path, options); seen.begun++; seen.now++; seen.most = Math.max(seen.most, seen.now); try { return await real(path, options); } finally { seen.now--; } }; })()";
 
 #[test]
@@ -267,7 +271,8 @@ fn everything_can_be_done_by_keyboard_and_has_a_name() {
     browser.open(&format!("http://{}/", service.address()));
     browser.drop_file("#drop", &pictures().join("camera/no-hand.jpg"));
     browser.wait_for("!document.getElementById('problem').hidden");
-    // The picture stays in sight, with why there is no answer and what may help: no word of options of the command line.
+    // The picture stays in sight, with why there is no answer and what may help: no word of options
+    // of the command line.
     browser.wait_for("document.getElementById('rejected').naturalWidth === 640");
     let problem = browser.evaluate("document.getElementById('unanswered').innerText");
     let problem = problem.as_str().unwrap();
@@ -305,7 +310,8 @@ fn the_camera_takes_a_picture_and_the_robot_is_shown_what_to_do() {
     browser.evaluate("document.getElementById('camera').click()");
     browser.wait_for("document.getElementById('video').videoWidth > 0");
     browser.evaluate("document.getElementById('take').click()");
-    // The browser's own test picture shows no hand, or something that could be one: an answer either way.
+    // The browser's own test picture shows no hand, or something that could be one: an answer
+    // either way.
     browser
         .wait_for("!document.getElementById('problem').hidden || !document.getElementById('answer').hidden");
     browser.evaluate("document.getElementById('leave').click()");

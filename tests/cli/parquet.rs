@@ -21,7 +21,8 @@ fn done(folder: &Path, arguments: &[&str]) -> Outcome {
     outcome
 }
 
-/// All rows of a Parquet file: the columns' names and their values, and how many groups of rows there are.
+/// All rows of a Parquet file: the columns' names and their values, and how many groups of rows
+/// there are.
 fn rows(path: &Path) -> (Vec<HashMap<String, Field>>, usize) {
     let file = SerializedFileReader::new(File::open(path).unwrap()).unwrap();
     let rows = file.get_row_iter(None).unwrap().map(|row| row.unwrap().into_columns().into_iter().collect());

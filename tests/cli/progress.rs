@@ -1,4 +1,5 @@
-//! Long work reports how far it has come where no terminal is, and says what is kept when it is stopped.
+//! Long work reports how far it has come where no terminal is, and says what is kept when it is
+//! stopped.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};

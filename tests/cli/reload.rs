@@ -1,5 +1,5 @@
-//! `grasp-query serve` while its index is replaced: every request is answered, and rightly; and while it is overwritten or cut
-//! short: no answer is wrong.
+//! `grasp-query serve` while its index is replaced: every request is answered, and rightly; and
+//! while it is overwritten or cut short: no answer is wrong.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -76,7 +76,8 @@ fn under_load(service: &Service, answers: &[String], meanwhile: impl FnOnce()) -
                         assert_eq!(answer.json()["error"]["kind"], "not_ready", "{}", answer.text());
                         assert_eq!(answer.header("retry-after"), Some("1"));
                         lost.fetch_add(1, Ordering::SeqCst);
-                        // Told to wait a second: some of it, so that the others are not kept from their answers.
+                        // Told to wait a second: some of it, so that the others are not kept from
+                        // their answers.
                         std::thread::sleep(Duration::from_millis(10));
                         continue;
                     }
@@ -343,7 +344,8 @@ fn copies_over_an_index_in_memory_lose_no_request() {
         assert!(is_ready(&service));
     });
     assert!(load.lost == 0 && load.counts.iter().all(|&count| count > 10), "{load:?}");
-    // What was on its way was not taken for a failure, unless the machine was so busy that the copy stood still.
+    // What was on its way was not taken for a failure, unless the machine was so busy that the copy
+    // stood still.
     let failures = service.metric("grasp_index_reload_failures_total");
     assert!((1.0..4.0).contains(&failures), "{failures}");
 }
@@ -378,7 +380,8 @@ fn a_mapped_index_cut_short_under_load_is_reported_and_served_again_when_it_is_w
         cp(small_index(), &served);
         service.wait_until("the whole file", is_ready);
         assert_eq!(ask(&service).text(), answers[0]);
-        // Each is reported once; on a machine that is so busy that the copy stands still, that as well.
+        // Each is reported once; on a machine that is so busy that the copy stands still, that as
+        // well.
         let mut lines = vec![service.line()];
         while !lines[lines.len() - 1].contains("was replaced") {
             lines.push(service.line());

@@ -1,4 +1,5 @@
-//! `grasp-query recognise --server`: what a running service says is what the program would have said.
+//! `grasp-query recognise --server`: what a running service says is what the program would have
+//! said.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! `grasp-query recognise --robot`: what a robot does to grasp alike, as text, JSON and a message for MoveIt.
+//! `grasp-query recognise --robot`: what a robot does to grasp alike, as text, JSON and a message
+//! for MoveIt.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,8 @@ fn a_strategy_follows_from_the_answer_beside_it() {
         (&"ball".into(), &"ball".into())
     );
 
-    // The palm comes from where the back of the hand was: in the picture by the orientation, in the world by the camera.
+    // The palm comes from where the back of the hand was: in the picture by the orientation, in the
+    // world by the camera.
     let in_camera = turned(numbers(&record["orientation"]["quaternion_xyzw"]), [0.0, 0.0, -1.0]);
     let approach = turned(CAMERA, in_camera);
     assert_close(numbers(&strategy["approach_vector"]["vector"]), approach);
@@ -210,7 +212,8 @@ fn moveit_reads_the_same_strategy_as_a_message() {
     }
 }
 
-/// A camera that sees the hand come along the world's z, where it sees it come along `approach` in its own frame.
+/// A camera that sees the hand come along the world's z, where it sees it come along `approach` in
+/// its own frame.
 fn camera_from_below(folder: &Path, approach: [f64; 3]) -> PathBuf {
     let axis = cross(approach, [0.0, 0.0, 1.0]);
     let quaternion = [axis[0], axis[1], axis[2], 1.0 + approach[2]];

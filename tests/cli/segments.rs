@@ -24,7 +24,8 @@ fn done(name: &str, folder: &Path, arguments: &[&str]) -> Outcome {
     outcome
 }
 
-/// A folder with `single.idx` of all rows, its quarters, and queries: moved rows, and rows as they are, of which some are alike.
+/// A folder with `single.idx` of all rows, its quarters, and queries: moved rows, and rows as they
+/// are, of which some are alike.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let small = Index::open(small_index()).unwrap();
@@ -75,7 +76,8 @@ fn segments_answer_as_the_index_that_they_make() {
     assert_eq!((&four["entries"], &four["segments"]["of"]), (&one["entries"], &4.into()));
     assert!(four["predicted_recall"].as_f64().unwrap() >= 0.95);
 
-    // The library's own search, and its tie-breaking: a row is found in each segment that holds it, in order.
+    // The library's own search, and its tie-breaking: a row is found in each segment that holds it,
+    // in order.
     let open = |names: &[&str]| names.iter().map(|name| Index::open(folder.join(name)).unwrap()).collect();
     let segments = Segments::new(open(&PARTS)).unwrap();
     let single = Index::open(folder.join("single.idx")).unwrap();
@@ -189,7 +191,8 @@ fn a_merge_that_is_killed_or_stopped_leaves_nothing_to_the_next() {
             assert!(found == expected, "{name}");
         }
     };
-    // While the index is on its way, when it is there, and when segments are; the program's end may come before.
+    // While the index is on its way, when it is there, and when segments are; the program's end may
+    // come before.
     for begun in ["..whole.idx.part", ".whole.idx", ".1-of-4.idx.part", ".3-of-4.idx.part"] {
         for signal in ["-KILL", "-INT"] {
             let _ = fs::remove_dir_all(&out);

@@ -1,4 +1,5 @@
-//! `grasp-query simulate`, `experiment robustness` and `experiment imitation`: trials in the physics engine, told and kept.
+//! `grasp-query simulate`, `experiment robustness` and `experiment imitation`: trials in the
+//! physics engine, told and kept.
 
 use std::fs;
 use std::path::Path;
@@ -54,7 +55,8 @@ fn a_strip_of_frames_shows_the_trial() {
         let ink = (0..26).flat_map(|y| (0..300).map(move |x| (x, y))).filter(|(x, y)| band(*x, *y)).count();
         assert!(ink > 50, "{ink} dark pixels below frame {frame}");
     }
-    // Under the lifted disc the table is darker than beside it: of its colour, but not of its light.
+    // Under the lifted disc the table is darker than beside it: of its colour, but not of its
+    // light.
     let shadow = |frame: u32| {
         let is_shade = |[r, g, b]: [u8; 3]| (110..150).contains(&r) && r > g && g > b && r - b < 25;
         let pixels = (0..300).flat_map(|y| (0..300).map(move |x| (300 * frame + x, y)));

@@ -1,4 +1,5 @@
-//! What a person reads: numbers, names and errors in what both programs print, and what their examples name.
+//! What a person reads: numbers, names and errors in what both programs print, and what their
+//! examples name.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

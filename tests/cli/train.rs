@@ -15,7 +15,7 @@ fn a_trained_network_describes_an_index_that_recognises() {
     let trained = builder(&["train", "--out", "tiny.network", "--samples", "2000", "--no-progress"]);
     let (_, rest) = trained.stdout.split_once("tiny.network: network ").unwrap();
     let fingerprint = &rest[..16];
-    assert!(rest.contains("1.2 MB, trained on 1,984 samples, seed 7\n"), "{}", trained.stdout);
+    assert!(rest.contains("2.0 MB, trained on 1,984 samples, seed 7\n"), "{}", trained.stdout);
     assert_eq!(trained.stderr, "");
     let mut written: Vec<_> =
         fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();

@@ -1,4 +1,5 @@
-//! What answers are worth: calibrated probabilities, hands that are unknown, orientations and their spread.
+//! What answers are worth: calibrated probabilities, hands that are unknown, orientations and their
+//! spread.
 
 use std::fs;
 use std::path::PathBuf;

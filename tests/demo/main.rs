@@ -1,7 +1,7 @@
 //! `cargo demo`: the whole chain on a fresh clone, by the programs that a user would call.
 //!
-//! Every step is a command that is printed before it runs, so that the demo is also a first lesson. What it makes lies
-//! in `target/demo` and nowhere else.
+//! Every step is a command that is printed before it runs, so that the demo is also a first lesson.
+//! What it makes lies in `target/demo` and nowhere else.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,8 @@ fn main() -> ExitCode {
 fn demo() -> Result<(), String> {
     eprintln!("Compiling grasp-builder and grasp-query (the first time this takes a minute or two) ...");
     let steps = Steps { programs: programs(true) };
-    // Relative paths keep what is printed short, and let a reader repeat it from the checkout's root.
+    // Relative paths keep what is printed short, and let a reader repeat it from the checkout's
+    // root.
     std::env::set_current_dir(workspace()).map_err(|error| format!("cannot enter the checkout: {error}"))?;
     let out = Path::new("target/demo");
     std::fs::create_dir_all(out).map_err(|error| format!("cannot make {}: {error}", out.display()))?;
@@ -80,7 +81,8 @@ impl Steps {
         println!("\n== {text}");
     }
 
-    /// Prints the command and runs it. Exit status 1 means that some picture was not recognised, which is an answer.
+    /// Prints the command and runs it. Exit status 1 means that some picture was not recognised,
+    /// which is an answer.
     fn run(&self, program: &str, arguments: &[&str]) -> Result<(), String> {
         println!("$ {program} {}", arguments.join(" "));
         std::io::stdout().flush().map_err(|error| error.to_string())?;

@@ -1,4 +1,5 @@
-//! A browser without a window, driven by the DevTools protocol over a pipe: what a person does, a test does.
+//! A browser without a window, driven by the DevTools protocol over a pipe: what a person does, a
+//! test does.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};

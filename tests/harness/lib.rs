@@ -1,7 +1,7 @@
 //! What every end-to-end test stands on: the real binaries, built once, and folders to run them in.
 //!
-//! `cargo test --workspace` builds this package, but not the programs of its neighbours; [`program`] asks cargo for
-//! them, so that a test can never run yesterday's binary.
+//! `cargo test --workspace` builds this package, but not the programs of its neighbours;
+//! [`program`] asks cargo for them, so that a test can never run yesterday's binary.
 
 pub mod boxes;
 pub mod browser;
@@ -17,7 +17,8 @@ const PACKAGES: [&str; 2] = ["grasp-builder", "grasp-query"];
 
 /// The folder that holds the built programs, after cargo has made sure that they are up to date.
 ///
-/// `release` picks the profile. The target folder is the one that cargo uses for this run, `CARGO_TARGET_DIR` included.
+/// `release` picks the profile. The target folder is the one that cargo uses for this run,
+/// `CARGO_TARGET_DIR` included.
 ///
 /// # Panics
 /// If cargo cannot build the programs: nothing can be tested then.
@@ -40,7 +41,8 @@ pub fn programs(release: bool) -> &'static Path {
     })
 }
 
-/// A command that runs the debug build of `grasp-builder` or `grasp-query`, free of the caller's own settings.
+/// A command that runs the debug build of `grasp-builder` or `grasp-query`, free of the caller's
+/// own settings.
 ///
 /// # Panics
 /// As [`programs`].
@@ -75,7 +77,8 @@ fn target_folder() -> PathBuf {
         .map_or_else(|| workspace().join("target"), Path::to_path_buf)
 }
 
-/// A small index (6 grasps, 30-degree steps) that the real builder made, shared by the tests of one program run.
+/// A small index (6 grasps, 30-degree steps) that the real builder made, shared by the tests of one
+/// program run.
 ///
 /// # Panics
 /// If it cannot be built.
@@ -135,8 +138,8 @@ pub fn run_with_input(command: &mut Command, input: &[u8]) -> Outcome {
         .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
     let mut stdin = child.stdin.take().expect("standard input is a pipe");
     let input = input.to_vec();
-    // Written from a thread of its own: a program that answers before it has read everything must not block us, and
-    // one that stops reading early has closed the pipe, which is its right.
+    // Written from a thread of its own: a program that answers before it has read everything must
+    // not block us, and one that stops reading early has closed the pipe, which is its right.
     let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
     let output = child.wait_with_output().expect("the program ends");
     feeder.join().expect("the feeding thread ends");

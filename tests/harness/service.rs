@@ -77,7 +77,8 @@ pub fn request(method: &str, path: &str, headers: &str, body: &[u8]) -> Vec<u8> 
 }
 
 impl Service {
-    /// Starts `grasp-query serve` with these arguments at a free port of this machine, and waits until it answers.
+    /// Starts `grasp-query serve` with these arguments at a free port of this machine, and waits
+    /// until it answers.
     ///
     /// # Panics
     /// If it ends before that.

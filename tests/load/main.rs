@@ -1,5 +1,6 @@
-//! How much a service bears: `cargo run --release --bin load [SECONDS]` starts one on this machine, asks it from several
-//! connections for so long, and prints a table. Asking takes part of the same processors' time.
+//! How much a service bears: `cargo run --release --bin load [SECONDS]` starts one on this machine,
+//! asks it from several connections for so long, and prints a table. Asking takes part of the same
+//! processors' time.
 
 use std::error::Error;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

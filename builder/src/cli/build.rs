@@ -20,11 +20,13 @@ use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::interrupt;
 
-/// Build an index from render sets, straight from hand shapes, or from vectors that were described elsewhere.
+/// Build an index from render sets, straight from hand shapes, or from vectors that were described
+/// elsewhere.
 ///
-/// RENDERS are folders with a manifest.csv, as `grasp-builder render` or any other program wrote them. Without RENDERS the
-/// views are rendered on the fly. An existing index at FILE gives what it knows of the same pictures, and is replaced in
-/// one step when the new one is whole; a program that has it mapped goes on undisturbed.
+/// RENDERS are folders with a manifest.csv, as `grasp-builder render` or any other program wrote
+/// them. Without RENDERS the views are rendered on the fly. An existing index at FILE gives what it
+/// knows of the same pictures, and is replaced in one step when the new one is whole; a program
+/// that has it mapped goes on undisturbed.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -62,14 +64,17 @@ pub(super) struct WorkOptions {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Vectors in place of pictures")]
 struct VectorOptions {
-    /// Index the rows of this array: 32-bit floating-point numbers in NumPy's format, of any length of row.
+    /// Index the rows of this array: 32-bit floating-point numbers in NumPy's format, of any length
+    /// of row.
     #[arg(long, value_name = "X.npy", conflicts_with_all = ["preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation", "thumbnails"])]
     descriptors: Option<PathBuf>,
-    /// What the rows are, a line each: a table with the column `grasp` and any of `file`, `cutkosky`, `stage`, `hand`, `hand_shape`,
-    /// `object`, `azimuth`, `elevation`, `roll`, `qx`, `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.
+    /// What the rows are, a line each: a table with the column `grasp` and any of `file`,
+    /// `cutkosky`, `stage`, `hand`, `hand_shape`, `object`, `azimuth`, `elevation`, `roll`, `qx`,
+    /// `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.
     #[arg(long, value_name = "Y.csv", requires = "descriptors")]
     labels: Option<PathBuf>,
-    /// Measure the search by the rows of this array, which are like what will be searched for and not in the index.
+    /// Measure the search by the rows of this array, which are like what will be searched for and
+    /// not in the index.
     #[arg(long, value_name = "Q.npy", requires = "descriptors")]
     held_out: Option<PathBuf>,
 }
@@ -77,19 +82,22 @@ struct VectorOptions {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "What to make of it")]
 struct IndexOptions {
-    /// How hand images are described: `learned`, by a network, of hands turned upright (the default of `--preset standard`
-    /// and `wide`); `upright`, by gradients, of hands turned upright; `default`, by gradients, of hands as they are; or
-    /// `paper` for the paper's own form. With --descriptors, how the rows
-    /// were made: `raw` (in some other way), unless this is given.
+    /// How hand images are described: `learned`, by a network, of hands turned upright (the default
+    /// of `--preset standard` and `wide`); `upright`, by gradients, of hands turned upright;
+    /// `default`, by gradients, of hands as they are; or `paper` for the paper's own form. With
+    /// --descriptors, how the rows were made: `raw` (in some other way), unless this is given.
     #[arg(long, value_name = "NAME", value_parser = NAMES)]
     descriptor: Option<String>,
-    /// The network of a learned descriptor, as `train` writes it; by default the one that comes with this program.
+    /// The network of a learned descriptor, as `train` writes it; by default the one that comes
+    /// with this program.
     #[arg(long, value_name = "FILE")]
     network: Option<PathBuf>,
-    /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones as in the paper.
+    /// How entries are hashed into buckets: by hyperplanes `learned` from them, or by `random` ones
+    /// as in the paper.
     #[arg(long, default_value = "learned", default_value_if("tables", ArgPredicate::IsPresent, "random"), value_name = "NAME", value_parser = ["learned", "random"])]
     hash: String,
-    /// Tables of a random hash (the paper's T); by default chosen by the data, together with --planes.
+    /// Tables of a random hash (the paper's T); by default chosen by the data, together with
+    /// --planes.
     #[arg(long, value_name = "T", requires = "planes", value_parser = clap::value_parser!(u32).range(1..=1024))]
     tables: Option<u32>,
     /// Hyperplanes a table (the paper's K).
@@ -98,12 +106,13 @@ struct IndexOptions {
     /// Buckets a table (the paper's H), for --tables and --planes.
     #[arg(long, value_name = "H", default_value_t = 4096, requires = "tables", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     buckets: u32,
-    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the space (`f16`; the
-    /// default of `--preset standard` and `wide`, but for a random hash), or none.
+    /// Which form of the descriptors to keep for exact distances: as they are (`f32`), in half the
+    /// space (`f16`; the default of `--preset standard` and `wide`, but for a random hash), or
+    /// none.
     #[arg(long, value_name = "FORM", value_parser = Originals::ALL.map(Originals::name))]
     originals: Option<String>,
-    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none. By default 48 for
-    /// pictures of render sets and `--preset paper`, 20 for the larger presets.
+    /// Side of the pictures that the index keeps for showing neighbours, in pixels; 0 keeps none.
+    /// By default 48 for pictures of render sets and `--preset paper`, 20 for the larger presets.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(0..=1024))]
     thumbnails: Option<u32>,
 }
@@ -198,7 +207,8 @@ impl WorkOptions {
         Ok((Source::Sets(sets), held_out(&plan, &known)))
     }
 
-    /// Which renders to make. Render sets may show anything: the search is measured on hands seen as in the paper.
+    /// Which renders to make. Render sets may show anything: the search is measured on hands seen
+    /// as in the paper.
     fn plan(&self) -> PlanOptions {
         let plan = self.plan.clone();
         if self.renders.is_empty() { plan } else { plan.otherwise(Preset::Paper) }

@@ -6,7 +6,8 @@ use grasp_terminal::completions::with_subcommands;
 /// Print a completion script for a shell.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Completions {
-    /// The shell to complete for, e.g. `grasp-builder completions bash > ~/.local/share/bash-completion/completions/grasp-builder`.
+    /// The shell to complete for, e.g. `grasp-builder completions bash >
+    /// ~/.local/share/bash-completion/completions/grasp-builder`.
     shell: Shell,
 }
 

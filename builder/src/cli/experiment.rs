@@ -35,9 +35,10 @@ enum Name {
 
 /// How latency, candidates, recall, file size and build time grow with the number of entries.
 ///
-/// Indexes of ever more hand shapes are built and searched, on one core, for queries of other hand shapes, so that a
-/// neighbour within 5 % of the nearest is found for 95 % of them. DIR gets scale.csv and scale.svg, renewed after every
-/// measurement; sizes that are in scale.csv are not measured again.
+/// Indexes of ever more hand shapes are built and searched, on one core, for queries of other hand
+/// shapes, so that a neighbour within 5 % of the nearest is found for 95 % of them. DIR gets
+/// scale.csv and scale.svg, renewed after every measurement; sizes that are in scale.csv are not
+/// measured again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -74,8 +75,9 @@ struct Scale {
 
 /// Indexes of ever more hand shapes, to find out what these are worth.
 ///
-/// DIR gets hands-0001.idx and so on, each with the hand shapes of the smaller ones among its own; those that are up to date
-/// are not built again. The command that scores labelled pictures by them is printed.
+/// DIR gets hands-0001.idx and so on, each with the hand shapes of the smaller ones among its own;
+/// those that are up to date are not built again. The command that scores labelled pictures by them
+/// is printed.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -85,7 +87,8 @@ struct Shapes {
     /// The folder of the indexes; made where there is none.
     #[arg(long, value_name = "DIR", default_value = "shapes")]
     out: PathBuf,
-    /// Numbers of hand shapes: the mean hand, the named ones, then hands sampled from the human range.
+    /// Numbers of hand shapes: the mean hand, the named ones, then hands sampled from the human
+    /// range.
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100", value_parser = clap::value_parser!(u32).range(1..=9999))]
     counts: Vec<u32>,
     /// What is rendered of each hand shape: `paper`, `standard` or `wide`, as for `build`.
@@ -94,7 +97,8 @@ struct Shapes {
     /// Step between views in degrees, in azimuth and elevation.
     #[arg(long, value_name = "DEG", value_parser = parse_step)]
     step: Option<f64>,
-    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`. By default as `build` does for the preset.
+    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`.
+    /// By default as `build` does for the preset.
     #[arg(long, value_name = "NAME", value_parser = crate::descriptor::NAMES)]
     descriptor: Option<String>,
     /// What all randomness comes from.

@@ -12,10 +12,11 @@ use super::global::Global;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 
-/// Write what an index holds for other programs: its descriptors, its labels, or all of it as one table.
+/// Write what an index holds for other programs: its descriptors, its labels, or all of it as one
+/// table.
 ///
-/// `grasp-builder build --descriptors X.npy --labels Y.csv --descriptor NAME` makes an index of them again, which gives the
-/// same answers.
+/// `grasp-builder build --descriptors X.npy --labels Y.csv --descriptor NAME` makes an index of
+/// them again, which gives the same answers.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("what").required(true).multiple(true)), after_help = "\
 Examples:
@@ -33,7 +34,8 @@ pub(crate) struct Export {
     /// Write the labels here: a table, a line an entry.
     #[arg(long, value_name = "Y.csv", group = "what")]
     labels: Option<PathBuf>,
-    /// Write both as one Parquet file: a row an entry, columns named as in the labels, and the list `descriptor`.
+    /// Write both as one Parquet file: a row an entry, columns named as in the labels, and the list
+    /// `descriptor`.
     #[arg(long, value_name = "Z.parquet", group = "what")]
     parquet: Option<PathBuf>,
 }

@@ -19,10 +19,12 @@ use crate::plan_spec::PlanSpec;
 
 /// Add render sets or hand shapes to an index.
 ///
-/// What the index holds is taken over, not described again, and its parameters are kept; a picture that it holds already is not added
-/// twice. Hands are posed and seen as those that it was built with, but for what the options below say; --preset takes another plan
-/// altogether. The index is replaced in one step, and the answers are those of an index built of the same entries from nothing (to the last
-/// bit where it keeps descriptors as they are; --originals f16 hashes rounded ones). With --segment the index is not touched.
+/// What the index holds is taken over, not described again, and its parameters are kept; a picture
+/// that it holds already is not added twice. Hands are posed and seen as those that it was built
+/// with, but for what the options below say; --preset takes another plan altogether. The index is
+/// replaced in one step, and the answers are those of an index built of the same entries from
+/// nothing (to the last bit where it keeps descriptors as they are; --originals f16 hashes rounded
+/// ones). With --segment the index is not touched.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -38,7 +40,8 @@ pub(crate) struct Add {
     /// Render sets to add; none renders on the fly.
     #[arg(value_name = "RENDERS", conflicts_with_all = ["hands", "hand_shape", "hand_model", "stage"])]
     renders: Vec<PathBuf>,
-    /// Write an index of the added entries alone, which can be searched beside the other and joined to it with `compact`.
+    /// Write an index of the added entries alone, which can be searched beside the other and joined
+    /// to it with `compact`.
     #[arg(long, value_name = "FILE")]
     segment: Option<PathBuf>,
     #[command(flatten)]
@@ -140,7 +143,8 @@ struct Seen {
     seed: u64,
 }
 
-/// The options `own`, and beside them those that the first of the indexes was built with, unless a preset is named.
+/// The options `own`, and beside them those that the first of the indexes was built with, unless a
+/// preset is named.
 fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
     let mut kept = Vec::with_capacity(indexes.len());
     let mut seed = 0;

@@ -5,7 +5,8 @@ use anyhow::Context as _;
 /// Print a manual page, e.g. `grasp-builder man | man -l -`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Man {
-    /// The subcommand whose page to print, e.g. `grasp-builder man SUBCOMMAND`; without it, the program's own.
+    /// The subcommand whose page to print, e.g. `grasp-builder man SUBCOMMAND`; without it, the
+    /// program's own.
     subcommand: Option<String>,
 }
 

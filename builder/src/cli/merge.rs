@@ -11,9 +11,11 @@ use crate::interrupt;
 use crate::merge::merge;
 use crate::split::{clear, split};
 
-/// Make an index of all its parts: byte for byte the one that a single `build` of the same options makes.
+/// Make an index of all its parts: byte for byte the one that a single `build` of the same options
+/// makes.
 ///
-/// With --segments, that index is written as several, as `split` does: searched as one, they answer exactly as it does.
+/// With --segments, that index is written as several, as `split` does: searched as one, they answer
+/// exactly as it does.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -29,13 +31,14 @@ pub(crate) struct Merge {
     /// Write K segments instead: whole hand shapes in each, in order.
     #[arg(long, value_name = "K", value_parser = parse_count, requires = "out_dir", conflicts_with = "out")]
     segments: Option<u32>,
-    /// The folder to write them into, as 1-of-K.idx and so on; the whole index lies there meanwhile.
+    /// The folder to write them into, as 1-of-K.idx and so on; the whole index lies there
+    /// meanwhile.
     #[arg(long, value_name = "DIR", requires = "segments")]
     out_dir: Option<PathBuf>,
 }
 
-/// The index between merging and splitting. What is left of a run that was killed is an index: the next one goes on from it if it is
-/// made of the same parts, and replaces it otherwise.
+/// The index between merging and splitting. What is left of a run that was killed is an index: the
+/// next one goes on from it if it is made of the same parts, and replaces it otherwise.
 const WHOLE: &str = ".whole.idx";
 
 /// Removes the file when it has served, however that ends.

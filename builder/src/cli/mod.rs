@@ -108,8 +108,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Prints a usage error, or the help that was asked for. An argument with control characters, such as the odd name of a
-/// file that begins with a dash, is escaped, which costs the colours.
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such
+/// as the odd name of a file that begins with a dash, is escaped, which costs the colours.
 fn print_usage(message: &clap::Error) -> io::Result<()> {
     let plain = message.render().to_string();
     let safe = printable_lines(&plain);
@@ -120,7 +120,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.global.threads > 0 {
         rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
     }
-    // Every command asks the indexes that it reads, after the work, whether they were overwritten meanwhile.
+    // Every command asks the indexes that it reads, after the work, whether they were overwritten
+    // meanwhile.
     grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Render(command) => command.run(&arguments.global),

@@ -1,4 +1,5 @@
-//! Which hands, objects and views to render: the options that `render` and `build` share, and that an index keeps for what is added to it.
+//! Which hands, objects and views to render: the options that `render` and `build` share, and that
+//! an index keeps for what is added to it.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -16,21 +17,23 @@ const MOST_VIEWS: f64 = 1e6;
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "What to render")]
 pub(super) struct PlanOptions {
-    /// A named plan, which the options below change. `standard`: 40 hand shapes at all stages, in varied poses, with
-    /// objects of all sizes, seen from everywhere with any roll. `wide`: the same of 155 hand shapes, six times as many
-    /// views. `paper`: one hand shape, 6 grasps, 900 views on a grid; implied by --step, --elevations and --rolls.
+    /// A named plan, which the options below change. `standard`: 40 hand shapes at all stages, in
+    /// varied poses, with objects of all sizes, seen from everywhere with any roll. `wide`: the
+    /// same of 155 hand shapes, six times as many views. `paper`: one hand shape, 6 grasps, 900
+    /// views on a grid; implied by --step, --elevations and --rolls.
     #[arg(long, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Option<Preset>,
-    /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human range; 0 beside --hand-model
-    /// renders that hand alone.
+    /// Render N hand shapes: the mean hand, the named ones, then hands sampled from the human
+    /// range; 0 beside --hand-model renders that hand alone.
     #[arg(long, value_name = "N", conflicts_with = "hand_shape", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     hands: Option<u32>,
-    /// Render this hand shape (may be repeated): mean, small, large, slender, broad, long-fingered, short-fingered,
-    /// or hand-SEED for a sampled one.
+    /// Render this hand shape (may be repeated): mean, small, large, slender, broad, long-fingered,
+    /// short-fingered, or hand-SEED for a sampled one.
     #[arg(long, value_name = "NAME")]
     hand_shape: Vec<String>,
-    /// Render this hand as well (may be repeated): a skinned mesh in a binary glTF file (.glb) with the joints of WebXR's
-    /// hands, `wrist` to `pinky-finger-tip`. It is named after the file; a left hand is mirrored.
+    /// Render this hand as well (may be repeated): a skinned mesh in a binary glTF file (.glb) with
+    /// the joints of WebXR's hands, `wrist` to `pinky-finger-tip`. It is named after the file; a
+    /// left hand is mirrored.
     #[arg(long, value_name = "FILE.glb")]
     hand_model: Vec<PathBuf>,
     /// Render this stage (may be repeated): reach, close, grasp.
@@ -48,17 +51,19 @@ pub(super) struct PlanOptions {
     /// Rolls about the optical axis, evenly spaced over the full turn.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits(ROLLS)))]
     rolls: Option<u32>,
-    /// Instead of a grid, take N views of every scene, other ones for each: any azimuth, elevation and roll.
+    /// Instead of a grid, take N views of every scene, other ones for each: any azimuth, elevation
+    /// and roll.
     #[arg(long, value_name = "N", conflicts_with_all = ["step", "elevations", "rolls"], value_parser = clap::value_parser!(u32).range(limits(VIEWS)))]
     views: Option<u32>,
-    /// Pose this share of the scenes, 0 to 1, like the examples in the grasps' file; the rest close on their objects.
+    /// Pose this share of the scenes, 0 to 1, like the examples in the grasps' file; the rest close
+    /// on their objects.
     #[arg(long, value_name = "SHARE", value_parser = share)]
     examples: Option<f64>,
     /// Distance of the camera, in hand lengths.
     #[arg(long, value_name = "LENGTHS")]
     distance: Option<f64>,
-    /// Length of the bare forearm behind the wrist in millimetres, the same in all scenes; 0 cuts at the wrist. By
-    /// default `standard` and `wide` draw arms of 0 to 160 mm, `paper` none.
+    /// Length of the bare forearm behind the wrist in millimetres, the same in all scenes; 0 cuts
+    /// at the wrist. By default `standard` and `wide` draw arms of 0 to 160 mm, `paper` none.
     #[arg(long, value_name = "MM")]
     forearm: Option<f64>,
     /// How far the light may move from view to view, 0 to 1.

@@ -13,10 +13,12 @@ use crate::descriptor;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};
 
-/// Write descriptors of hands that no plan renders, to search an index for: an array for benchmarks.
+/// Write descriptors of hands that no plan renders, to search an index for: an array for
+/// benchmarks.
 ///
-/// Each is moved a little in a direction in which hands differ, so that its nearest neighbours are about as far as those of
-/// real pictures; those of our own renders, as they are, lie closer and make any search look better than it is.
+/// Each is moved a little in a direction in which hands differ, so that its nearest neighbours are
+/// about as far as those of real pictures; those of our own renders, as they are, lie closer and
+/// make any search look better than it is.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,7 +38,8 @@ pub(crate) struct Queries {
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
-    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`. By default as `build` does for the preset.
+    /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`.
+    /// By default as `build` does for the preset.
     #[arg(long, value_name = "NAME", value_parser = descriptor::NAMES)]
     descriptor: Option<String>,
     #[command(flatten)]

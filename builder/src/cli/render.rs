@@ -16,8 +16,9 @@ use crate::interrupt::{self, Interrupted};
 
 /// Render views of grasping hands into a folder: a render set.
 ///
-/// Pictures lie in folders by hand shape and grasp, 48 x 48 grey, the hand on black; manifest.csv labels them. Pictures
-/// that are there already and were made of the same parameters are kept, so that a stopped run goes on where it was.
+/// Pictures lie in folders by hand shape and grasp, 48 x 48 grey, the hand on black; manifest.csv
+/// labels them. Pictures that are there already and were made of the same parameters are kept, so
+/// that a stopped run goes on where it was.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -11,9 +11,10 @@ use crate::shard::{Share, shard};
 
 /// Make one of N parts of an index, on one of many machines; `merge` makes the index of them.
 ///
-/// Parts are made of the hand shapes in order (more exactly of their scenes; of render sets, the pictures), and with the same options
-/// always have the same bytes. A part that is there already, whole and of the same options, is left alone: a task that was
-/// stopped or lost can be run again at any time, on any machine.
+/// Parts are made of the hand shapes in order (more exactly of their scenes; of render sets, the
+/// pictures), and with the same options always have the same bytes. A part that is there already,
+/// whole and of the same options, is left alone: a task that was stopped or lost can be run again
+/// at any time, on any machine.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

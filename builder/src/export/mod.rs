@@ -14,7 +14,8 @@ pub(crate) use self::parquet::part_as_parquet;
 use crate::array;
 use pause::pause;
 
-/// Writes the descriptors as an array in `.npy` format, a row an entry. `wrote` hears how many entries were written.
+/// Writes the descriptors as an array in `.npy` format, a row an entry. `wrote` hears how many
+/// entries were written.
 ///
 /// # Errors
 /// When the index keeps none, or `path` cannot be written; it is then as it was.
@@ -30,11 +31,12 @@ pub fn descriptors(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::R
     })
 }
 
-/// Writes what is known of the entries as a table, a line an entry, in the form that `build --labels` reads. `wrote` hears how
-/// many entries were written.
+/// Writes what is known of the entries as a table, a line an entry, in the form that `build
+/// --labels` reads. `wrote` hears how many entries were written.
 ///
 /// # Errors
-/// When the index has no labels, one of them makes no sense, or `path` cannot be written; it is then as it was.
+/// When the index has no labels, one of them makes no sense, or `path` cannot be written; it is
+/// then as it was.
 pub fn labels(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::Result<()> {
     let catalogue = index.catalogue();
     if !catalogue.kept.labels {

@@ -1,4 +1,5 @@
-//! Entries as a Parquet file, which data frames and query engines read: a row an entry, in their order.
+//! Entries as a Parquet file, which data frames and query engines read: a row an entry, in their
+//! order.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,18 +16,21 @@ use parquet::schema::types::ColumnPath;
 use super::pause::pause;
 use crate::shard::PartReader;
 
-/// Bytes of descriptors in a row group, of which one is held at a time: enough for readers to work on, little beside an index.
+/// Bytes of descriptors in a row group, of which one is held at a time: enough for readers to work
+/// on, little beside an index.
 const GROUP: usize = 32 << 20;
 /// Rows of a group, however short the descriptors are.
 const MOST_ROWS: usize = 1 << 16;
 /// Rows whose descriptors are written at a time.
 const ROWS_AT_ONCE: usize = 256;
 
-/// Writes all entries of an index to `path`: file, grasp, cutkosky, hand_shape, stage, object, azimuth, elevation, roll, qx, qy,
-/// qz, qw, descriptor, of which those are left out that the index does not keep. `wrote` hears how many rows were written.
+/// Writes all entries of an index to `path`: file, grasp, cutkosky, hand_shape, stage, object,
+/// azimuth, elevation, roll, qx, qy, qz, qw, descriptor, of which those are left out that the index
+/// does not keep. `wrote` hears how many rows were written.
 ///
 /// # Errors
-/// When the index keeps no descriptors, an entry makes no sense, or `path` cannot be written; it is then as it was.
+/// When the index keeps no descriptors, an entry makes no sense, or `path` cannot be written; it is
+/// then as it was.
 pub fn index_as_parquet(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::Result<()> {
     let catalogue = index.catalogue();
     if catalogue.originals == Originals::None {
@@ -39,7 +43,8 @@ pub fn index_as_parquet(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyh
     write(Names::from(catalogue), (0..index.len() as u32).map(entry), path, wrote).map(drop)
 }
 
-/// Writes all entries of a part to `path`, as [`index_as_parquet`] does those of an index, and tells how many there are.
+/// Writes all entries of a part to `path`, as [`index_as_parquet`] does those of an index, and
+/// tells how many there are.
 ///
 /// # Errors
 /// When the part is damaged or `path` cannot be written; it is then as it was.

@@ -12,8 +12,9 @@ pub(crate) type Described = Option<(NewEntry, bool)>;
 /// What takes described pictures, in the order of the source.
 pub(crate) type Take<'t> = &'t mut dyn FnMut(Vec<Described>) -> anyhow::Result<()>;
 
-/// Puts descriptor and thumbnail of a grey picture into `entry`: taken over from the existing index where it knows
-/// `entry.source_hash`, made from the picture otherwise. `None` where the picture shows no hand.
+/// Puts descriptor and thumbnail of a grey picture into `entry`: taken over from the existing index
+/// where it knows `entry.source_hash`, made from the picture otherwise. `None` where the picture
+/// shows no hand.
 pub(super) fn complete(
     entry: NewEntry,
     recipe: &Recipe,

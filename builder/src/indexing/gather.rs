@@ -14,7 +14,8 @@ use super::known::Known;
 use super::report::Report;
 use crate::interrupt::{self, Interrupted};
 
-/// An index on its way: entries go in, in the order of the source, and [`Self::finish`] makes the file of them.
+/// An index on its way: entries go in, in the order of the source, and [`Self::finish`] makes the
+/// file of them.
 pub(crate) struct Gathered {
     out: String,
     writer: IndexWriter,
@@ -57,8 +58,8 @@ impl Gathered {
         self.report.without_hand += pictures as usize;
     }
 
-    /// Makes the index, unless the existing file is what would come of it. `asked` gives the held-out descriptors and their
-    /// classes.
+    /// Makes the index, unless the existing file is what would come of it. `asked` gives the
+    /// held-out descriptors and their classes.
     pub(crate) fn finish(
         self,
         known: &Known,

@@ -1,4 +1,5 @@
-//! One number for all that an index is made from, kept in its provenance: equal numbers mean equal bytes.
+//! One number for all that an index is made from, kept in its provenance: equal numbers mean equal
+//! bytes.
 
 use grasp_canonical::Encoder;
 use grasp_index::{Calibration, ClassInfo, HashParams, IndexParams, Kept, NewEntry, Originals, RandomParams};
@@ -6,7 +7,8 @@ use xxhash_rust::xxh3::Xxh3;
 
 /// Where the number stands in the provenance.
 pub(crate) const KEY: &str = "inputs";
-/// Where the provenance keeps how hands are seen, a [`PlanSpec`](crate::plan_spec::PlanSpec) as text.
+/// Where the provenance keeps how hands are seen, a [`PlanSpec`](crate::plan_spec::PlanSpec) as
+/// text.
 pub(crate) const OPTIONS: &str = "options";
 
 /// The running hash of the parameters and entries of an index.

@@ -10,7 +10,8 @@ use grasp_terminal::text::shown;
 
 use super::inputs::Inputs;
 
-/// Descriptors of an existing index, by the hash of what they were made from. Empty where there is none to use.
+/// Descriptors of an existing index, by the hash of what they were made from. Empty where there is
+/// none to use.
 pub(crate) struct Known {
     index: Option<Index>,
     ids: HashMap<u64, u32>,
@@ -24,8 +25,8 @@ impl Known {
 
     /// Looks at the file at `path`, if there is one.
     ///
-    /// A damaged index is no source of descriptors, and will be replaced; a file that is no index at all is somebody's
-    /// work, and is left alone with an error.
+    /// A damaged index is no source of descriptors, and will be replaced; a file that is no index
+    /// at all is somebody's work, and is left alone with an error.
     pub(crate) fn at(
         path: &Path,
         descriptor: &DescriptorParams,
@@ -61,8 +62,8 @@ impl Known {
         if let Some(problem) = index.verify().problems.first() {
             return Ok(Self::useless(path, &problem.to_string()));
         }
-        // Rounded descriptors would make another hash than those that they were rounded from; without views there is no telling how
-        // a picture was turned.
+        // Rounded descriptors would make another hash than those that they were rounded from;
+        // without views there is no telling how a picture was turned.
         let exact = index.catalogue().originals == Originals::F32 && index.catalogue().kept.views;
         let hashes = if exact { index.source_hashes() } else { &[] };
         let ids = hashes.iter().zip(0..).map(|(&hash, id)| (hash, id)).collect();

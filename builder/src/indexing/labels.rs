@@ -41,8 +41,8 @@ struct Line<'r> {
 }
 
 impl Labels {
-    /// Reads the table once and checks every line. A grasp without a number of its own has the one that `grasps` gives its
-    /// name, or else 0.
+    /// Reads the table once and checks every line. A grasp without a number of its own has the one
+    /// that `grasps` gives its name, or else 0.
     pub(super) fn open(path: &Path, grasps: &GraspSet) -> anyhow::Result<Self> {
         let mut reader = reader(path)?;
         let headers = reader.headers().with_context(|| cannot_read(path))?.clone();
@@ -196,7 +196,8 @@ impl Columns {
         if text("grasp").is_empty() {
             bail!("no grasp");
         }
-        // The entries of an index are right hands; a left one's picture is flipped before it is described.
+        // The entries of an index are right hands; a left one's picture is flipped before it is
+        // described.
         if !matches!(text("hand"), "" | "right") {
             bail!(
                 "hand is `{}`: an index holds right hands, so flip left ones before they are described",

@@ -1,9 +1,9 @@
 //! From pictures to an index.
 //!
-//! A [`Source`] lists what to index, in a fixed order. Its pictures are described in parallel and collected in that
-//! order, so that the file's bytes do not depend on the number of threads. What an existing index at the same path
-//! holds of the very same pictures (`known`) is taken over instead of being rendered and described again; the bytes
-//! are those of a build from nothing.
+//! A [`Source`] lists what to index, in a fixed order. Its pictures are described in parallel and
+//! collected in that order, so that the file's bytes do not depend on the number of threads. What
+//! an existing index at the same path holds of the very same pictures (`known`) is taken over
+//! instead of being rendered and described again; the bytes are those of a build from nothing.
 
 mod described;
 mod gather;
@@ -43,8 +43,9 @@ pub const THUMBNAIL_SIDE: u32 = 48;
 /// Builds the index of `source` at `out`.
 ///
 /// # Errors
-/// When a picture cannot be read, `out` is a file that is no index, or the index cannot be written. The file at `out`
-/// is then as it was before. [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
+/// When a picture cannot be read, `out` is a file that is no index, or the index cannot be written.
+/// The file at `out` is then as it was before. [`Interrupted`](crate::interrupt::Interrupted) when
+/// the user asked to stop.
 pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -> anyhow::Result<Report> {
     let started = Instant::now();
     // Locked before hours of work, not after them.

@@ -14,7 +14,8 @@ use super::known::Known;
 use super::names::Names;
 use super::recipe::Recipe;
 
-/// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any memory.
+/// Scenes that are meshed and held at a time: enough to keep the cores busy, few enough for any
+/// memory.
 const SCENES_AT_ONCE: usize = 16;
 
 pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
@@ -42,7 +43,8 @@ fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
     classes
 }
 
-/// Describes the renders of some of the plan's scenes, scene by scene, and hands the results to `take` in order.
+/// Describes the renders of some of the plan's scenes, scene by scene, and hands the results to
+/// `take` in order.
 pub(super) fn describe(
     plan: &RenderPlan,
     names: &Names,

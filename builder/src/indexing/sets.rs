@@ -21,7 +21,8 @@ use super::recipe::Recipe;
 /// Pictures that are read and held at a time.
 const PICTURES_AT_ONCE: usize = 1024;
 
-/// The longest side of a render that is accepted, in pixels: far beyond any use, far below what would fill the memory.
+/// The longest side of a render that is accepted, in pixels: far beyond any use, far below what
+/// would fill the memory.
 const MOST_PIXELS_A_SIDE: u32 = 8192;
 
 /// The most bytes that the file of a render may have.
@@ -54,8 +55,8 @@ pub enum SetError {
 }
 
 impl RenderSet {
-    /// Reads the manifest of the set in `folder`, whose classes are those of `grasps`. The pictures are looked for, but
-    /// not read yet.
+    /// Reads the manifest of the set in `folder`, whose classes are those of `grasps`. The pictures
+    /// are looked for, but not read yet.
     ///
     /// # Errors
     /// [`SetError`], with the line of the manifest where there is one to name.
@@ -104,7 +105,8 @@ impl RenderSet {
     }
 }
 
-/// The names that the sets' rows use: classes by number, the others in the order of their first use.
+/// The names that the sets' rows use: classes by number, the others in the order of their first
+/// use.
 pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
     let mut names = Names::default();
     for (_, row) in sets.iter().flat_map(RenderSet::rows) {

@@ -42,8 +42,8 @@ impl Source {
         self.len() == 0
     }
 
-    /// In how many pieces the work can be split: scenes that are to be rendered, pictures or rows. Scenes come hand shape by hand
-    /// shape.
+    /// In how many pieces the work can be split: scenes that are to be rendered, pictures or rows.
+    /// Scenes come hand shape by hand shape.
     #[must_use]
     pub fn pieces(&self) -> usize {
         match self {
@@ -73,7 +73,8 @@ impl Source {
         Ok(origin(self, recipe.held_out.provenance()?, recipe.seen.as_ref()))
     }
 
-    /// A number for all that some of the [`Self::pieces`] are made from: as long as it is the same, so are their entries.
+    /// A number for all that some of the [`Self::pieces`] are made from: as long as it is the same,
+    /// so are their entries.
     pub(crate) fn digest(&self, pieces: Range<usize>) -> anyhow::Result<u64> {
         match self {
             Self::Plan(plan) => Ok(planned::digest(plan)),

@@ -14,7 +14,8 @@ use super::labels::Labels;
 use super::names::Names;
 use crate::array::Rows;
 
-/// An array of descriptors, and what is known of each, whose headers and labels have been read and checked.
+/// An array of descriptors, and what is known of each, whose headers and labels have been read and
+/// checked.
 #[derive(Debug)]
 pub struct Vectors {
     path: PathBuf,

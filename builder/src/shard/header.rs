@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::share::Share;
 use crate::descriptor;
 
-/// Which part it is, and of which index. Equal headers mean equal parts; the headers of parts of one index differ in the first
-/// two fields.
+/// Which part it is, and of which index. Equal headers mean equal parts; the headers of parts of
+/// one index differ in the first two fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Header {
     pub(crate) share: Share,

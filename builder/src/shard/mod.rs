@@ -1,8 +1,9 @@
 //! One part of an index, made by one of many machines: `build`, up to where the hash is made.
 //!
-//! A [`Source`]'s pieces are split evenly and in order. What a build would hand to its index, a shard writes to a file, a
-//! part, to the last bit; [`mod@crate::merge`] reads the parts in order and does the rest of the build. So a merged
-//! index is, byte for byte, the one that a single machine builds.
+//! A [`Source`]'s pieces are split evenly and in order. What a build would hand to its index, a
+//! shard writes to a file, a part, to the last bit; [`mod@crate::merge`] reads the parts in order
+//! and does the rest of the build. So a merged index is, byte for byte, the one that a single
+//! machine builds.
 
 mod header;
 mod part;
@@ -38,8 +39,8 @@ pub struct Report {
 /// Makes a part of the index of `source` in the folder `out`, unless it is there.
 ///
 /// # Errors
-/// When a picture cannot be read or the part cannot be written; what was at its place before is then as it was.
-/// [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
+/// When a picture cannot be read or the part cannot be written; what was at its place before is
+/// then as it was. [`Interrupted`](crate::interrupt::Interrupted) when the user asked to stop.
 pub fn shard(
     source: &Source,
     recipe: &Recipe,
@@ -64,7 +65,8 @@ pub fn shard(
         params: recipe.params(&names),
         origin: source.origin(recipe)?,
     };
-    // Two workers that were given the same part do not mix: the second waits for its turn to be told that it is there.
+    // Two workers that were given the same part do not mix: the second waits for its turn to be
+    // told that it is there.
     let file = AtomicFile::create(&path)?;
     if let Some((entries, without_hand)) = part::holds(&path, &header) {
         return Ok(Report { path, entries, without_hand, was_there: true });

@@ -31,7 +31,8 @@ use super::header::Header;
 const MAGIC: [u8; 8] = *b"\x89GPRT\r\n\x1a";
 /// What is read or written at a time.
 const PIECE: usize = 1 << 20;
-/// Longer than any header, held-out rows or text that a shard writes; a damaged length shall not fill the memory.
+/// Longer than any header, held-out rows or text that a shard writes; a damaged length shall not
+/// fill the memory.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// What every entry has.
@@ -132,7 +133,8 @@ impl PartWriter {
         Ok(())
     }
 
-    /// Puts the part in its place and tells how many entries it has, and how many pictures show no hand.
+    /// Puts the part in its place and tells how many entries it has, and how many pictures show no
+    /// hand.
     pub(crate) fn finish(mut self) -> anyhow::Result<(u64, u64)> {
         let counts = (self.entries, self.without_hand);
         self.write(bytemuck::bytes_of(&Fixed { kind: END, ..Fixed::zeroed() }))?;
@@ -184,7 +186,8 @@ impl PartReader {
         std::mem::take(&mut self.held_out)
     }
 
-    /// The next entry; after the last, once the whole part has proved sound, how many pictures show no hand.
+    /// The next entry; after the last, once the whole part has proved sound, how many pictures show
+    /// no hand.
     pub(crate) fn next(&mut self) -> anyhow::Result<Result<NewEntry, u64>> {
         let mut fixed = Fixed::zeroed();
         read_into(&mut self.input, &mut self.hash, bytemuck::bytes_of_mut(&mut fixed))?;
@@ -213,7 +216,8 @@ impl PartReader {
             azimuth_deg,
             elevation_deg,
             roll_deg,
-            // As it was written: normalised once more, it could differ in the last bit. The index checks its length.
+            // As it was written: normalised once more, it could differ in the last bit. The index
+            // checks its length.
             orientation: UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)),
             source_hash: fixed.source_hash,
             descriptor,
@@ -238,7 +242,8 @@ impl PartReader {
     }
 }
 
-/// The numbers of entries and of pictures without a hand in the part at `path`, if it is whole and has this header.
+/// The numbers of entries and of pictures without a hand in the part at `path`, if it is whole and
+/// has this header.
 pub(super) fn holds(path: &Path, header: &Header) -> Option<(u64, u64)> {
     let mut part = PartReader::open(path).ok()?;
     if part.header() != header {

@@ -1,7 +1,7 @@
 //! How one hand was seen in a grasp: all its joint angles, and the object in its place.
 //!
-//! Fingers that close on an object by themselves touch it everywhere and alike; people's hands do not. A scene can be
-//! posed like an example instead.
+//! Fingers that close on an object by themselves touch it everywhere and alike; people's hands do
+//! not. A scene can be posed like an example instead.
 
 use nalgebra::Vector3;
 use serde::Deserialize;

@@ -1,8 +1,8 @@
 //! Closing the hand on an object.
 //!
-//! Each digit moves from its open toward its closed pose; a bone that meets the object stops, with every
-//! joint before it, while the bones after it go on: so the fingers wrap any size of object. A short
-//! least-squares fit then lays the end bones on the surface and takes every bone out of it.
+//! Each digit moves from its open toward its closed pose; a bone that meets the object stops, with
+//! every joint before it, while the bones after it go on: so the fingers wrap any size of object. A
+//! short least-squares fit then lays the end bones on the surface and takes every bone out of it.
 
 use nalgebra::{SVector, Vector3};
 
@@ -103,8 +103,8 @@ pub(super) fn against_palm(
     place(high)
 }
 
-/// Closes thumb and fingers together until their tips are as far apart as the object is wide, and puts the
-/// object there. Gives the object, the direction away from the hand, and the pose reached.
+/// Closes thumb and fingers together until their tips are as far apart as the object is wide, and
+/// puts the object there. Gives the object, the direction away from the hand, and the pose reached.
 fn between_tips(
     skeleton: &Skeleton,
     grasp: &Grasp,
@@ -135,8 +135,8 @@ fn tips(between: &[Digit], chains: &[Chain; 5]) -> (V, V) {
     (chains[0].points[3], fingers / between.len() as f64)
 }
 
-/// Puts the object between the tips of a posed hand; it shares the way that is left among them. Returns the object and
-/// the direction away from the hand.
+/// Puts the object between the tips of a posed hand; it shares the way that is left among them.
+/// Returns the object and the direction away from the hand.
 pub(super) fn between_tips_of(
     skeleton: &Skeleton,
     grasp: &Grasp,
@@ -166,7 +166,8 @@ fn bone_of(digit: Digit, joint: usize) -> usize {
     }
 }
 
-/// Points along a bone with the flesh's radius there; the root of the hand is left out, it lies in the palm.
+/// Points along a bone with the flesh's radius there; the root of the hand is left out, it lies in
+/// the palm.
 fn samples(chain: &Chain, bone: usize) -> impl Iterator<Item = (V, f64)> + '_ {
     (1..=SAMPLES).map(move |i| {
         let t = i as f64 / SAMPLES as f64;
@@ -252,7 +253,8 @@ mod tests {
     use crate::grasp::GraspSet;
     use crate::hand::HandShape;
 
-    /// Every hand shape with every object of every grasp: the digits that must touch do, none goes deep.
+    /// Every hand shape with every object of every grasp: the digits that must touch do, none goes
+    /// deep.
     #[test]
     fn every_hand_grips_every_object_cleanly() {
         let mut shapes = HandShape::presets();

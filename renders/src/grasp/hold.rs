@@ -1,7 +1,8 @@
 //! Fitting an object into a hand whose pose is known.
 //!
-//! The object starts where the grasp puts it, and a least-squares fit moves, tilts and scales it until it lies against
-//! the digits that must touch it and in none of the others. The touching digits then close the gap that is left.
+//! The object starts where the grasp puts it, and a least-squares fit moves, tilts and scales it
+//! until it lies against the digits that must touch it and in none of the others. The touching
+//! digits then close the gap that is left.
 
 use nalgebra::{SVector, Unit, UnitQuaternion, Vector3};
 
@@ -15,8 +16,9 @@ type V = Vector3<f64>;
 
 /// Place (3), tilt about two axes (2) and the logarithm of the size (1).
 const UNKNOWNS: usize = 6;
-/// What a unit of each residual is: metres of a gap at an end bone, at a middle bone, and inside the flesh; of the
-/// object's place, its tilt in radians, and its size as the logarithm of the ratio.
+/// What a unit of each residual is: metres of a gap at an end bone, at a middle bone, and inside
+/// the flesh; of the object's place, its tilt in radians, and its size as the logarithm of the
+/// ratio.
 const END_GAP: f64 = 0.002;
 const MIDDLE_GAP: f64 = 0.008;
 const INSIDE: f64 = 0.001;
@@ -27,7 +29,8 @@ const FIT: LeastSquares =
     LeastSquares { damping: Damping::Scaled, start: 1.0, rejected: 8.0, difference: 1e-5, steps: 25 };
 /// A flat hand would take a ball of any size: the logarithm of the size changes by so much at most.
 const MOST_SCALED: f64 = 0.4;
-/// Residuals: end bone, middle bone and three depths a digit, the depth of the palm, the unknowns themselves.
+/// Residuals: end bone, middle bone and three depths a digit, the depth of the palm, the unknowns
+/// themselves.
 const ROWS: usize = 5 * 5 + 1 + UNKNOWNS;
 
 /// Puts an object of about this size into a hand in about this pose.

@@ -1,5 +1,6 @@
-//! The grasps: data, not code. A grasp says how the hand opens and closes, what it holds, where, and how it
-//! is held in the world; the fingers then close on the object by themselves until they touch.
+//! The grasps: data, not code. A grasp says how the hand opens and closes, what it holds, where,
+//! and how it is held in the world; the fingers then close on the object by themselves until they
+//! touch.
 
 mod definition;
 mod example;

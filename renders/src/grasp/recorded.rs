@@ -1,7 +1,8 @@
 //! Poses of hands that hold things, as people recorded or set them (`data/poses.csv`).
 //!
-//! They say what people's fingers do in a grasp: how they splay, how unevenly they curl, where the thumb lies. What they
-//! held is not known, so that an object is fitted into the hand when a scene is built.
+//! They say what people's fingers do in a grasp: how they splay, how unevenly they curl, where the
+//! thumb lies. What they held is not known, so that an object is fitted into the hand when a scene
+//! is built.
 
 use std::sync::OnceLock;
 

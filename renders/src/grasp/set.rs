@@ -69,8 +69,8 @@ impl GraspSet {
     ///
     /// # Errors
     ///
-    /// When the text is not TOML, has an unknown or missing key, or a value that cannot be: an angle out of
-    /// the joint's limits, an empty range, a name given twice.
+    /// When the text is not TOML, has an unknown or missing key, or a value that cannot be: an
+    /// angle out of the joint's limits, an empty range, a name given twice.
     pub fn parse(text: &str) -> Result<GraspSet, GraspSetError> {
         let file: File = toml::from_str(text)?;
         let mut grasps: Vec<Grasp> = Vec::new();

@@ -1,7 +1,7 @@
 //! A human right hand: its measures, its joints and its skin.
 //!
-//! The hand frame is the one of the whole project: origin at the wrist's centre, x toward the middle
-//! knuckle, z out of the back of the hand, y toward the thumb; metres and radians.
+//! The hand frame is the one of the whole project: origin at the wrist's centre, x toward the
+//! middle knuckle, z out of the back of the hand, y toward the thumb; metres and radians.
 
 mod shape;
 mod skeleton;

@@ -12,8 +12,8 @@ use crate::random::normal;
 /// Mean and spread of every measure, and the presets; see the file for its sources.
 const TABLE: &str = include_str!("../../data/hand.toml");
 
-/// How far a sampled measure may lie from the mean, in standard deviations: about the range from the
-/// 2nd to the 98th percentile.
+/// How far a sampled measure may lie from the mean, in standard deviations: about the range from
+/// the 2nd to the 98th percentile.
 const SAMPLE_LIMIT: f64 = 2.0;
 
 /// What went wrong when a hand shape was asked for.
@@ -92,8 +92,8 @@ impl HandShape {
         HandShape::from_scores("mean", |_, _| 0.0)
     }
 
-    /// A named hand: `mean`, `small`, `large`, `slender`, `broad`, `long-fingered`, `short-fingered`,
-    /// or `hand-N` for the hand that [`HandShape::sample`] makes of seed N.
+    /// A named hand: `mean`, `small`, `large`, `slender`, `broad`, `long-fingered`,
+    /// `short-fingered`, or `hand-N` for the hand that [`HandShape::sample`] makes of seed N.
     ///
     /// # Errors
     ///
@@ -123,9 +123,9 @@ impl HandShape {
 
     /// A random adult hand; the same seed gives the same hand.
     ///
-    /// Half of each measure's variance is the person's size, a quarter is shared within its group (palm,
-    /// fingers, breadths, girths), a quarter is its own. No measure leaves the mean by more than two
-    /// standard deviations.
+    /// Half of each measure's variance is the person's size, a quarter is shared within its group
+    /// (palm, fingers, breadths, girths), a quarter is its own. No measure leaves the mean by more
+    /// than two standard deviations.
     pub fn sample(seed: u64) -> HandShape {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let size = normal(&mut rng);

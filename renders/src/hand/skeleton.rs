@@ -10,18 +10,19 @@ pub(crate) const JOINTS: usize = 5;
 
 /// One digit's joint angles in radians.
 ///
-/// A finger: spread (positive toward the thumb), flexion of the knuckle, of the middle joint, of the end
-/// joint, unused. The thumb: `radial` (angle of its metacarpal from x toward y, in the plane of the palm),
-/// `palmar` (angle out of that plane toward the palm's side), `pronation` (how far the nail is turned from
-/// the back of the hand toward the thumb's side and on), flexion of the knuckle, of the end joint.
+/// A finger: spread (positive toward the thumb), flexion of the knuckle, of the middle joint, of
+/// the end joint, unused. The thumb: `radial` (angle of its metacarpal from x toward y, in the
+/// plane of the palm), `palmar` (angle out of that plane toward the palm's side), `pronation` (how
+/// far the nail is turned from the back of the hand toward the thumb's side and on), flexion of the
+/// knuckle, of the end joint.
 pub type Joints = [f64; JOINTS];
 
 /// Names of a finger's and of the thumb's joints, in the order of [`Joints`].
 pub const JOINT_NAMES: [[&str; JOINTS]; 2] =
     [["spread", "knuckle", "middle", "end", "unused"], ["radial", "palmar", "pronation", "knuckle", "end"]];
 
-/// Lowest and highest angle of each joint in degrees: fingers, then thumb. Ranges of active motion after
-/// A. I. Kapandji, "The Physiology of the Joints", rounded.
+/// Lowest and highest angle of each joint in degrees: fingers, then thumb. Ranges of active motion
+/// after A. I. Kapandji, "The Physiology of the Joints", rounded.
 const LIMITS_DEG: [[[f64; 2]; JOINTS]; 2] = [
     [[-25.0, 25.0], [-25.0, 95.0], [-5.0, 112.0], [-10.0, 80.0], [0.0, 0.0]],
     [[-20.0, 80.0], [-15.0, 80.0], [0.0, 150.0], [-15.0, 65.0], [-25.0, 85.0]],
@@ -80,8 +81,8 @@ impl HandPose {
     }
 }
 
-/// A digit in place: its joints' centres from the palm to the tip, the radius of the flesh at each, and
-/// the directions out of the nail's side along each bone.
+/// A digit in place: its joints' centres from the palm to the tip, the radius of the flesh at each,
+/// and the directions out of the nail's side along each bone.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chain {
     /// Knuckle, middle joint, end joint, centre of the tip (thumb: root, knuckle, end joint, tip).
@@ -114,8 +115,8 @@ pub struct Skeleton {
     roots: [Vector3<f64>; 5],
 }
 
-/// The knuckles' places as shares of the palm's length (x), breadth (y) and thickness (z), and the tilt of
-/// the flexion axis in degrees: bent fingers converge toward the thumb's root.
+/// The knuckles' places as shares of the palm's length (x), breadth (y) and thickness (z), and the
+/// tilt of the flexion axis in degrees: bent fingers converge toward the thumb's root.
 const KNUCKLES: [([f64; 3], f64); 4] = [
     ([1.00, 0.275, -0.06], -4.0),
     ([1.00, 0.0, 0.0], 0.0),
@@ -154,7 +155,8 @@ impl Skeleton {
         self.roots[digit as usize]
     }
 
-    /// The straight digit whose first bone points `along` (unit length); a thumb's nail is turned by `pronation`.
+    /// The straight digit whose first bone points `along` (unit length); a thumb's nail is turned
+    /// by `pronation`.
     pub(crate) fn along(&self, digit: Digit, along: &Vector3<f64>, pronation: f64) -> Chain {
         match digit {
             Digit::Thumb => {

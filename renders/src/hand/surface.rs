@@ -1,7 +1,7 @@
 //! The skin: a signed distance built of round cones around the bones.
 //!
-//! Only parts that are neighbours on a real hand are blended (palm, finger roots, thumb); everything else is a
-//! plain union, so that fingers that touch do not grow together.
+//! Only parts that are neighbours on a real hand are blended (palm, finger roots, thumb);
+//! everything else is a plain union, so that fingers that touch do not grow together.
 
 use nalgebra::Vector3;
 
@@ -92,8 +92,8 @@ impl Field for HandSurface {
         let mut skin = palm;
         for (digit, bones) in &self.digits {
             let [first, second, third] = bones.map(|bone| bone.distance(p));
-            // Bones of a digit share the ball of their joint: nothing to fill there. The thumb's first bone
-            // lies wholly in its ball, so the second takes part in the blend.
+            // Bones of a digit share the ball of their joint: nothing to fill there. The thumb's
+            // first bone lies wholly in its ball, so the second takes part in the blend.
             let blended = if *digit == Digit::Thumb {
                 smooth_union(palm, first.min(second), THUMB_BLEND)
             } else {
@@ -105,8 +105,8 @@ impl Field for HandSurface {
     }
 
     fn near(&self, centre: &V, radius: f64) -> HandSurface {
-        // A part takes part in a blend where it lies no farther than the blend is wide beyond the nearest part, and what
-        // it adds there may take part in the next.
+        // A part takes part in a blend where it lies no farther than the blend is wide beyond the
+        // nearest part, and what it adds there may take part in the next.
         let bones = |(_, bones): &(Digit, [Cone; 3])| {
             bones.iter().map(|bone| bone.distance(centre)).fold(f64::INFINITY, f64::min)
         };
@@ -130,7 +130,8 @@ fn within<T: Copy>(parts: &[T], distances: &[f64], limit: f64) -> Vec<T> {
     parts.iter().zip(distances).filter(|(_, distance)| **distance <= limit).map(|(part, _)| *part).collect()
 }
 
-/// Bodies of the palm: the four metacarpals, the pad under the knuckles, the two balls of the hand, the wrist.
+/// Bodies of the palm: the four metacarpals, the pad under the knuckles, the two balls of the hand,
+/// the wrist.
 fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
     let shape = skeleton.shape();
     let thick = shape.palm_thickness;
@@ -247,7 +248,8 @@ mod tests {
         };
         let chains = skeleton.chains(&pose);
         let skin = HandSurface::new(&skeleton, &pose, 0.0);
-        // Half way between the end joints of the index and middle finger, and above: no fillet there.
+        // Half way between the end joints of the index and middle finger, and above: no fillet
+        // there.
         let between = (chains[1].points[2] + chains[2].points[2]) * 0.5 + V::new(0.0, 0.0, 0.006);
         let naive = chains.iter().map(|c| c.distance(&between, 0)).fold(f64::INFINITY, f64::min);
         assert!((skin.distance(&between) - naive).abs() < 5e-4);

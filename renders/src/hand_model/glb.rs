@@ -1,5 +1,6 @@
-//! The container: a header, a JSON document and one block of numbers (glTF 2.0, section 4.4). Only what a skinned mesh
-//! needs is read, and nothing is believed: every range is checked before it is used, every count before it is stored.
+//! The container: a header, a JSON document and one block of numbers (glTF 2.0, section 4.4). Only
+//! what a skinned mesh needs is read, and nothing is believed: every range is checked before it is
+//! used, every count before it is stored.
 
 use serde::Deserialize;
 
@@ -10,7 +11,8 @@ const MOST_ROWS: usize = 4_000_000;
 const MAGIC: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
-/// Extensions that change how a surface looks, or how numbers are stored in ways that are read here anyway.
+/// Extensions that change how a surface looks, or how numbers are stored in ways that are read here
+/// anyway.
 const HARMLESS: [&str; 4] = ["KHR_mesh_quantization", "KHR_materials_", "KHR_texture_", "EXT_texture_"];
 
 /// The JSON document, as far as it is used.
@@ -163,8 +165,8 @@ impl<'a> Glb<'a> {
         Ok(())
     }
 
-    /// The rows of an accessor whose type is `kind`, which has `N` numbers a row. Numbers that are stored as whole
-    /// ones are scaled where the file says so.
+    /// The rows of an accessor whose type is `kind`, which has `N` numbers a row. Numbers that are
+    /// stored as whole ones are scaled where the file says so.
     pub(super) fn rows<const N: usize>(
         &self,
         accessor: usize,

@@ -1,4 +1,5 @@
-//! The measures of a model, taken from its joints and from the skin around them, and its place in the hand frame.
+//! The measures of a model, taken from its joints and from the skin around them, and its place in
+//! the hand frame.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,16 +11,18 @@ type V = Vector3<f64>;
 
 /// Lengths that a hand may have in metres, from the wrist to the tip of the middle finger.
 const LENGTHS: [f64; 2] = [0.10, 0.30];
-/// Lengths and breadths that a bone and its flesh may have, as shares of those of a mean hand of this length.
+/// Lengths and breadths that a bone and its flesh may have, as shares of those of a mean hand of
+/// this length.
 const SHARES: [f64; 2] = [0.4, 2.5];
 /// Skin is measured before a joint as far as this share of the shorter bone beside it.
 const AROUND: f64 = 0.3;
-/// The thumb and the bent fingertips must lie this far to one side of the back's plane, in hand lengths, summed up.
+/// The thumb and the bent fingertips must lie this far to one side of the back's plane, in hand
+/// lengths, summed up.
 const SIDED: f64 = 0.08;
 /// Joints whose own axes lie within this cosine of the bone are taken to be WebXR's.
 const ALIKE: f64 = 0.8;
-/// How deep the mean hand's palm lies below the middle metacarpal, as a share of its thickness; and how much wider its skin
-/// is around the wrist than the wrist's measures.
+/// How deep the mean hand's palm lies below the middle metacarpal, as a share of its thickness; and
+/// how much wider its skin is around the wrist than the wrist's measures.
 const PALM_DEPTH: f64 = 0.85;
 const WRIST_SKIN: f64 = 1.13;
 /// The nail of a thumb whose joints do not tell is turned as in a relaxed hand, in radians.
@@ -28,7 +31,8 @@ const PRONATION: f64 = 1.48;
 /// Where a model's bones are at rest, in the hand frame.
 #[derive(Debug)]
 pub(super) struct RestPose {
-    /// Of each digit, where its bones begin, and their axes: along the bone, to the thumb's side, out of the nail.
+    /// Of each digit, where its bones begin, and their axes: along the bone, to the thumb's side,
+    /// out of the nail.
     pub(super) bones: [[(V, Matrix3<f64>); 3]; 5],
     /// The middle of the wrist, y and z.
     pub(super) wrist: [f64; 2],
@@ -132,7 +136,8 @@ fn is_left(rig: &Rig) -> Result<bool, HandModelError> {
     Ok(up > 0.0)
 }
 
-/// The turn into the hand frame: along the middle metacarpal, and about it so that the knuckles lie like a mean hand's.
+/// The turn into the hand frame: along the middle metacarpal, and about it so that the knuckles lie
+/// like a mean hand's.
 fn into_hand(rig: &Rig) -> Result<Matrix3<f64>, HandModelError> {
     let mean = Skeleton::new(&HandShape::mean());
     let theirs = axes(rig.digits[Digit::Middle as usize][0].at - rig.wrist, across(rig));
@@ -211,7 +216,8 @@ fn shape(name: &str, rig: &Rig, mean: &Skeleton) -> Result<HandShape, HandModelE
 fn finger(rig: &Rig, digit: Digit, typical: &FingerMeasures, scale: f64) -> FingerMeasures {
     let joints = rig.digits[digit as usize].map(|joint| joint.at);
     let lengths: [f64; 3] = std::array::from_fn(|i| (joints[i + 1] - joints[i]).norm());
-    // Flesh before a joint, at right angles to the two bones' common direction: behind it may be the thumb's web.
+    // Flesh before a joint, at right angles to the two bones' common direction: behind it may be
+    // the thumb's web.
     let radius = |joint: usize| {
         let along = (joints[joint + 1] - joints[joint - 1]).try_normalize(1e-9)?;
         let reach = AROUND * lengths[joint - 1].min(lengths[joint]);
@@ -243,7 +249,8 @@ fn finger(rig: &Rig, digit: Digit, typical: &FingerMeasures, scale: f64) -> Fing
     }
 }
 
-/// Of a hand whose palm's skin lies as deep below the middle metacarpal as here: objects are laid against it.
+/// Of a hand whose palm's skin lies as deep below the middle metacarpal as here: objects are laid
+/// against it.
 fn palm_thickness(skin: &Skin, length: f64, breadth: f64) -> Option<f64> {
     let inside = |v: &V| (0.5..0.95).contains(&(v.x / length)) && v.y.abs() < 0.2 * breadth;
     let palm = skin.corners.iter().filter(|corner| corner.bone() == PALM).map(|corner| corner.at);
@@ -263,8 +270,9 @@ fn bounds(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     (high > low).then_some([low, high])
 }
 
-/// Where a digit's bones begin at rest, and their axes. The axis about which they bend is told by the joints' own axes,
-/// where these are WebXR's; otherwise it is that of our skeleton in the same place.
+/// Where a digit's bones begin at rest, and their axes. The axis about which they bend is told by
+/// the joints' own axes, where these are WebXR's; otherwise it is that of our skeleton in the same
+/// place.
 fn rest_bones(rig: &Rig, skeleton: &Skeleton, digit: Digit) -> [(V, Matrix3<f64>); 3] {
     let joints = &rig.digits[digit as usize];
     let along: [V; 3] =
@@ -288,7 +296,8 @@ pub(super) fn bend_axis(chain: &Chain) -> V {
     chain.nail.cross(&(chain.points[3] - chain.points[2])).normalize()
 }
 
-/// Axes of a bone, with the nail's side at right angles to the bone and to the axis about which it bends.
+/// Axes of a bone, with the nail's side at right angles to the bone and to the axis about which it
+/// bends.
 pub(super) fn bone_axes(along: &V, axis: &V) -> Matrix3<f64> {
     let nail = along.cross(axis).try_normalize(1e-9).unwrap_or_else(V::z);
     Matrix3::from_columns(&[*along, nail.cross(along), nail])

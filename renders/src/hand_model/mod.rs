@@ -1,8 +1,9 @@
 //! A hand that somebody modelled or scanned: a skinned mesh in a binary glTF 2.0 file.
 //!
-//! The joints are those of the WebXR Hand Input specification. Their places in the rest pose, and the skin around them,
-//! are measured; of that a [`HandShape`] and a skeleton are made, which grasps, objects and examples treat like any
-//! other hand's. What is drawn is the model's own skin, moved with the bones.
+//! The joints are those of the WebXR Hand Input specification. Their places in the rest pose, and
+//! the skin around them, are measured; of that a [`HandShape`] and a skeleton are made, which
+//! grasps, objects and examples treat like any other hand's. What is drawn is the model's own skin,
+//! moved with the bones.
 
 mod error;
 mod glb;
@@ -65,8 +66,8 @@ impl HandModel {
     ///
     /// # Errors
     ///
-    /// When the file cannot be read, is damaged, uses extensions or files beside it, lacks a joint, or shows no hand of
-    /// human size (glTF is in metres).
+    /// When the file cannot be read, is damaged, uses extensions or files beside it, lacks a joint,
+    /// or shows no hand of human size (glTF is in metres).
     pub fn load(path: impl AsRef<Path>) -> Result<HandModel, HandModelError> {
         let path = path.as_ref();
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -105,8 +106,8 @@ impl HandModel {
         Skeleton::with_roots(&self.shape, self.rest.roots())
     }
 
-    /// The middle of the place where the hand is cut when it is to have `forearm` metres behind the wrist: there, or where
-    /// the model ends.
+    /// The middle of the place where the hand is cut when it is to have `forearm` metres behind the
+    /// wrist: there, or where the model ends.
     pub(crate) fn cut(&self, forearm: f64) -> Vector3<f64> {
         let wanted = -(crate::hand::WRIST_CUT + forearm.max(0.0));
         let [y, z] = self.rest.wrist;

@@ -10,7 +10,8 @@ use crate::hand::Digit;
 
 type V = Vector3<f64>;
 
-/// Corners that a mesh may have, and triangles: a scan is to be reduced first, or every view takes seconds.
+/// Corners that a mesh may have, and triangles: a scan is to be reduced first, or every view takes
+/// seconds.
 const MOST_CORNERS: usize = 500_000;
 const MOST_TRIANGLES: usize = 1_000_000;
 /// Sets of four joints a corner (`JOINTS_0`, `JOINTS_1`).
@@ -79,12 +80,14 @@ fn joints() -> impl Iterator<Item = (&'static str, usize)> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Joint {
     pub(super) at: V,
-    /// WebXR has the bone along -z and the nail's side at +y; whether this file does is for the reader to see.
+    /// WebXR has the bone along -z and the nail's side at +y; whether this file does is for the
+    /// reader to see.
     pub(super) forward: V,
     pub(super) up: V,
 }
 
-/// A corner's place and what moves it: bones and their weights, which sum to 1; unused ones weigh 0.
+/// A corner's place and what moves it: bones and their weights, which sum to 1; unused ones weigh
+/// 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corner {
     pub(super) at: V,
@@ -101,7 +104,8 @@ impl Corner {
 /// The skin at rest.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Skin {
-    /// Corners and triangles read, those in one place and those of no area among them: the work that a file makes is bounded.
+    /// Corners and triangles read, those in one place and those of no area among them: the work
+    /// that a file makes is bounded.
     read: [usize; 2],
     pub(super) corners: Vec<Corner>,
     pub(super) triangles: Vec<[u32; 3]>,
@@ -219,7 +223,8 @@ fn local(node: &Node) -> Matrix4<f64> {
     Translation3::from(node.translation.unwrap_or([0.0; 3])).to_homogeneous() * turn * scale
 }
 
-/// Every mesh that is bound to the hand's joints, in one. `bones` tells of a node which bone it is, if it is a joint.
+/// Every mesh that is bound to the hand's joints, in one. `bones` tells of a node which bone it is,
+/// if it is a joint.
 fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, HandModelError> {
     let document = &glb.document;
     let mut skin = Skin::default();
@@ -248,7 +253,8 @@ fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, 
             let Some(pose) = scene.poses.get(joint) else {
                 return Err(broken(format!("a skin names node {joint}, which is not there")));
             };
-            // Bones of no hand's (twists, the forearm) go with the joint above them, or with the wrist.
+            // Bones of no hand's (twists, the forearm) go with the joint above them, or with the
+            // wrist.
             moves.push((pose * bind, scene.nearest(joint, bones).unwrap_or(PALM)));
         }
         for primitive in &mesh.primitives {
@@ -340,7 +346,8 @@ fn read_primitive(
     Ok(())
 }
 
-/// Where a corner is at rest, and the bones that move it; `None` when its weights or joints cannot be.
+/// Where a corner is at rest, and the bones that move it; `None` when its weights or joints cannot
+/// be.
 fn bind(position: &[f64; 3], influences: &[(f64, f64)], moves: &[(Matrix4<f64>, usize)]) -> Option<Corner> {
     let mut weights = [0.0; BONES];
     let mut at = V::zeros();

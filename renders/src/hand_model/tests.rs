@@ -1,4 +1,5 @@
-//! Our own hand, written as a model and read back: no artist's file is needed, and what must come out is known.
+//! Our own hand, written as a model and read back: no artist's file is needed, and what must come
+//! out is known.
 
 use std::sync::Arc;
 
@@ -34,7 +35,8 @@ struct File {
 }
 
 impl File {
-    /// The mean hand at rest, moved into a frame of the file's own; `told` gives the joints WebXR's axes.
+    /// The mean hand at rest, moved into a frame of the file's own; `told` gives the joints WebXR's
+    /// axes.
     fn new(cell: f64, told: bool, into_file: &Matrix3<f64>) -> File {
         let skeleton = Skeleton::new(&HandShape::mean());
         let chains = skeleton.chains(&REST);

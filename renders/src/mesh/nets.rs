@@ -1,5 +1,5 @@
-//! Naive surface nets (S. Gibson, "Constrained elastic surface nets", 1998): one vertex in every cell that
-//! the surface passes through, one quad across every grid edge that it cuts.
+//! Naive surface nets (S. Gibson, "Constrained elastic surface nets", 1998): one vertex in every
+//! cell that the surface passes through, one quad across every grid edge that it cuts.
 
 use nalgebra::Vector3;
 
@@ -15,12 +15,13 @@ pub(crate) trait Field {
     /// The distance at a point.
     fn distance(&self, p: &Vector3<f64>) -> f64;
 
-    /// The same field for points within `radius` metres of `centre`: what cannot matter there may be left out.
+    /// The same field for points within `radius` metres of `centre`: what cannot matter there may
+    /// be left out.
     fn near(&self, centre: &Vector3<f64>, radius: f64) -> Self;
 }
 
-/// Meshes the zero level of a field inside the box from `low` to `high` with cells of side `cell`. The surface must
-/// not touch the box.
+/// Meshes the zero level of a field inside the box from `low` to `high` with cells of side `cell`.
+/// The surface must not touch the box.
 pub(crate) fn surface_nets<F: Field>(low: Vector3<f64>, high: Vector3<f64>, cell: f64, field: &F) -> Mesh {
     let dims = ((high - low) / cell).map(|n| n.ceil().max(1.0) as usize + 1);
     let mut samples = Samples { low, cell, dims, grid: vec![0.0; dims.x * dims.y * dims.z] };
@@ -87,7 +88,8 @@ struct Samples {
 }
 
 impl Samples {
-    /// Samples a block of `side` points a side, in eighths as long as the surface may pass through them.
+    /// Samples a block of `side` points a side, in eighths as long as the surface may pass through
+    /// them.
     fn fill<F: Field>(&mut self, field: &F, first: Vector3<usize>, side: usize) {
         let half = (side - 1) as f64 * 0.5;
         let middle = self.low + first.map(|i| i as f64 + half) * self.cell;

@@ -14,11 +14,13 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
-    /// Whether every edge is passed as often in one direction as in the other: the mesh has no hole.
+    /// Whether every edge is passed as often in one direction as in the other: the mesh has no
+    /// hole.
     #[cfg(test)]
     pub(crate) fn is_closed(&self) -> bool {
         let mut balance = std::collections::HashMap::new();
-        // By place, not by number: a pole is many vertices in one place. Adding 0 makes -0 the same as 0.
+        // By place, not by number: a pole is many vertices in one place. Adding 0 makes -0 the same
+        // as 0.
         let at = |i: u32| self.vertices[i as usize].map(|x| (x + 0.0).to_bits()).data.0[0];
         for t in &self.triangles {
             for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {

@@ -165,9 +165,9 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// With the line's number: a column that is missing, a field that is no number, a quaternion that is
-    /// not of unit length, a grasp that `grasps` does not have, a file that leads out of the folder or does
-    /// not exist.
+    /// With the line's number: a column that is missing, a field that is no number, a quaternion
+    /// that is not of unit length, a grasp that `grasps` does not have, a file that leads out of
+    /// the folder or does not exist.
     pub fn read_with(path: impl AsRef<Path>, grasps: &GraspSet) -> Result<Manifest, ManifestError> {
         let mut path = path.as_ref().to_owned();
         if path.is_dir() {

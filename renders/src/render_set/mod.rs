@@ -2,8 +2,9 @@
 //!
 //! # The manifest
 //!
-//! A CSV file with a header line, UTF-8, one line a render. Any program can write one (Blender, Poser, a
-//! camera rig with known poses); columns may come in any order, and columns not named here are ignored.
+//! A CSV file with a header line, UTF-8, one line a render. Any program can write one (Blender,
+//! Poser, a camera rig with known poses); columns may come in any order, and columns not named here
+//! are ignored.
 //!
 //! | column | | meaning |
 //! |---|---|---|

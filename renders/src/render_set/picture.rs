@@ -27,13 +27,15 @@ pub(super) fn encode(render: &Render, stamp: &str) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The most bytes that the parts of a render's file may take besides its pixels: far more than its stamp and a row.
+/// The most bytes that the parts of a render's file may take besides its pixels: far more than its
+/// stamp and a row.
 const MAX_BESIDES: usize = 1 << 20;
 
 /// The most bytes of pixels that a picture may have to be taken for a render.
 const MAX_PIXEL_BYTES: usize = 64 << 20;
 
-/// The picture at `path` behind its header, whoever wrote it. What an unknown file unpacks to is bounded.
+/// The picture at `path` behind its header, whoever wrote it. What an unknown file unpacks to is
+/// bounded.
 fn open(path: &Path) -> Option<png::Reader<BufReader<File>>> {
     let file = BufReader::new(File::open(path).ok()?);
     let mut decoder = png::Decoder::new_with_limits(file, png::Limits { bytes: MAX_BESIDES });

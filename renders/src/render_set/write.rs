@@ -16,7 +16,8 @@ use crate::view::{View, world_from_hand};
 /// Why a render set was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderSetError {
-    /// The caller asked to stop. What was written is whole and is kept when writing is started again.
+    /// The caller asked to stop. What was written is whole and is kept when writing is started
+    /// again.
     #[error("stopped after {done} of {total} renders; run it again to go on from there")]
     Cancelled {
         /// Renders that are whole.
@@ -83,15 +84,15 @@ pub fn render_file(scene: &SceneSpec, view: &View) -> String {
 
 /// Writes all renders of a plan into a folder, which is made if need be, and the manifest last.
 ///
-/// Renders that are there already and were made of the same parameters (each PNG file carries them) are
-/// kept. Every file appears whole or not at all; the manifest lists the plan's renders only. `progress` is
-/// called from any thread with the renders done and the plan's total. The same plan and seed give the same
-/// bytes at any thread count.
+/// Renders that are there already and were made of the same parameters (each PNG file carries them)
+/// are kept. Every file appears whole or not at all; the manifest lists the plan's renders only.
+/// `progress` is called from any thread with the renders done and the plan's total. The same plan
+/// and seed give the same bytes at any thread count.
 ///
 /// # Errors
 ///
-/// When a file cannot be written, when the plan is empty, and [`RenderSetError::Cancelled`] soon after
-/// `cancel` becomes true.
+/// When a file cannot be written, when the plan is empty, and [`RenderSetError::Cancelled`] soon
+/// after `cancel` becomes true.
 pub fn write_set(
     folder: &Path,
     plan: &RenderPlan,
@@ -129,7 +130,8 @@ fn refuse_foreign(folder: &Path) -> Result<(), RenderSetError> {
     };
     let mut reader = csv::Reader::from_reader(file);
     let first = reader.records().next().and_then(Result::ok);
-    // Where the picture is gone there is nothing to tell by; a set that lost pictures is to be completed.
+    // Where the picture is gone there is nothing to tell by; a set that lost pictures is to be
+    // completed.
     let picture = first.and_then(|row| Some(folder.join(row.get(0)?))).filter(|picture| picture.is_file());
     match picture {
         Some(picture) if !picture::is_ours(&picture) => Err(RenderSetError::Foreign { path }),
@@ -161,7 +163,8 @@ impl Job<'_> {
         let missing: Vec<&View> = views
             .par_iter()
             .filter(|view| {
-                // Once stopped, nothing more is looked at; what that leaves out is not rendered either.
+                // Once stopped, nothing more is looked at; what that leaves out is not rendered
+                // either.
                 if self.cancel.load(Ordering::Relaxed) {
                     return true;
                 }

@@ -1,5 +1,5 @@
-//! What is indexed and searched for: hand shapes by our own renderer, each in a file of its own so that stopped work goes
-//! on where it was, or arrays of raw descriptors.
+//! What is indexed and searched for: hand shapes by our own renderer, each in a file of its own so
+//! that stopped work goes on where it was, or arrays of raw descriptors.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,8 @@ use crate::array::{self, Rows};
 use crate::held_out::{self, Hands};
 use crate::interrupt;
 
-/// Views of a hand shape in the paper's plan: how many entries a hand shape makes, but for some that show no hand.
+/// Views of a hand shape in the paper's plan: how many entries a hand shape makes, but for some
+/// that show no hand.
 const VIEWS: u64 = 5400;
 const QUERIES: usize = 1000;
 /// Hand shapes that are asked for: neither indexed, nor those that an index is tuned by.
@@ -22,7 +23,8 @@ const ASKED: usize = 8;
 /// Where descriptors come from.
 #[derive(Clone, Debug)]
 pub enum Data {
-    /// Rendered: the paper's 6 x 900 views of as many hand shapes as are needed, and queries of others.
+    /// Rendered: the paper's 6 x 900 views of as many hand shapes as are needed, and queries of
+    /// others.
     Rendered,
     /// Arrays of rows.
     Files {

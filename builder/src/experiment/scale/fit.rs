@@ -17,7 +17,8 @@ impl PowerLaw {
     }
 }
 
-/// The least-squares line through the points' logarithms; `None` where fewer than two different x have a y above 0.
+/// The least-squares line through the points' logarithms; `None` where fewer than two different x
+/// have a y above 0.
 #[must_use]
 pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let logs: Vec<(f64, f64)> =

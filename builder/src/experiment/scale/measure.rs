@@ -17,7 +17,8 @@ use crate::interrupt::{self, Interrupted};
 
 /// Neighbours that are searched for.
 const K: usize = 10;
-/// The share of queries for which a neighbour within `1 + EPS` of the nearest is wanted, as in the paper.
+/// The share of queries for which a neighbour within `1 + EPS` of the nearest is wanted, as in the
+/// paper.
 const SUCCESS: f64 = 0.95;
 /// Timed rounds over all queries: the median counts.
 const ROUNDS: usize = 5;
@@ -57,7 +58,8 @@ impl Hash {
 /// The true K nearest of each query, a row each.
 pub(super) type Truth = Vec<Neighbour>;
 
-/// Builds an index at `path` and measures it with the queries. `truth` is filled by the first to need it.
+/// Builds an index at `path` and measures it with the queries. `truth` is filled by the first to
+/// need it.
 pub(super) fn measure(
     data: &Prepared,
     hash: Hash,

@@ -1,9 +1,10 @@
-//! How the search grows with the index: candidates, latency, recall, file size and build time against the number of
-//! entries, for each hash.
+//! How the search grows with the index: candidates, latency, recall, file size and build time
+//! against the number of entries, for each hash.
 //!
-//! The paper promises that a query looks at N^(1/(1+eps)) of N entries. Here ever more hand shapes are put into an
-//! index ([`data`]), each index is measured (`measure`), the results are kept as they come ([`table`]), and the
-//! exponent that they follow ([`fit`]) is drawn beside the promised one ([`plot`]).
+//! The paper promises that a query looks at N^(1/(1+eps)) of N entries. Here ever more hand shapes
+//! are put into an index ([`data`]), each index is measured (`measure`), the results are kept as
+//! they come ([`table`]), and the exponent that they follow ([`fit`]) is drawn beside the promised
+//! one ([`plot`]).
 
 pub mod data;
 pub mod fit;
@@ -52,12 +53,13 @@ pub fn default_sizes(largest: u64) -> BTreeSet<u64> {
     if sizes.is_empty() { [largest].into() } else { sizes }
 }
 
-/// Measures what is not yet in the table at `out`, and writes table and picture after every measurement. Calls `tell` with
-/// each row, old or new.
+/// Measures what is not yet in the table at `out`, and writes table and picture after every
+/// measurement. Calls `tell` with each row, old or new.
 ///
 /// # Errors
 /// Where the folder holds results of other data, or files cannot be read or written.
-/// [`crate::interrupt::Interrupted`] when the user asked to stop; what was measured is in the table.
+/// [`crate::interrupt::Interrupted`] when the user asked to stop; what was measured is in the
+/// table.
 pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) -> anyhow::Result<Vec<Row>> {
     fs::create_dir_all(&settings.out)
         .with_context(|| format!("cannot make the folder {}", settings.out.display()))?;
@@ -111,8 +113,8 @@ fn write_plot(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
     Ok(file.commit()?)
 }
 
-/// The folder of what is needed only until everything is measured. It stays where the work was stopped, so that hand
-/// shapes need not be rendered again.
+/// The folder of what is needed only until everything is measured. It stays where the work was
+/// stopped, so that hand shapes need not be rendered again.
 struct Work {
     folder: PathBuf,
 }

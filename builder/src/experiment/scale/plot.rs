@@ -146,7 +146,8 @@ fn key(out: &mut String, x: f64, colour: &str, dashes: &str, text: &str) {
     );
 }
 
-/// What the paper promises, from where the curve of the most candidates begins to the largest index.
+/// What the paper promises, from where the curve of the most candidates begins to the largest
+/// index.
 fn promise(rows: &[Row]) -> Option<[(f64, f64); 2]> {
     let firsts =
         hashes(rows).into_iter().filter_map(|hash| points(rows, hash, |row| row.candidates).first().copied());

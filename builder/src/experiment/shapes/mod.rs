@@ -1,7 +1,8 @@
-//! Indexes of ever more hand shapes, for `grasp-query experiment shapes` to score labelled pictures by.
+//! Indexes of ever more hand shapes, for `grasp-query experiment shapes` to score labelled pictures
+//! by.
 //!
-//! The hand shapes of a smaller index are among those of every larger one. An index that is up to date is not built again,
-//! so that stopped work goes on where it was.
+//! The hand shapes of a smaller index are among those of every larger one. An index that is up to
+//! date is not built again, so that stopped work goes on where it was.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -28,10 +29,12 @@ pub struct Settings {
     pub out: PathBuf,
 }
 
-/// Builds what is missing and returns the indexes' paths, fewest hand shapes first. Calls `tell` with each path and what was done.
+/// Builds what is missing and returns the indexes' paths, fewest hand shapes first. Calls `tell`
+/// with each path and what was done.
 ///
 /// # Errors
-/// Where an index cannot be built. [`crate::interrupt::Interrupted`] when the user asked to stop; finished indexes stay.
+/// Where an index cannot be built. [`crate::interrupt::Interrupted`] when the user asked to stop;
+/// finished indexes stay.
 pub fn run(
     settings: &Settings,
     progress: Progress,
