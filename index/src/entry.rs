@@ -7,10 +7,10 @@ use nalgebra::UnitQuaternion;
 use std::borrow::Cow;
 use thiserror::Error;
 
-/// One entry of an index: of what [`Catalogue::kept`] names, everything.
+/// One entry of an index: of what [`kept`](crate::Catalogue::kept) names, everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry<'a> {
-    /// Its class, a position in [`Catalogue::classes`].
+    /// Its class, a position in [`classes`](crate::Catalogue::classes).
     pub class: Option<u16>,
     /// The picture's file name; empty where the index keeps none.
     pub file: &'a str,
@@ -85,8 +85,8 @@ impl Index {
 
     /// An entry as it went into the index, so that it can go into another: written with the same
     /// names and parameters, what is kept of it has the same bytes again. The descriptor is as
-    /// exact as [`Catalogue::originals`] says; the class, the hand shape and the stage are this
-    /// index's numbers.
+    /// exact as [`originals`](crate::Catalogue::originals) says; the class, the hand shape and the
+    /// stage are this index's numbers.
     ///
     /// # Errors
     /// [`EntryError`], when there is no such entry, the index keeps no descriptors, or the file
@@ -139,8 +139,8 @@ impl Index {
         pack::unpack_rotation(*orientations.get(id as usize)?)
     }
 
-    /// The picture of an entry: [`Catalogue::thumbnail_side`] squared grey values, row-major.
-    /// `None` where it has none.
+    /// The picture of an entry: [`thumbnail_side`](crate::Catalogue::thumbnail_side) squared grey
+    /// values, row-major. `None` where it has none.
     pub fn thumbnail(&self, id: u32) -> Option<&[u8]> {
         let pixels = (self.catalogue().thumbnail_side as usize).pow(2);
         let start = (id as usize).checked_mul(pixels)?;
@@ -149,8 +149,8 @@ impl Index {
         thumbnail.iter().any(|&grey| grey != 0).then_some(thumbnail)
     }
 
-    /// The descriptor of an entry, as exactly as [`Catalogue::originals`] says; `None` where there
-    /// is no such entry, or descriptors are not kept.
+    /// The descriptor of an entry, as exactly as [`originals`](crate::Catalogue::originals) says;
+    /// `None` where there is no such entry, or descriptors are not kept.
     pub fn descriptor(&self, id: u32) -> Option<Cow<'_, [f32]>> {
         self.stored().get(id)
     }
