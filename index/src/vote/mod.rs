@@ -1,6 +1,7 @@
 //! From neighbours to an answer: the class (Equation 3), the orientation (Equation 4), and the
 //! width sigma of the kernel that both weigh with (Equation 5). What the class's share of the
-//! weights is worth as a probability is fitted on hands that the index does not hold.
+//! weights is worth as a probability is fitted on hands that the index does not hold. Opinions of
+//! the network that made the descriptor join both (`joined`, `orientation`).
 
 mod ballot;
 mod calibration;
@@ -60,7 +61,7 @@ pub struct Look<'a> {
     pub turn_deg: f64,
 }
 
-/// The answer of the neighbours.
+/// The answer of the neighbours, and of the network that looked where it has an opinion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vote {
     /// Every class of the index, most probable first; equals by class number.
@@ -71,7 +72,8 @@ pub struct Vote {
     /// The sum of Equation 3's weights over all neighbours, from 0 (nothing alike in the index) to
     /// the number of neighbours.
     pub kernel_mass: f64,
-    /// The orientation, from the neighbours of the first class alone.
+    /// The orientation, from the neighbours of the first class, and from the rotations of opinions,
+    /// which count as much as these neighbours together.
     pub orientation: OrientationEstimate,
 }
 
@@ -84,7 +86,8 @@ pub struct ClassScore {
     pub name: String,
     /// Its number in Cutkosky's taxonomy.
     pub cutkosky: u8,
-    /// How probable it is, 0 to 1: all classes sum to 1. [`Calibration`] makes it of the share.
+    /// How probable it is, 0 to 1: all classes sum to 1. [`Calibration`] makes it of the share;
+    /// opinions join by their logarithms.
     pub probability: f64,
     /// Equation 3's sum for the class, divided by that of all classes: 0 to 1.
     pub share: f64,
