@@ -70,7 +70,7 @@ fn sizes_are_measured_once_and_drawn() {
         );
     }
     let svg = fs::read_to_string(results.join("scale.svg")).unwrap();
-    assert_eq!(svg.matches("<circle").count(), 6 * rows.len());
+    assert_eq!(svg.matches("<circle").count(), 2 * 6 * rows.len());
     let mut left: Vec<_> = fs::read_dir(&results).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     left.sort();
     assert_eq!(left, ["scale.csv", "scale.svg"]);

@@ -144,7 +144,7 @@ fn shapes_are_built_once_and_scored_like_evaluate() {
     let results = folder.path().join("results");
     assert_eq!(rows(&results.join("shapes.csv")).len(), points.len());
     let drawing = fs::read_to_string(results.join("shapes.svg")).unwrap();
-    assert_eq!(drawing.matches("<circle").count(), 2 * points.len());
+    assert_eq!(drawing.matches("<circle").count(), 2 * 2 * points.len());
 
     let none = run(program("grasp-query").args(["experiment", "shapes"]).arg(&labels));
     assert!(none.status == 2 && none.stderr.contains("--index"), "{}", none.stderr);

@@ -134,7 +134,7 @@ fn a_sweep_is_gone_on_with_where_it_was_stopped() {
     let table = read("whole/robustness.csv");
     assert_eq!(table.lines().count(), 1 + 11);
     let map = read("whole/robustness.svg");
-    assert!(map.starts_with("<svg") && map.matches("#0072b2").count() >= 12 && !map.contains("NaN"));
+    assert!(map.starts_with("<svg") && map.matches("#0072B2").count() >= 12 && !map.contains("NaN"));
 
     // Killed in its midst: what was measured is there, and the rest is added to the same bytes.
     let mut stopped =

@@ -8,16 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 13] = [
+const CRATES: [&str; 15] = [
     "builder",
     "builder/train",
     "index",
     "index/canonical",
     "index/network",
     "index/picture",
+    "index/plot",
     "index/terminal",
     "query",
     "query/answer",
+    "query/python",
     "query/recognise",
     "query/robot",
     "query/serve",

@@ -11,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::current::LOST;
 use super::explained::png;
-use super::metrics::Now;
+use super::metrics::{CONTENT_TYPE, Now};
 use super::problem::Problem;
 use super::query::Options;
 use super::service::Shared;
@@ -223,8 +223,8 @@ pub(super) async fn health() -> &'static str {
 /// `GET /metrics`.
 #[utoipa::path(get, path = "/metrics", tag = tags::OPERATION,
     summary = "Count requests, their times and the index's replacements",
-    description = "Counters and histograms since the start, in the text form that Prometheus reads.",
-    responses((status = 200, description = "The counters", content_type = "text/plain")))]
+    description = "Counters and histograms since the start, in the text form of OpenMetrics, which Prometheus reads.",
+    responses((status = 200, description = "The counters", content_type = "application/openmetrics-text")))]
 pub(super) async fn metrics(State(service): State<Shared>) -> Response {
     let (served, trouble) = (service.current.get(), service.current.trouble());
     let now = Now {
@@ -237,6 +237,6 @@ pub(super) async fn metrics(State(service): State<Shared>) -> Response {
         inside: service.gate.inside(),
         ready: served.is_some_and(|served| !served.is_lost()) && !service.is_draining(),
     };
-    let kind = HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8");
+    let kind = HeaderValue::from_static(CONTENT_TYPE);
     ([(header::CONTENT_TYPE, kind)], service.metrics.text(now)).into_response()
 }

@@ -1,12 +1,15 @@
-//! What is counted, in the text form that Prometheus reads.
+//! What is counted, in the text form of OpenMetrics, which Prometheus reads.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use grasp_recognise::Timings;
+use prometheus_client::encoding::EncodeLabelSet;
+use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::counter::{ConstCounter, Counter};
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::ConstGauge;
+use prometheus_client::metrics::histogram::Histogram;
+use prometheus_client::registry::Registry;
 
 /// Upper bounds in seconds: from a search over descriptors to a picture that waited.
 const SECONDS: [f64; 14] =
@@ -14,59 +17,31 @@ const SECONDS: [f64; 14] =
 /// Upper bounds of candidates.
 const COUNTS: [f64; 10] = [100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 1e5, 1e6, 1e7];
 
-/// How many values lie below each bound.
-#[derive(Debug)]
-struct Histogram {
-    bounds: &'static [f64],
-    /// One more than bounds: the last counts what lies above all.
-    counts: Vec<AtomicU64>,
-    /// In millionths of the unit: whole numbers can be added without a lock.
-    sum_millionths: AtomicU64,
-}
-
-impl Histogram {
-    fn new(bounds: &'static [f64]) -> Self {
-        let counts = (0..=bounds.len()).map(|_| AtomicU64::new(0)).collect();
-        Self { bounds, counts, sum_millionths: AtomicU64::new(0) }
-    }
-
-    fn add(&self, value: f64) {
-        let at = self.bounds.partition_point(|&bound| bound < value);
-        if let Some(count) = self.counts.get(at) {
-            count.fetch_add(1, Ordering::Relaxed);
-        }
-        self.sum_millionths.fetch_add((value * 1e6).round().max(0.0) as u64, Ordering::Relaxed);
-    }
-
-    /// `labels` is empty or ends in a comma.
-    fn write(&self, out: &mut String, name: &str, labels: &str) {
-        let mut below = 0;
-        for (at, count) in self.counts.iter().enumerate() {
-            below += count.load(Ordering::Relaxed);
-            let bound = self.bounds.get(at).map_or_else(|| "+Inf".to_owned(), f64::to_string);
-            let _ = writeln!(out, "{name}_bucket{{{labels}le=\"{bound}\"}} {below}");
-        }
-        let only = labels.trim_end_matches(',');
-        let only = if only.is_empty() { String::new() } else { format!("{{{only}}}") };
-        let sum = self.sum_millionths.load(Ordering::Relaxed) as f64 / 1e6;
-        let _ = writeln!(out, "{name}_sum{only} {sum}\n{name}_count{only} {below}");
-    }
-}
+/// What [`Metrics::text`] is written in.
+pub(super) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 /// The paths that are told apart; everything else is the page.
 pub(super) const PATHS: [&str; 6] =
     ["/v1/recognise", "/v1/search", "/v1/strategy", "/v1/index", "/v1/neighbours", "other"];
-const STEPS: [&str; 5] = ["decode", "segmentation", "descriptor", "search", "vote"];
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct Answered {
+    path: &'static str,
+    status: u16,
+}
+
+/// A histogram of seconds for each value of one label.
+type Seconds = Family<[(&'static str, &'static str); 1], Histogram, fn() -> Histogram>;
 
 /// All that is counted since the start.
 #[derive(Debug)]
 pub(super) struct Metrics {
     /// How many answers of each status each path gave.
-    answers: Mutex<BTreeMap<(&'static str, u16), u64>>,
-    seconds: Vec<(&'static str, Histogram)>,
-    steps: Vec<(&'static str, Histogram)>,
+    answers: Family<Answered, Counter>,
+    seconds: Seconds,
+    steps: Seconds,
     candidates: Histogram,
-    panics: AtomicU64,
+    panics: Counter,
 }
 
 /// What is so at this moment.
@@ -85,99 +60,82 @@ pub(super) struct Now {
 
 impl Default for Metrics {
     fn default() -> Self {
-        let histograms =
-            |names: &[&'static str]| names.iter().map(|&name| (name, Histogram::new(&SECONDS))).collect();
-        Self {
-            answers: Mutex::default(),
-            seconds: histograms(&PATHS),
-            steps: histograms(&STEPS),
-            candidates: Histogram::new(&COUNTS),
-            panics: AtomicU64::new(0),
+        let seconds = || Seconds::new_with_constructor(|| Histogram::new(SECONDS));
+        let metrics = Self {
+            answers: Family::default(),
+            seconds: seconds(),
+            steps: seconds(),
+            candidates: Histogram::new(COUNTS),
+            panics: Counter::default(),
+        };
+        // Those that nothing has happened to yet are shown, too.
+        for path in PATHS {
+            drop(metrics.seconds.get_or_create(&[("path", path)]));
         }
+        metrics.add_steps(&Timings::default(), |_, _| {});
+        metrics
     }
 }
 
 impl Metrics {
     pub(super) fn answered(&self, path: &'static str, status: u16, took: Duration) {
-        *self.answers.lock().unwrap_or_else(PoisonError::into_inner).entry((path, status)).or_default() += 1;
-        if let Some((_, histogram)) = self.seconds.iter().find(|(name, _)| *name == path) {
-            histogram.add(took.as_secs_f64());
-        }
+        self.answers.get_or_create(&Answered { path, status }).inc();
+        self.seconds.get_or_create(&[("path", path)]).observe(took.as_secs_f64());
     }
 
     pub(super) fn recognised(&self, timings: &Timings, candidates: u32) {
+        self.add_steps(timings, Histogram::observe);
+        self.candidates.observe(f64::from(candidates));
+    }
+
+    fn add_steps(&self, timings: &Timings, add: impl Fn(&Histogram, f64)) {
         let Timings { decode_ms, segmentation_ms, descriptor_ms, search_ms, vote_ms, .. } = *timings;
-        let each = [decode_ms, segmentation_ms, descriptor_ms, search_ms, vote_ms];
-        for ((_, histogram), milliseconds) in self.steps.iter().zip(each) {
-            histogram.add(milliseconds / 1e3);
+        for (step, milliseconds) in [
+            ("decode", decode_ms),
+            ("segmentation", segmentation_ms),
+            ("descriptor", descriptor_ms),
+            ("search", search_ms),
+            ("vote", vote_ms),
+        ] {
+            add(&self.steps.get_or_create(&[("step", step)]), milliseconds / 1e3);
         }
-        self.candidates.add(f64::from(candidates));
     }
 
     pub(super) fn panicked(&self) {
-        self.panics.fetch_add(1, Ordering::Relaxed);
+        self.panics.inc();
     }
 
     pub(super) fn text(&self, now: Now) -> String {
-        let mut out = String::new();
-        let head = |out: &mut String, name: &str, kind: &str, help: &str| {
-            let _ = writeln!(out, "# HELP {name} {help}\n# TYPE {name} {kind}");
-        };
-        head(&mut out, "grasp_requests_total", "counter", "Requests that were answered, by path and status.");
-        for ((path, status), count) in self.answers.lock().unwrap_or_else(PoisonError::into_inner).iter() {
-            let _ = writeln!(out, "grasp_requests_total{{path=\"{path}\",status=\"{status}\"}} {count}");
-        }
-        head(&mut out, "grasp_request_seconds", "histogram", "From a request's head to its answer, by path.");
-        for (path, histogram) in &self.seconds {
-            histogram.write(&mut out, "grasp_request_seconds", &format!("path=\"{path}\","));
-        }
-        head(&mut out, "grasp_step_seconds", "histogram", "How long the steps of a recognition took.");
-        for (step, histogram) in &self.steps {
-            histogram.write(&mut out, "grasp_step_seconds", &format!("step=\"{step}\","));
-        }
-        head(
-            &mut out,
-            "grasp_candidates",
-            "histogram",
-            "Entries whose distance a picture's search measured.",
-        );
-        self.candidates.write(&mut out, "grasp_candidates", "");
-        let numbers = [
-            ("grasp_index_generation", "gauge", "The index that is served, counted from 1.", now.generation),
-            ("grasp_index_entries", "gauge", "Entries of the index that is served.", now.entries),
+        let mut registry = Registry::with_prefix("grasp");
+        let answers = self.answers.clone();
+        registry.register("requests", "Requests that were answered, by path and status", answers);
+        let seconds = self.seconds.clone();
+        registry.register("request_seconds", "From a request's head to its answer, by path", seconds);
+        registry.register("step_seconds", "How long the steps of a recognition took", self.steps.clone());
+        let candidates = self.candidates.clone();
+        registry.register("candidates", "Entries whose distance a picture's search measured", candidates);
+        for (name, help, value) in [
+            ("index_generation", "The index that is served, counted from 1", now.generation),
+            ("index_entries", "Entries of the index that is served", now.entries),
             (
-                "grasp_index_reload_failures_total",
-                "counter",
-                "New index files that could not be used.",
-                now.reload_failures,
-            ),
-            (
-                "grasp_index_stale",
-                "gauge",
-                "1 where the file at the index's path cannot be used, and an earlier one is served.",
+                "index_stale",
+                "1 where the file at the index's path cannot be used, and an earlier one is served",
                 now.index_is_stale.into(),
             ),
-            ("grasp_requests_arriving", "gauge", "Requests whose bodies are under way.", now.arriving as u64),
-            (
-                "grasp_body_bytes_reserved",
-                "gauge",
-                "Bytes that large bodies hold or will hold.",
-                now.reserved as u64,
-            ),
-            ("grasp_requests_inside", "gauge", "Requests that are worked on or wait.", now.inside as u64),
-            ("grasp_ready", "gauge", "1 where requests are answered.", now.ready.into()),
-            (
-                "grasp_panics_total",
-                "counter",
-                "Requests that ended in a fault of the program.",
-                self.panics.load(Ordering::Relaxed),
-            ),
-        ];
-        for (name, kind, help, value) in numbers {
-            head(&mut out, name, kind, help);
-            let _ = writeln!(out, "{name} {value}");
+            ("requests_arriving", "Requests whose bodies are under way", now.arriving as u64),
+            ("body_bytes_reserved", "Bytes that large bodies hold or will hold", now.reserved as u64),
+            ("requests_inside", "Requests that are worked on or wait", now.inside as u64),
+            ("ready", "1 where requests are answered", now.ready.into()),
+        ] {
+            registry.register(name, help, ConstGauge::new(value));
         }
-        out
+        let failures = ConstCounter::new(now.reload_failures);
+        registry.register("index_reload_failures", "New index files that could not be used", failures);
+        registry.register("panics", "Requests that ended in a fault of the program", self.panics.clone());
+        let mut text = String::new();
+        // Writing to a String cannot fail.
+        let _ = encode(&mut text, &registry);
+        text
     }
 }
 
@@ -194,18 +152,22 @@ mod tests {
         let text = metrics.text(Now { generation: 3, ready: true, ..Now::default() });
         for line in [
             "grasp_requests_total{path=\"/v1/search\",status=\"200\"} 2",
-            "grasp_request_seconds_bucket{path=\"/v1/search\",le=\"0.002\"} 0",
-            "grasp_request_seconds_bucket{path=\"/v1/search\",le=\"0.005\"} 1",
-            "grasp_request_seconds_bucket{path=\"/v1/search\",le=\"+Inf\"} 2",
+            "grasp_request_seconds_bucket{le=\"0.002\",path=\"/v1/search\"} 0",
+            "grasp_request_seconds_bucket{le=\"0.005\",path=\"/v1/search\"} 1",
+            "grasp_request_seconds_bucket{le=\"+Inf\",path=\"/v1/search\"} 2",
             "grasp_request_seconds_sum{path=\"/v1/search\"} 60.005",
-            "grasp_step_seconds_bucket{step=\"search\",le=\"0.00002\"} 0",
-            "grasp_step_seconds_bucket{step=\"search\",le=\"0.00005\"} 1",
-            "grasp_candidates_bucket{le=\"200\"} 1",
+            "grasp_request_seconds_count{path=\"other\"} 0",
+            "grasp_step_seconds_bucket{le=\"0.00002\",step=\"search\"} 0",
+            "grasp_step_seconds_bucket{le=\"0.00005\",step=\"search\"} 1",
+            "grasp_candidates_bucket{le=\"200.0\"} 1",
             "grasp_candidates_count 1",
             "grasp_index_generation 3",
+            "grasp_index_reload_failures_total 0",
+            "grasp_panics_total 0",
             "grasp_ready 1",
         ] {
             assert!(text.lines().any(|found| found == line), "{line} is missing from\n{text}");
         }
+        assert!(text.ends_with("# EOF\n"));
     }
 }

@@ -12,7 +12,6 @@ pub mod paper;
 pub mod robustness;
 pub mod sequence;
 pub mod shapes;
-mod svg;
 pub mod trust;
 pub mod unknown;
 

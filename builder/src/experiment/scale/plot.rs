@@ -1,9 +1,8 @@
 //! The results as a picture: six panels over the number of entries, as SVG.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
-
 use grasp_index::EPS;
+use grasp_plot::{Axis, COLOURS, Colour, GREY, Page, WIDTH, draw};
+use std::collections::BTreeSet;
 
 use super::fit::power_law;
 use super::table::Row;
@@ -11,7 +10,6 @@ use super::table::Row;
 /// The exponent of N that the paper promises for its eps: 1 / (1 + eps).
 pub const PAPER_EXPONENT: f64 = 1.0 / (1.0 + EPS);
 
-const WIDTH: f64 = 1080.0;
 const HEIGHT: f64 = 700.0;
 /// Above the panels: title and legend.
 const HEAD: f64 = 88.0;
@@ -19,7 +17,6 @@ const COLUMNS: usize = 3;
 const PANEL: [f64; 2] = [WIDTH / COLUMNS as f64, (HEIGHT - HEAD) / 2.0];
 /// From a panel's edges to its axes: left, top, right, bottom.
 const MARGIN: [f64; 4] = [62.0, 34.0, 22.0, 42.0];
-const GREY: &str = "#888";
 /// More labels than that run into each other.
 const MOST_TICKS: usize = 6;
 
@@ -48,9 +45,9 @@ pub fn hashes(rows: &[Row]) -> Vec<&str> {
     rows.iter().map(|row| row.hash.as_str()).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// A hash's colour; the colour-blind tell them apart as well.
-fn colour(hash: &str) -> &'static str {
-    if hash == "random" { "#d55e00" } else { "#0072b2" }
+/// A hash's colour.
+fn colour(hash: &str) -> Colour {
+    COLOURS[usize::from(hash == "random")]
 }
 
 /// A measured value over the number of entries, of one hash.
@@ -62,88 +59,62 @@ pub fn points(rows: &[Row], hash: &str, value: impl Fn(&Row) -> f64) -> Vec<(f64
 }
 
 /// The picture; one without measurements says so.
-#[must_use]
 pub fn svg(rows: &[Row]) -> String {
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
-         font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
-    head(&mut out, rows);
+    let data = rows.first().map_or("nothing measured yet", |row| row.data.as_str());
+    let below = format!("{data} · for 95 % of the queries, a neighbour within 1.05 of the nearest is wanted");
+    draw(HEIGHT, "How the search grows with the index", &below, |page| {
+        legend(page, rows);
+        for (at, panel) in PANELS.iter().enumerate() {
+            draw_panel(page, rows, at, panel);
+        }
+    })
+}
+
+fn legend(page: &Page<'_>, rows: &[Row]) {
+    let mut x = 20.0;
+    for hash in hashes(rows) {
+        let law = power_law(&points(rows, hash, |row| row.candidates));
+        let law = law.map(|law| format!(": candidates ~ N^{:.2}", law.exponent)).unwrap_or_default();
+        x = page.key([x, 68.0], colour(hash), false, &format!("{hash} hash{law}"));
+    }
+    if !rows.is_empty() {
+        page.key([x, 68.0], GREY, true, &format!("the paper's promise: ~ N^{PAPER_EXPONENT:.3}"));
+    }
+}
+
+fn draw_panel(page: &Page<'_>, rows: &[Row], at: usize, panel: &Panel) {
     let range = |value: Value| {
         let values = rows.iter().map(value).filter(|value| value.is_finite());
         values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)))
     };
     let (fewest, most) = range(|row| row.entries as f64);
-    for (at, panel) in PANELS.iter().enumerate() {
-        let promise = promise(rows).filter(|_| at == 0);
-        let (low, high) = range(panel.value);
-        let high = promise.map_or(high, |[_, (_, candidates)]| high.max(candidates));
-        if rows.is_empty() || low <= 0.0 || high <= 0.0 {
-            continue;
-        }
-        let corner = [(at % COLUMNS) as f64 * PANEL[0], HEAD + (at / COLUMNS) as f64 * PANEL[1]];
-        let axes = Axes {
-            x: Axis {
-                low: fewest / 1.25,
-                high: most * 1.25,
-                logarithmic: true,
-                from: corner[0] + MARGIN[0],
-                to: corner[0] + PANEL[0] - MARGIN[2],
-            },
-            y: Axis {
-                // Linear panels show shares: up to 1, and from a twentieth below the least.
-                low: if panel.logarithmic { low / 1.6 } else { (low * 20.0 - 0.5).floor().max(0.0) / 20.0 },
-                high: if panel.logarithmic { high * 1.6 } else { 1.0 },
-                logarithmic: panel.logarithmic,
-                from: corner[1] + PANEL[1] - MARGIN[3],
-                to: corner[1] + MARGIN[1],
-            },
-        };
-        axes.draw(&mut out, panel.title);
-        if let Some(promise) = promise {
-            draw_promise(&mut out, &axes, promise);
-        }
-        for hash in hashes(rows) {
-            let points = points(rows, hash, panel.value);
-            curve(&mut out, &axes, &points, colour(hash));
-        }
+    let promise = promise(rows).filter(|_| at == 0);
+    let (low, high) = range(panel.value);
+    let high = promise.map_or(high, |[_, (_, candidates)]| high.max(candidates));
+    if rows.is_empty() || low <= 0.0 || high <= 0.0 {
+        return;
     }
-    out.push_str("</svg>\n");
-    out
-}
-
-/// Title and legend.
-fn head(out: &mut String, rows: &[Row]) {
-    let data = rows.first().map_or("nothing measured yet", |row| row.data.as_str());
-    let _ =
-        writeln!(out, "<text x=\"20\" y=\"28\" font-size=\"17\">How the search grows with the index</text>");
-    let _ = writeln!(
-        out,
-        "<text x=\"20\" y=\"47\" fill=\"#555\">{} · for 95 % of the queries, a neighbour within 1.05 of the nearest is wanted</text>",
-        escaped(data)
+    let [left, top] = [(at % COLUMNS) as f64 * PANEL[0], HEAD + (at / COLUMNS) as f64 * PANEL[1]];
+    let y = if panel.logarithmic {
+        logarithmic([low / 1.6, high * 1.6])
+    } else {
+        // Shares: up to 1, and from a twentieth below the least.
+        shares((low * 20.0 - 0.5).floor().max(0.0) / 20.0)
+    };
+    let chart = page.chart(
+        [left + MARGIN[0], left + PANEL[0] - MARGIN[2]],
+        [top + PANEL[1] - MARGIN[3], top + MARGIN[1]],
+        panel.title,
+        "entries",
+        [logarithmic([fewest / 1.25, most * 1.25]), y],
     );
-    let mut x = 20.0;
+    if let Some(promise) = promise {
+        chart.dashes(&promise, GREY);
+    }
     for hash in hashes(rows) {
-        let law = power_law(&points(rows, hash, |row| row.candidates));
-        let law = law.map(|law| format!(": candidates ~ N^{:.2}", law.exponent)).unwrap_or_default();
-        let text = format!("{} hash{law}", escaped(hash));
-        key(out, x, colour(hash), "", &text);
-        x += 60.0 + 6.6 * text.len() as f64;
+        let points = points(rows, hash, panel.value).into_iter().filter(|(_, y)| *y > 0.0);
+        chart.curve(&points.collect::<Vec<_>>(), colour(hash));
     }
-    if !rows.is_empty() {
-        key(out, x, GREY, "5 4", &format!("the paper's promise: ~ N^{PAPER_EXPONENT:.3}"));
-    }
-}
-
-fn key(out: &mut String, x: f64, colour: &str, dashes: &str, text: &str) {
-    let _ = writeln!(
-        out,
-        "<line x1=\"{x}\" y1=\"68\" x2=\"{}\" y2=\"68\" stroke=\"{colour}\" stroke-width=\"2\" stroke-dasharray=\"{dashes}\"/>\
-         <text x=\"{}\" y=\"72\">{text}</text>",
-        x + 26.0,
-        x + 32.0
-    );
 }
 
 /// What the paper promises, from where the curve of the most candidates begins to the largest
@@ -156,112 +127,28 @@ fn promise(rows: &[Row]) -> Option<[(f64, f64); 2]> {
     Some([(n, candidates), (most, candidates * (most / n).powf(PAPER_EXPONENT))])
 }
 
-fn draw_promise(out: &mut String, axes: &Axes, [from, to]: [(f64, f64); 2]) {
-    let _ = writeln!(
-        out,
-        "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{GREY}\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\"/>",
-        axes.x.place(from.0),
-        axes.y.place(from.1),
-        axes.x.place(to.0),
-        axes.y.place(to.1),
-    );
+/// An axis of decades, and of what fits between them.
+fn logarithmic([low, high]: [f64; 2]) -> Axis {
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let ticks = |steps: &[f64]| -> Vec<f64> {
+        let all = decades.clone().flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
+        all.filter(|tick| (low..=high).contains(tick)).collect()
+    };
+    let dense = [ticks(&[1.0, 2.0, 5.0]), ticks(&[1.0, 3.0])];
+    let ticks = dense.into_iter().find(|ticks| ticks.len() <= MOST_TICKS).unwrap_or_else(|| ticks(&[1.0]));
+    Axis { ends: [low, high], logarithmic: true, ticks: written(ticks) }
 }
 
-fn curve(out: &mut String, axes: &Axes, points: &[(f64, f64)], colour: &str) {
-    let places: Vec<(f64, f64)> =
-        points.iter().filter(|(_, y)| *y > 0.0).map(|(x, y)| (axes.x.place(*x), axes.y.place(*y))).collect();
-    let line: Vec<String> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-    let _ = writeln!(
-        out,
-        "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>",
-        line.join(" ")
-    );
-    for (x, y) in places {
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.5\" fill=\"{colour}\" stroke=\"white\"/>"
-        );
-    }
+/// An axis of shares up to 1.
+fn shares(low: f64) -> Axis {
+    let step = if 1.0 - low > 0.3 { 0.1 } else { 0.05 };
+    let ticks = (low / step).round() as i32..=(1.0 / step).round() as i32;
+    let ticks = ticks.map(|tick| f64::from(tick) * step).collect();
+    Axis { ends: [low, 1.0], logarithmic: false, ticks: written(ticks) }
 }
 
-struct Axes {
-    x: Axis,
-    y: Axis,
-}
-
-struct Axis {
-    low: f64,
-    high: f64,
-    logarithmic: bool,
-    /// Where `low` lies in the picture, and where `high` does.
-    from: f64,
-    to: f64,
-}
-
-impl Axis {
-    fn place(&self, value: f64) -> f64 {
-        let scale = |value: f64| if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value };
-        let share = (scale(value) - scale(self.low)) / (scale(self.high) - scale(self.low));
-        self.from + share * (self.to - self.from)
-    }
-
-    /// Round numbers within the axis: decades, and what fits between them.
-    fn ticks(&self) -> Vec<f64> {
-        if !self.logarithmic {
-            let step = if self.high - self.low > 0.3 { 0.1 } else { 0.05 };
-            let first = (self.low / step).round() as i32;
-            let last = (self.high / step).round() as i32;
-            return (first..=last).map(|tick| f64::from(tick) * step).collect();
-        }
-        let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
-        let ticks = |steps: &[f64]| -> Vec<f64> {
-            let all =
-                decades.clone().flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
-            all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
-        };
-        let dense = [ticks(&[1.0, 2.0, 5.0]), ticks(&[1.0, 3.0])];
-        dense.into_iter().find(|ticks| ticks.len() <= MOST_TICKS).unwrap_or_else(|| ticks(&[1.0]))
-    }
-}
-
-impl Axes {
-    fn draw(&self, out: &mut String, title: &str) {
-        let (left, right, bottom, top) = (self.x.from, self.x.to, self.y.from, self.y.to);
-        let _ = writeln!(
-            out,
-            "<text x=\"{left:.1}\" y=\"{:.1}\" font-weight=\"bold\">{title}</text>",
-            top - 12.0
-        );
-        for tick in self.y.ticks() {
-            let y = self.y.place(tick);
-            let _ = writeln!(
-                out,
-                "<line x1=\"{left:.1}\" y1=\"{y:.1}\" x2=\"{right:.1}\" y2=\"{y:.1}\" stroke=\"#e4e4e4\"/>\
-                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\">{}</text>",
-                left - 7.0,
-                y + 4.0,
-                number(tick)
-            );
-        }
-        for tick in self.x.ticks() {
-            let x = self.x.place(tick);
-            let _ = writeln!(
-                out,
-                "<line x1=\"{x:.1}\" y1=\"{bottom:.1}\" x2=\"{x:.1}\" y2=\"{:.1}\" stroke=\"#555\"/>\
-                 <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#555\">{}</text>",
-                bottom + 4.0,
-                bottom + 17.0,
-                number(tick)
-            );
-        }
-        let _ = writeln!(
-            out,
-            "<path d=\"M{left:.1},{top:.1}V{bottom:.1}H{right:.1}\" fill=\"none\" stroke=\"#555\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#555\">entries</text>",
-            (left + right) / 2.0,
-            bottom + 32.0
-        );
-    }
+fn written(ticks: Vec<f64>) -> Vec<(f64, String)> {
+    ticks.into_iter().map(|tick| (tick, number(tick))).collect()
 }
 
 /// `20 k`, `3 M`, `0.05`.
@@ -273,10 +160,6 @@ fn number(value: f64) -> String {
     };
     // Two digits behind the point are enough for any tick; no trailing zeros.
     format!("{}{unit}", (value * 100.0).round() / 100.0)
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 #[cfg(test)]
@@ -302,15 +185,9 @@ mod tests {
     #[test]
     fn every_measurement_is_drawn_within_the_picture() {
         let svg = svg(&rows());
-        assert_eq!(svg.matches("<circle").count(), PANELS.len() * 3);
-        assert!(svg.contains("a &lt; b &amp; c") && svg.ends_with("</svg>\n"));
+        assert_eq!(svg.matches("<circle").count(), 2 * PANELS.len() * 3);
+        assert!(svg.contains("a &lt; b &amp; c"));
         assert!(svg.contains("random hash: candidates ~ N^0.82") && svg.contains("N^0.952"));
-        for (mark, most) in [("cx=\"", WIDTH), ("cy=\"", HEIGHT), ("x2=\"", WIDTH), ("y2=\"", HEIGHT)] {
-            for place in svg.split(mark).skip(1) {
-                let place: f64 = place.split('"').next().unwrap().parse().unwrap();
-                assert!((0.0..=most).contains(&place), "{mark}{place}");
-            }
-        }
     }
 
     #[test]
@@ -320,11 +197,11 @@ mod tests {
 
     #[test]
     fn ticks_are_round() {
-        let axis = |low, high, logarithmic| Axis { low, high, logarithmic, from: 0.0, to: 1.0 };
-        assert_eq!(axis(4e3, 2e6, true).ticks(), [1e4, 3e4, 1e5, 3e5, 1e6]);
-        assert_eq!(axis(4e3, 2e9, true).ticks(), [1e4, 1e5, 1e6, 1e7, 1e8, 1e9]);
-        assert_eq!(axis(4e3, 6e4, true).ticks(), [5e3, 1e4, 2e4, 5e4]);
-        assert_eq!(axis(0.85, 1.0, false).ticks().len(), 4);
+        let ticks = |axis: Axis| axis.ticks.into_iter().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(ticks(logarithmic([4e3, 2e6])), ["10 k", "30 k", "100 k", "300 k", "1 M"]);
+        assert_eq!(ticks(logarithmic([4e3, 2e9])), ["10 k", "100 k", "1 M", "10 M", "100 M", "1000 M"]);
+        assert_eq!(ticks(logarithmic([4e3, 6e4])), ["5 k", "10 k", "20 k", "50 k"]);
+        assert_eq!(ticks(shares(0.85)), ["0.85", "0.9", "0.95", "1"]);
         assert_eq!([2e4, 5e6, 0.05, 1.0].map(number), ["20 k", "5 M", "0.05", "1"]);
     }
 }

@@ -4,19 +4,13 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use hyper::Uri;
+use ureq::http::Uri;
 
 /// The address of a service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Address {
-    /// `http://HOST[:PORT][/PATH]`.
-    Http {
-        /// HOST:PORT, to connect to.
-        authority: String,
-        /// What stands before the service's own paths; empty, or begins with a slash and does not
-        /// end in one.
-        prefix: String,
-    },
+    /// `http://HOST:PORT[/PATH]`, without a slash at its end.
+    Http(String),
     /// `unix:PATH`.
     Unix(PathBuf),
 }
@@ -46,15 +40,15 @@ impl FromStr for Address {
             _ => return Err(AddressError::Form),
         }
         let host = uri.host().filter(|host| !host.is_empty()).ok_or(AddressError::Form)?;
-        let authority = format!("{host}:{}", uri.port_u16().unwrap_or(80));
-        Ok(Self::Http { authority, prefix: uri.path().trim_end_matches('/').to_owned() })
+        let port = uri.port_u16().unwrap_or(80);
+        Ok(Self::Http(format!("http://{host}:{port}{}", uri.path().trim_end_matches('/'))))
     }
 }
 
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Http { authority, prefix } => write!(f, "http://{authority}{prefix}"),
+            Self::Http(base) => f.write_str(base),
             Self::Unix(path) => write!(f, "unix:{}", path.display()),
         }
     }
@@ -66,13 +60,11 @@ mod tests {
 
     #[test]
     fn addresses_are_hosts_or_paths() {
-        let http = |authority: &str, prefix: &str| {
-            Ok(Address::Http { authority: authority.into(), prefix: prefix.into() })
-        };
+        let http = |base: &str| Ok(Address::Http(base.into()));
         for (text, expected) in [
-            ("http://127.0.0.1:8750", http("127.0.0.1:8750", "")),
-            ("http://robot/", http("robot:80", "")),
-            ("http://[::1]:8750/grasp/", http("[::1]:8750", "/grasp")),
+            ("http://127.0.0.1:8750", http("http://127.0.0.1:8750")),
+            ("http://robot/", http("http://robot:80")),
+            ("http://[::1]:8750/grasp/", http("http://[::1]:8750/grasp")),
             ("unix:/run/grasp.sock", Ok(Address::Unix("/run/grasp.sock".into()))),
             ("https://robot", Err(AddressError::Https)),
             ("robot:8750", Err(AddressError::Form)),

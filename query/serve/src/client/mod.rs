@@ -1,39 +1,40 @@
 //! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service,
 //! which answers in the words of this program.
 //!
-//! One [`Client`] is one connection that stays open from picture to picture; [`Clients`] lends them
-//! to threads.
+//! A [`Client`] keeps its connections open from picture to picture, one for each thread that asks
+//! at the same time.
 
 mod address;
-mod form;
+mod parts;
+#[cfg(unix)]
+mod socket;
 
 use std::io;
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 pub use address::{Address, AddressError};
-use axum::body::Bytes;
-pub use form::Parts;
-use http_body_util::{BodyExt as _, Full, Limited};
-use hyper::client::conn::http1::{SendRequest, handshake};
-use hyper::header::HeaderValue;
-use hyper::{Method, Request, StatusCode, header};
-use hyper_util::rt::TokioIo;
-use tokio::net::TcpStream;
-use tokio::runtime::Runtime;
+pub use parts::Parts;
+use serde::Serialize;
+use ureq::http::{Response, StatusCode, header};
+use ureq::typestate::WithBody;
+#[cfg(unix)]
+use ureq::unversioned::resolver::DefaultResolver;
+use ureq::{Agent, Body, Error, RequestBuilder, Timeout};
 
 use crate::wire::parameters::{PictureParameters, SearchParameters};
 use crate::wire::{Format, STATUS, Token};
 
 /// How long a service may take for one answer.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// How often a picture is offered to a service that has too many already; it says itself how long
-/// to wait in between.
-const ATTEMPTS: u32 = 60;
-/// The longest that it may make us wait.
-const LONGEST_WAIT: u64 = 30;
+/// For how long a picture is offered to a service that has too many already; it says itself how
+/// long to wait in between.
+const BUSY: Duration = Duration::from_secs(300);
 /// The longest answer that is read.
-const MOST_BYTES: usize = 1 << 28;
+const MOST_BYTES: u64 = 1 << 28;
+/// A longer body waits until the service says that it wants it: a service may answer without
+/// reading what it refuses, and its answer would be lost.
+const LONG_BODY: usize = 1 << 20;
 
 /// What a service says to a picture.
 #[derive(Clone, Debug)]
@@ -43,7 +44,7 @@ pub struct Answer {
     /// Whether it is an answer, and not the reason why there is none.
     pub is_answer: bool,
     /// In the format that was wanted.
-    pub body: Bytes,
+    pub body: Vec<u8>,
 }
 
 /// Why a service does not answer.
@@ -85,158 +86,139 @@ pub enum ClientError {
     },
 }
 
-/// What is sent.
-struct Question<'a> {
-    path: &'static str,
-    query: &'a str,
-    kind: &'a str,
-    body: &'a Bytes,
-    accept: &'static str,
-}
-
-/// A connection to a service, opened when it is needed.
-#[derive(Debug)]
+/// Connections to a service, opened when they are needed.
+#[derive(Clone, Debug)]
 pub struct Client {
     address: Address,
     token: Option<Token>,
-    runtime: Runtime,
-    open: Option<SendRequest<Full<Bytes>>>,
+    agent: Agent,
 }
 
 impl Client {
     /// A client that has not connected yet.
-    ///
-    /// # Errors
-    /// Where the system has no means left for one.
-    pub fn new(address: Address, token: Option<Token>) -> io::Result<Self> {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        Ok(Self { address, token, runtime, open: None })
+    pub fn new(address: Address, token: Option<Token>) -> Self {
+        let config = Agent::config_builder()
+            .proxy(None)
+            .max_redirects(0)
+            .max_redirects_will_error(false)
+            .http_status_as_error(false)
+            .max_idle_connections(usize::MAX)
+            .max_idle_connections_per_host(usize::MAX)
+            .timeout_global(Some(PATIENCE))
+            .build();
+        let agent = match &address {
+            #[cfg(unix)]
+            Address::Unix(path) => {
+                Agent::with_parts(config, socket::Socket(path.clone()), DefaultResolver::default())
+            }
+            _ => config.new_agent(),
+        };
+        Self { address, token, agent }
     }
 
-    /// Sends a picture, again and again where the service is busy, and waits for the answer.
+    /// Sends a picture, again and again for five minutes where the service is busy, and waits for
+    /// the answer.
     ///
     /// # Errors
     /// [`ClientError`], where there is none.
     pub fn recognise(
-        &mut self,
+        &self,
         parameters: &PictureParameters,
         parts: &Parts,
         format: Format,
     ) -> Result<Answer, ClientError> {
-        let (kind, body) = parts.encode();
-        let query = serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error))?;
-        let question = Question {
-            path: "recognise",
-            query: &query,
-            kind: &kind,
-            body: &body,
-            accept: format.media_type(),
-        };
-        let (head, body) = self.send(&question)?;
-        let exit = head.headers.get(STATUS).and_then(|exit| exit.to_str().ok()?.parse().ok());
+        let send = |request| parts.send(request);
+        let answer = self.ask("recognise", parameters, format.media_type(), parts.len(), send)?;
+        let exit = answer.headers().get(STATUS).and_then(|exit| exit.to_str().ok()?.parse().ok());
+        let is_answer = answer.status() == StatusCode::OK;
         match exit {
-            Some(exit) => Ok(Answer { exit, is_answer: head.status == StatusCode::OK, body }),
-            None => Err(self.refused(head.status, &body)),
+            Some(exit) => Ok(Answer { exit, is_answer, body: answer.into_body() }),
+            None => Err(self.refused(&answer)),
         }
     }
 
-    /// Sends descriptors, an array in NumPy's format, and waits for a line of JSON for each.
+    /// Sends descriptors, an array in NumPy's format, and waits for a line of JSON for each; as
+    /// [`Self::recognise`] does where the service is busy.
     ///
     /// # Errors
     /// [`ClientError`], where there are none.
-    pub fn search(&mut self, parameters: &SearchParameters, body: Bytes) -> Result<Bytes, ClientError> {
-        let query = serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error))?;
-        let (kind, accept) = ("application/octet-stream", "application/x-ndjson");
-        let question = Question { path: "search", query: &query, kind, body: &body, accept };
-        let (head, body) = self.send(&question)?;
-        if head.status == StatusCode::OK { Ok(body) } else { Err(self.refused(head.status, &body)) }
+    pub fn search(&self, parameters: &SearchParameters, array: &[u8]) -> Result<Vec<u8>, ClientError> {
+        let send = |request: RequestBuilder<_>| request.content_type("application/octet-stream").send(array);
+        let answer = self.ask("search", parameters, "application/x-ndjson", array.len(), send)?;
+        if answer.status() == StatusCode::OK { Ok(answer.into_body()) } else { Err(self.refused(&answer)) }
     }
 
-    /// Asks again and again where the service is busy.
-    fn send(
-        &mut self,
-        question: &Question<'_>,
-    ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
-        let mut attempts = 0;
-        loop {
-            let (head, body) = self.send_once(question)?;
-            attempts += 1;
-            if head.status != StatusCode::TOO_MANY_REQUESTS || attempts >= ATTEMPTS {
-                return Ok((head, body));
-            }
-            let wait =
-                head.headers.get(header::RETRY_AFTER).and_then(|wait| wait.to_str().ok()?.parse().ok());
-            std::thread::sleep(Duration::from_secs(wait.unwrap_or(1).min(LONGEST_WAIT)));
-        }
-    }
-
-    /// One request, on the connection that is open, or on a new one where there is none or it was
-    /// closed meanwhile.
-    fn send_once(
-        &mut self,
-        question: &Question<'_>,
-    ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
-        let was_open = self.open.is_some();
-        match self.try_send(question) {
-            Err(ClientError::Broken { .. }) if was_open => self.try_send(question),
-            outcome => outcome,
-        }
-    }
-
-    fn try_send(
-        &mut self,
-        question: &Question<'_>,
-    ) -> Result<(hyper::http::response::Parts, Bytes), ClientError> {
-        let Question { path, query, kind, body, accept } = *question;
-        let (host, prefix) = match &self.address {
-            Address::Http { authority, prefix } => (authority.as_str(), prefix.as_str()),
-            Address::Unix(_) => ("localhost", ""),
+    /// Asks again and again where the service is busy; `length` bytes are sent.
+    fn ask(
+        &self,
+        path: &str,
+        parameters: &impl Serialize,
+        accept: &str,
+        length: usize,
+        send: impl Fn(RequestBuilder<WithBody>) -> Result<Response<Body>, Error>,
+    ) -> Result<Response<Vec<u8>>, ClientError> {
+        let base = match &self.address {
+            Address::Http(base) => base,
+            Address::Unix(_) if cfg!(unix) => "http://127.0.0.1",
+            Address::Unix(_) => return Err(self.unreachable(io::ErrorKind::Unsupported.into())),
         };
-        let mut request = Request::builder()
-            .method(Method::POST)
-            .uri(format!("{prefix}/v1/{path}?{query}"))
-            .header(header::HOST, host)
-            .header(header::ACCEPT, accept)
-            .header(header::CONTENT_TYPE, kind);
-        if let Some(token) = &self.token {
-            let shown = HeaderValue::from_str(&format!("Bearer {}", token.reveal()));
-            let mut shown = shown.map_err(|error| self.broken(error))?;
-            shown.set_sensitive(true);
-            request = request.header(header::AUTHORIZATION, shown);
-        }
-        let request = request.body(Full::new(body.clone())).map_err(|error| self.broken(error))?;
-        let (address, open) = (&self.address, self.open.take());
-        let answer = self.runtime.block_on(async {
-            let mut sender = match open.filter(|sender| !sender.is_closed()) {
-                Some(sender) => sender,
-                None => connect(address).await?,
-            };
-            let exchange = async {
-                let response = sender.send_request(request).await.map_err(|error| error.to_string())?;
-                let (head, body) = response.into_parts();
-                let body =
-                    Limited::new(body, MOST_BYTES).collect().await.map_err(|error| error.to_string())?;
-                Ok((head, body.to_bytes()))
-            };
-            let broken = |reason: String| ClientError::Broken { address: address.clone(), reason };
-            match tokio::time::timeout(PATIENCE, exchange).await {
-                Ok(Ok(answer)) => Ok((answer, sender)),
-                Ok(Err(reason)) => Err(broken(reason)),
-                Err(_) => Err(broken(format!("{} seconds have passed", PATIENCE.as_secs()))),
+        let query =
+            serde_urlencoded::to_string(parameters).map_err(|error| self.broken(error.to_string()))?;
+        let uri = format!("{base}/v1/{path}?{query}");
+        let ask_once = || {
+            let mut request = self.agent.post(&uri).header(header::ACCEPT, accept);
+            if length > LONG_BODY {
+                request = request.header(header::EXPECT, "100-continue");
             }
-        });
-        let (answer, sender) = answer?;
-        self.open = Some(sender);
-        Ok(answer)
+            if let Some(token) = &self.token {
+                request = request.header(header::AUTHORIZATION, format!("Bearer {}", token.reveal()));
+            }
+            let (head, mut body) = send(request)?.into_parts();
+            let body = body.with_config().limit(MOST_BYTES).read_to_vec()?;
+            Ok(Response::from_parts(head, body))
+        };
+        let until = Instant::now() + BUSY;
+        loop {
+            let answer = match ask_once() {
+                // A connection that was kept open may have been closed meanwhile.
+                Err(Error::Io(error)) if is_broken(&error) => ask_once(),
+                answer => answer,
+            };
+            let answer = answer.map_err(|error| self.failed(error))?;
+            let wait = answer.headers().get(header::RETRY_AFTER);
+            let wait = wait.and_then(|wait| wait.to_str().ok()?.parse().ok()).unwrap_or(1);
+            let wait = Duration::from_secs(wait);
+            let left = until.saturating_duration_since(Instant::now());
+            if answer.status() != StatusCode::TOO_MANY_REQUESTS || wait > left {
+                return Ok(answer);
+            }
+            sleep(wait);
+        }
     }
 
-    fn broken(&self, error: impl ToString) -> ClientError {
-        ClientError::Broken { address: self.address.clone(), reason: error.to_string() }
+    fn failed(&self, error: Error) -> ClientError {
+        match error {
+            Error::Timeout(Timeout::Resolve | Timeout::Connect)
+            | Error::HostNotFound
+            | Error::ConnectionFailed => self.unreachable(error.into_io()),
+            Error::Timeout(_) => self.broken(format!("{} seconds have passed", PATIENCE.as_secs())),
+            Error::Io(error) if is_broken(&error) => self.broken(error.to_string()),
+            Error::Io(error) => self.unreachable(error),
+            other => self.broken(other.to_string()),
+        }
     }
 
-    fn refused(&self, status: StatusCode, body: &Bytes) -> ClientError {
-        let address = self.address.clone();
-        let problem: Option<serde_json::Value> = serde_json::from_slice(body).ok();
+    fn unreachable(&self, source: io::Error) -> ClientError {
+        ClientError::Unreachable { address: self.address.clone(), source }
+    }
+
+    fn broken(&self, reason: String) -> ClientError {
+        ClientError::Broken { address: self.address.clone(), reason }
+    }
+
+    fn refused(&self, answer: &Response<Vec<u8>>) -> ClientError {
+        let (address, status) = (self.address.clone(), answer.status());
+        let problem: Option<serde_json::Value> = serde_json::from_slice(answer.body()).ok();
         match problem.as_ref().and_then(|problem| problem.get("error")?.get("message")?.as_str()) {
             Some(message) => ClientError::Refused {
                 address,
@@ -248,68 +230,8 @@ impl Client {
     }
 }
 
-async fn connect(address: &Address) -> Result<SendRequest<Full<Bytes>>, ClientError> {
-    let unreachable = |source| ClientError::Unreachable { address: address.clone(), source };
-    let opened = match address {
-        Address::Http { authority, .. } => {
-            let stream = TcpStream::connect(authority).await.map_err(unreachable)?;
-            // A picture is sent whole: waiting to fill a packet only adds time.
-            let _ = stream.set_nodelay(true);
-            start(TokioIo::new(stream)).await
-        }
-        #[cfg(unix)]
-        Address::Unix(path) => {
-            let stream = tokio::net::UnixStream::connect(path).await.map_err(unreachable)?;
-            start(TokioIo::new(stream)).await
-        }
-        #[cfg(not(unix))]
-        Address::Unix(_) => return Err(unreachable(io::ErrorKind::Unsupported.into())),
-    };
-    opened.map_err(|error| ClientError::Broken { address: address.clone(), reason: error.to_string() })
-}
-
-async fn start<S>(stream: S) -> hyper::Result<SendRequest<Full<Bytes>>>
-where
-    S: hyper::rt::Read + hyper::rt::Write + Unpin + Send + 'static,
-{
-    let (sender, connection) = handshake(stream).await?;
-    // What breaks the connection is told to the request that is under way on it.
-    tokio::spawn(async move { drop(connection.await) });
-    Ok(sender)
-}
-
-/// Clients of one service, as many as threads ask for at a time.
-#[derive(Debug)]
-pub struct Clients {
-    address: Address,
-    token: Option<Token>,
-    idle: Mutex<Vec<Client>>,
-}
-
-impl Clients {
-    /// No connection is open yet.
-    pub fn new(address: Address, token: Option<Token>) -> Self {
-        Self { address, token, idle: Mutex::default() }
-    }
-
-    /// Sends a picture by a client that nobody else uses.
-    ///
-    /// # Errors
-    /// As [`Client::recognise`].
-    pub fn recognise(
-        &self,
-        parameters: &PictureParameters,
-        parts: &Parts,
-        format: Format,
-    ) -> Result<Answer, ClientError> {
-        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let unreachable = |source| ClientError::Unreachable { address: self.address.clone(), source };
-        let mut client = match idle {
-            Some(client) => client,
-            None => Client::new(self.address.clone(), self.token.clone()).map_err(unreachable)?,
-        };
-        let answer = client.recognise(parameters, parts, format);
-        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(client);
-        answer
-    }
+/// Whether a connection broke that had been made.
+fn is_broken(error: &io::Error) -> bool {
+    use io::ErrorKind::{BrokenPipe, ConnectionAborted, ConnectionReset, UnexpectedEof};
+    matches!(error.kind(), BrokenPipe | ConnectionAborted | ConnectionReset | UnexpectedEof)
 }

@@ -10,7 +10,7 @@ use grasp_answer::explain;
 use grasp_answer::human;
 use grasp_answer::record::Record;
 use grasp_recognise::picture;
-use grasp_serve::client::{Address, Answer, ClientError, Clients, Parts};
+use grasp_serve::client::{Address, Answer, Client, ClientError, Parts};
 use grasp_serve::wire::parameters::PictureParameters;
 use grasp_serve::wire::{DESCRIBED, Format};
 
@@ -34,20 +34,20 @@ impl Recognise {
         self.source()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
-        let clients = Clients::new(address.clone(), token);
+        let client = Client::new(address.clone(), token);
         let mut output =
             Output { form: self.form(), status: crate::cli::status::SUCCESS, out: io::stdout().lock() };
         let at_once = 4 * rayon::current_num_threads();
         for group in super::groups(images) {
             if group == [Path::new(STANDARD_INPUT)] {
-                self.stream_remote(&clients, drawings, &mut output)?;
+                self.stream_remote(&client, drawings, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
                 let ask = |path: &PathBuf| {
                     let name = path.display().to_string();
                     match picture::read(path) {
-                        Ok(bytes) => self.ask(&clients, drawings, name, None, bytes),
+                        Ok(bytes) => self.ask(&client, drawings, name, None, bytes),
                         Err(error) => Ok(Told::Own(Record::not_recognised(name, None, &error.into()))),
                     }
                 };
@@ -65,13 +65,13 @@ impl Recognise {
 
     fn stream_remote(
         &self,
-        clients: &Clients,
+        client: &Client,
         drawings: Option<&Drawings>,
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
         each_frame(|frame, bytes| {
             let told = match bytes {
-                Ok(bytes) => self.ask(clients, drawings, STANDARD_INPUT.to_owned(), frame, bytes)?,
+                Ok(bytes) => self.ask(client, drawings, STANDARD_INPUT.to_owned(), frame, bytes)?,
                 Err(record) => Told::Own(record),
             };
             output.write_told(&told)
@@ -80,18 +80,18 @@ impl Recognise {
 
     fn ask(
         &self,
-        clients: &Clients,
+        client: &Client,
         drawings: Option<&Drawings>,
         name: String,
         frame: Option<u64>,
         bytes: Vec<u8>,
     ) -> anyhow::Result<Told> {
-        let read = |path: &Path| picture::read(path).map(Into::into);
+        let read = |path: &Path| picture::read(path);
         let (robot, [described, object, camera]) =
             self.robot.files().map_or((None, [None; 3]), |(name, files)| (Some(name), files));
         let (arm, arm_file) = self.robot.arm().map_or((None, None), |(name, file)| (Some(name), file));
         let parts = Parts {
-            picture: bytes.into(),
+            picture: bytes,
             mask: self.mask.as_deref().map(read).transpose()?,
             depth: self.depth.as_deref().map(read).transpose()?,
             robot: described.map(read).transpose()?,
@@ -114,7 +114,7 @@ impl Recognise {
             Form::Text => Format::Text,
             Form::Moveit => Format::Moveit,
         };
-        let answer = match clients.recognise(&parameters, &parts, wanted) {
+        let answer = match client.recognise(&parameters, &parts, wanted) {
             Ok(answer) => answer,
             Err(ClientError::Refused { is_picture: true, message, .. }) => {
                 return Ok(Told::Own(Record::failed(name, frame, "too_large", message)));
@@ -122,7 +122,7 @@ impl Recognise {
             Err(error) => return Err(error.into()),
         };
         if let (Some(drawings), true) = (drawings, answer.is_answer) {
-            let drawing = clients.recognise(&parameters, &parts, Format::Drawing)?;
+            let drawing = client.recognise(&parameters, &parts, Format::Drawing)?;
             self.drawn(&name, frame, drawings.of(&name, frame), |path| {
                 Ok(explain::save(&decoded(&drawing.body)?, path)?)
             });

@@ -48,7 +48,7 @@ impl Search {
     /// Asks for the neighbours of all queries, which are rows of `dim` values.
     pub(super) fn ask(&self, address: &Address, queries: &[f32], dim: usize) -> anyhow::Result<Found> {
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
-        let mut client = Client::new(address.clone(), token)?;
+        let client = Client::new(address.clone(), token);
         let parameters = SearchParameters::of(&self.options());
         let mut found = Found { neighbours: Vec::new(), names: HashMap::new() };
         let rows = (MOST_NEIGHBOURS / self.k).min(MOST_BYTES / (4 * dim.max(1))).max(1);
@@ -57,7 +57,7 @@ impl Search {
             let header = NpyHeader { element: NpyType::F32, rows, columns: dim as u64, offset: 0 };
             let mut body = header.to_bytes();
             body.extend(queries.iter().flat_map(|value| value.to_le_bytes()));
-            let answer = client.search(&parameters, body.into())?;
+            let answer = client.search(&parameters, &body)?;
             for line in answer.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
                 let line: Line = serde_json::from_slice(line)?;
                 let end = found.neighbours.len() + self.k;
