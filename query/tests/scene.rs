@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use grasp_recognise::picture::{self, Picture};
-use grasp_recognise::scene::{SceneNetwork, find};
-use grasp_recognise::segment::{Mask, SegmentParams};
+use grasp_recognise::scene::{LandmarkUnit, Landmarks, SceneNetwork, find};
+use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::{MaskSource, Prepared, Side};
 
 const NAMES: [&str; 6] = [
@@ -106,4 +106,55 @@ fn a_wall_has_no_hand() {
     let single = Picture::new(1, 1, vec![[200, 150, 120]]).unwrap();
     // Whatever it says of a pixel, it returns.
     let _ = find(SceneNetwork::built_in(), &single);
+}
+
+/// Where the joints of the hand that pinches are, to a few pixels (`landmarks/09-pinch.json`).
+const JOINTS: [[f64; 2]; 21] = [
+    [451.0, 113.0],
+    [421.0, 146.0],
+    [381.0, 202.0],
+    [355.0, 247.0],
+    [330.0, 287.0],
+    [302.0, 174.0],
+    [272.0, 242.0],
+    [280.0, 282.0],
+    [290.0, 310.0],
+    [295.0, 171.0],
+    [265.0, 242.0],
+    [275.0, 285.0],
+    [282.0, 315.0],
+    [297.0, 169.0],
+    [262.0, 239.0],
+    [272.0, 287.0],
+    [281.0, 318.0],
+    [302.0, 166.0],
+    [297.0, 222.0],
+    [297.0, 247.0],
+    [295.0, 267.0],
+];
+
+/// Two pictures of one size, side by side.
+fn beside(left: &Picture, right: &Picture) -> Picture {
+    let (width, height) = (left.width(), left.height());
+    let rows = left.rgb().chunks(width).zip(right.rgb().chunks(width));
+    let pixels = rows.flat_map(|(left, right)| left.iter().chain(right)).copied();
+    Picture::new(2 * width, height, pixels.collect()).unwrap()
+}
+
+#[test]
+fn joints_say_which_of_two_hands_is_meant() {
+    let (pinch, ball) = (camera("09-pinch"), camera("10-power-sphere"));
+    let (width, height) = (pinch.width() as f64, pinch.height() as f64);
+    let shares = |shift: f64| JOINTS.map(|[x, y]| [(x + shift) / (2.0 * width), y / height]);
+    for by in [Finder::Scene, Finder::Skin] {
+        let params = SegmentParams { by, ..SegmentParams::default() };
+        for (picture, shift) in [(beside(&pinch, &ball), 0.0), (beside(&ball, &pinch), width)] {
+            let landmarks = Landmarks::new(&shares(shift), LandmarkUnit::Share).unwrap();
+            let found = Prepared::new(picture, false, &MaskSource::Landmarks(landmarks), &params).unwrap();
+            let shrunk = 2.0 * width / found.picture.width() as f64;
+            let [x, y] = middle(&found.mask).map(|v| v * shrunk);
+            let off = (x - shift - 335.0).hypot(y - 205.0);
+            assert!(off < 60.0, "{by:?}, {shift}: the hand is found at {x}, {y}");
+        }
+    }
 }

@@ -19,6 +19,7 @@ mod grow;
 mod hand_model;
 mod hostile_pictures;
 mod labelled;
+mod landmarks;
 mod limits;
 mod messages;
 mod overwrite;

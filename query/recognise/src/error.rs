@@ -3,14 +3,18 @@
 use grasp_index::{HandImageError, SearchError};
 
 use crate::picture::DecodeError;
+use crate::scene::LandmarksError;
 use crate::segment::MaskError;
 
-/// Why a mask cannot be used.
+/// Why a mask, or what stands for one, cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// It belongs to another picture.
     #[error(transparent)]
     Mask(#[from] MaskError),
+    /// So do landmarks.
+    #[error(transparent)]
+    Landmarks(#[from] LandmarksError),
 }
 
 /// Why a picture has no answer.
@@ -38,7 +42,8 @@ impl RecogniseError {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Decode(error) => error.kind(),
-            Self::Source(_) => "mask",
+            Self::Source(SourceError::Mask(_)) => "mask",
+            Self::Source(SourceError::Landmarks(_)) => "landmarks",
             Self::NoHand => "no_hand",
             Self::Hand(_) => "hand_too_small",
             Self::Search(_) => "search",

@@ -4,7 +4,7 @@ use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
 use crate::error::{RecogniseError, SourceError};
 use crate::picture::{self, Picture, WORKING_SIDE};
-use crate::scene::{self, Scene, SceneNetwork};
+use crate::scene::{self, Found, Joints, Landmarks, Scene, SceneNetwork};
 use crate::segment::depth::{DepthRange, mask_from_depth};
 use crate::segment::{self, Finder, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
@@ -21,6 +21,8 @@ pub enum MaskSource {
     Given(Mask),
     /// A mask made elsewhere, on a picture that is segmented already: both must agree.
     SegmentedAnd(Mask),
+    /// A camera picture, and where the hand's joints are in it.
+    Landmarks(Landmarks),
     /// A depth picture of the picture's size, and what range of it is hand.
     Depth {
         /// Pixels in a row.
@@ -84,8 +86,23 @@ impl Prepared {
             MaskSource::Camera => {
                 let picture = picture.shrunk_to(WORKING_SIDE);
                 return match params.by {
-                    Finder::Scene => Self::of_scene(picture, params),
-                    Finder::Skin => Self::of_skin(picture, params),
+                    Finder::Scene => {
+                        let found = scene::find(SceneNetwork::built_in(), &picture);
+                        Self::of_found(picture, found.ok_or(RecogniseError::NoHand)?, params)
+                    }
+                    Finder::Skin => Self::of_skin(picture, None, params),
+                };
+            }
+            MaskSource::Landmarks(landmarks) => {
+                let joints = landmarks.of_picture(width, height).map_err(SourceError::Landmarks)?;
+                let joints = joints.shrunk(picture.shrink_factor(WORKING_SIDE));
+                let picture = picture.shrunk_to(WORKING_SIDE);
+                return match params.by {
+                    Finder::Scene => {
+                        let found = scene::find_at(SceneNetwork::built_in(), &picture, &joints);
+                        Self::of_found(picture, found, params)
+                    }
+                    Finder::Skin => Self::of_skin(picture, Some(&joints), params),
                 };
             }
             MaskSource::Segmented => not_black(&picture, is_jpeg),
@@ -114,20 +131,26 @@ impl Prepared {
         Ok(Self { picture, mask, skin: None, scene: None, quality: None })
     }
 
-    /// Finds the hand by the colour of skin.
-    fn of_skin(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
-        let found = segment::segment(&picture, params).ok_or(RecogniseError::NoHand)?;
+    /// Finds the hand by the colour of skin, and by where its joints are if that is known.
+    fn of_skin(
+        picture: Picture,
+        joints: Option<&Joints>,
+        params: &SegmentParams,
+    ) -> Result<Self, RecogniseError> {
+        let cut = match joints {
+            None => segment::segment(&picture, params),
+            Some(joints) => segment::segment_seen(&picture, params, Some(&|place| joints.hand(place))),
+        };
+        let found = cut.ok_or(RecogniseError::NoHand)?;
         let (skin, quality) = (Some(found.skin), Some(found.quality));
         Ok(Self { picture, mask: found.hand, skin, scene: None, quality })
     }
 
-    /// Finds the hand by the scene network, and cuts it out by colour and by what that has seen.
-    fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
-        let network = SceneNetwork::built_in();
-        let seen = scene::find(network, &picture).ok_or(RecogniseError::NoHand)?;
+    /// Cuts out a hand that the scene network has found, by colour and by what that has seen.
+    fn of_found(picture: Picture, seen: Found, params: &SegmentParams) -> Result<Self, RecogniseError> {
         let cut = segment::segment_seen(&picture, params, Some(&|place| seen.skin(place)));
         let cut = cut.ok_or(RecogniseError::NoHand)?;
-        let scene = Some(Scene::new(network, &picture, seen, &cut.hand));
+        let scene = Some(Scene::new(SceneNetwork::built_in(), &picture, seen, &cut.hand));
         let (skin, quality) = (Some(cut.skin), Some(cut.quality));
         Ok(Self { picture, mask: cut.hand, skin, scene, quality })
     }

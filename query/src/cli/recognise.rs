@@ -1,6 +1,7 @@
 //! `grasp-query recognise`.
 
 mod drawings;
+mod landmarks;
 #[cfg(feature = "serve")]
 mod remote;
 
@@ -39,6 +40,7 @@ Examples:
   grasp-query recognise --json --timings tests/pictures/camera/*.jpg
   grasp-query recognise --segmented tests/pictures/segmented/09-pinch.png --hand right
   grasp-query recognise tests/pictures/segmented/09-pinch.png --mask tests/pictures/mask/09-pinch.png
+  grasp-query recognise tests/pictures/camera/09-pinch.jpg --landmarks-json tests/pictures/landmarks/09-pinch.json
   grasp-query recognise PICTURE.png --depth DEPTH.png --depth-range 400..900
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --explain why.png
   grasp-query recognise tests/pictures/camera/*.jpg --sequence --json
@@ -63,10 +65,10 @@ pub(super) struct Recognise {
     #[command(flatten)]
     index: IndexFile,
     /// The pictures are segmented already: a hand on black.
-    #[arg(long, conflicts_with_all = ["mask", "depth"])]
+    #[arg(long, conflicts_with_all = ["mask", "depth", "landmarks_json"])]
     segmented: bool,
     /// A mask of the hand, white on black, of the picture's size. For a single picture.
-    #[arg(long, value_name = "FILE", conflicts_with = "depth")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["depth", "landmarks_json"])]
     mask: Option<PathBuf>,
     /// A depth picture (one channel of 16 bits) of the picture's size. For a single picture.
     #[arg(long, value_name = "FILE", requires = "depth_range")]
@@ -74,6 +76,10 @@ pub(super) struct Recognise {
     /// The depths that are hand, in the depth picture's unit.
     #[arg(long, value_name = "NEAR..FAR", requires = "depth")]
     depth_range: Option<DepthRange>,
+    /// Where the hand's 21 joints are, as a tracker has found them: {"unit": "pixel" or "share",
+    /// "landmarks": [[x, y], ...]} in MediaPipe's order. For a single picture.
+    #[arg(long, value_name = "FILE", conflicts_with = "depth")]
+    landmarks_json: Option<PathBuf>,
     /// Print JSON Lines, one record a picture.
     #[arg(long)]
     json: bool,
@@ -100,7 +106,7 @@ pub(super) struct Recognise {
     holding: Option<String>,
     #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
-    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior", "landmarks_json"])]
     server: Option<Address>,
     #[cfg(feature = "serve")]
     /// Show the service the token in this file.
@@ -136,8 +142,12 @@ type Found = Result<Recognition, Record>;
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
         let images = self.pictures()?;
-        if images.len() > 1 && (self.mask.is_some() || self.depth.is_some()) {
-            bail!("--mask and --depth are for a single picture, but {} are given", images.len());
+        let is_of_one = self.mask.is_some() || self.depth.is_some() || self.landmarks_json.is_some();
+        if images.len() > 1 && is_of_one {
+            bail!(
+                "--mask, --depth and --landmarks-json are for a single picture, but {} are given",
+                images.len()
+            );
         }
         let drawings = self.drawings(&images)?;
         #[cfg(feature = "serve")]
@@ -198,7 +208,12 @@ impl Recognise {
         let Some(out) = &self.explain else { return Ok(None) };
         let drawings = Drawings::new(out, images.len())?;
         if let Drawings::File(file) = &drawings {
-            let pictures = images.iter().chain(&self.mask).chain(&self.depth).map(PathBuf::as_path);
+            let pictures = images
+                .iter()
+                .chain(&self.mask)
+                .chain(&self.depth)
+                .chain(&self.landmarks_json)
+                .map(PathBuf::as_path);
             refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
         }
         drawings.prepare()?;
@@ -361,6 +376,9 @@ impl Recognise {
             let (width, height, depth) =
                 decoded.with_context(|| format!("cannot use the depth picture {}", path.display()))?;
             return Ok(MaskSource::Depth { width, height, depth, range });
+        }
+        if let Some(path) = &self.landmarks_json {
+            return Ok(MaskSource::Landmarks(landmarks::read(path)?));
         }
         Ok(MaskSource::Camera)
     }

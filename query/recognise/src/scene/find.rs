@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use super::landmarks::Joints;
 use super::look::{Eye, Patch, largest_patch};
 use super::masks::{Masks, Part};
 use super::network::SceneNetwork;
@@ -44,6 +45,8 @@ const MOST_SURE: f32 = 3.0;
 #[derive(Clone, Debug)]
 pub struct Found {
     masks: Masks,
+    /// Where its joints are, if that was known before.
+    joints: Option<Joints>,
 }
 
 /// Finds the hand in a picture; `None` where the network sees none.
@@ -54,16 +57,31 @@ pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Found> {
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
     let mut square = Square { centre: whole.to_picture().of(patch.centre), side, turn: 0.0 };
     square.turn = upright(&mut eye, &square);
-    let mut masks = Masks::of_square(&mut eye, square);
+    Some(Found { masks: fitted(&mut eye, square), joints: None })
+}
+
+/// The hand whose joints were found by something else, and what it holds.
+pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Found {
+    let mut eye = Eye::new(network, picture);
+    let (mut square, is_upright) = joints.square();
+    if !is_upright {
+        square.turn = upright(&mut eye, &square);
+    }
+    Found { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
+}
+
+/// What is seen in a square once it fits the hand in it.
+fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
+    let mut masks = Masks::of_square(eye, square);
     for _ in 0..FITS {
         let Some(fitted) = masks.fitted(SIZES) else { break };
-        let found = Masks::of_square(&mut eye, fitted);
+        let found = Masks::of_square(eye, fitted);
         if found.hand_area() < LOST * masks.hand_area() {
             break;
         }
         masks = found;
     }
-    Some(Found { masks })
+    masks
 }
 
 /// The turn by which the arm comes from below: the mean of what the network says at several turns,
@@ -132,7 +150,8 @@ impl Found {
     /// pixels.
     pub(crate) fn skin(&self, place: [f64; 2]) -> f32 {
         let logit = |part| self.masks.at(part, place).unwrap_or(-MOST_SURE);
-        logit(Part::Hand).max(logit(Part::Forearm)).clamp(-MOST_SURE, MOST_SURE)
+        let seen = logit(Part::Hand).max(logit(Part::Forearm)).clamp(-MOST_SURE, MOST_SURE);
+        seen + self.joints.as_ref().map_or(0.0, |joints| joints.hand(place))
     }
 
     /// The share of what the network or a mask of the picture takes for hand and forearm that both

@@ -10,13 +10,15 @@
 
 mod find;
 mod join;
+mod landmarks;
 mod look;
 mod masks;
 mod name;
 mod network;
 mod square;
 
-pub use find::{Found, find};
+pub use find::{Found, find, find_at};
+pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};
 pub use square::{Map, Square};

@@ -1,0 +1,257 @@
+//! A hand whose joints a tracker of the user's own has found.
+
+use std::f64::consts::FRAC_PI_2;
+
+use thiserror::Error;
+
+use super::square::Square;
+
+/// Bones between landmarks: the thumb's, then each finger's from the wrist to its tip.
+const BONES: [[usize; 2]; 20] = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 4],
+    [0, 5],
+    [5, 6],
+    [6, 7],
+    [7, 8],
+    [0, 9],
+    [9, 10],
+    [10, 11],
+    [11, 12],
+    [0, 13],
+    [13, 14],
+    [14, 15],
+    [15, 16],
+    [0, 17],
+    [17, 18],
+    [18, 19],
+    [19, 20],
+];
+/// What lies between the wrist, the thumb's root and the knuckles is palm.
+const PALM: [[usize; 3]; 4] = [[0, 1, 5], [0, 5, 9], [0, 9, 13], [0, 13, 17]];
+const WRIST: usize = 0;
+const MIDDLE_KNUCKLE: usize = 9;
+const KNUCKLES: [usize; 2] = [5, 17];
+/// Half a finger's breadth, and the breadth over the knuckles, in lengths of the hand: 9 and 65 of
+/// 187 mm (T. M. Greiner, "Hand anthropometry of U.S. Army personnel", Natick/TR-92/011, 1991).
+const HALF_FINGER: f64 = 0.048;
+const BREADTH: f64 = 0.35;
+/// The log-odds of a hand change by 1 in so many of its lengths.
+const SOFT: f64 = 0.005;
+/// The most and the least log-odds: trackers are a finger's breadth off now and then, but what is
+/// far from every joint is another hand.
+const MOST_SURE: [f64; 2] = [-60.0, 6.0];
+/// The side of the square that is looked at first, in lengths of the hand.
+const SIDE: f64 = 1.6;
+/// A palm that is shorter than this in the picture, in lengths of the hand, does not show where the
+/// arm comes from.
+const SHORT: f64 = 0.12;
+
+/// What places are counted in, right and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LandmarkUnit {
+    /// Pixels of the picture, upright as its EXIF orientation says.
+    Pixel,
+    /// Shares of its width and height, 0 to 1.
+    Share,
+}
+
+/// The places of a hand's 21 joints in a picture: wrist, four of the thumb from its root to its
+/// tip, four of each finger from its knuckle to its tip, index finger first. The order is that of
+/// MediaPipe's hand landmarks and of OpenPose's hands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmarks {
+    places: Box<[[f64; 2]; 21]>,
+    unit: LandmarkUnit,
+}
+
+/// The same in pixels of a picture that they were checked to be in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joints {
+    points: [[f64; 2]; 21],
+}
+
+/// What is wrong with landmarks.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LandmarksError {
+    /// There are not 21.
+    #[error("{0} landmarks, 21 expected: the wrist, then four of the thumb and of each finger")]
+    Count(usize),
+    /// One is nowhere.
+    #[error("landmark {0} is not at a place: both its numbers must be finite")]
+    NotFinite(usize),
+    /// They show no hand.
+    #[error("the landmarks are all within {0:.1} pixels: a hand is larger")]
+    Small(f64),
+    /// They lie elsewhere.
+    #[error("no landmark lies in the picture of {width} x {height} pixels")]
+    Outside {
+        /// The picture's width.
+        width: usize,
+        /// Its height.
+        height: usize,
+    },
+}
+
+/// The least length of a hand in pixels.
+const LEAST: f64 = 8.0;
+
+impl Landmarks {
+    /// Landmarks at these places.
+    ///
+    /// # Errors
+    /// Where there are not 21 of them, or one is nowhere.
+    pub fn new(places: &[[f64; 2]], unit: LandmarkUnit) -> Result<Self, LandmarksError> {
+        let places = <[[f64; 2]; 21]>::try_from(places).map_err(|_| LandmarksError::Count(places.len()))?;
+        match places.iter().position(|place| !place.iter().all(|v| v.is_finite())) {
+            Some(at) => Err(LandmarksError::NotFinite(at)),
+            None => Ok(Self { places: Box::new(places), unit }),
+        }
+    }
+
+    /// Where they are in a picture of this size.
+    ///
+    /// # Errors
+    /// Where none of them lies in it, or they are too near each other to be a hand's.
+    pub fn of_picture(&self, width: usize, height: usize) -> Result<Joints, LandmarksError> {
+        let size = [width, height].map(|side| side as f64);
+        let unit = if self.unit == LandmarkUnit::Share { size } else { [1.0; 2] };
+        let joints = Joints { points: self.places.map(|[x, y]| [x * unit[0], y * unit[1]]) };
+        let inside = |place: &[f64; 2]| place.iter().zip(size).all(|(v, most)| (0.0..=most).contains(v));
+        if !joints.points.iter().any(inside) {
+            return Err(LandmarksError::Outside { width, height });
+        }
+        let length = joints.length();
+        if length < LEAST { Err(LandmarksError::Small(length)) } else { Ok(joints) }
+    }
+}
+
+impl Joints {
+    /// The same hand in a picture that is `factor` times as small.
+    pub(crate) fn shrunk(&self, factor: usize) -> Self {
+        Self { points: self.points.map(|place| place.map(|v| v / factor as f64)) }
+    }
+
+    /// About how long the hand is, in pixels: as its longest finger, or its knuckles, say.
+    fn length(&self) -> f64 {
+        let bone = |[from, to]: [usize; 2]| distance(self.points[from], self.points[to]);
+        let fingers = BONES.chunks(4).skip(1).map(|bones| bones.iter().copied().map(bone).sum());
+        fingers.fold(bone(KNUCKLES) / BREADTH, f64::max)
+    }
+
+    /// The square around the hand, and whether it shows where the arm comes from: it comes from
+    /// below then.
+    pub(super) fn square(&self) -> (Square, bool) {
+        let corner = |pick: fn(f64, f64) -> f64| {
+            [0, 1].map(|i| self.points.iter().map(|place| place[i]).reduce(pick).unwrap_or_default())
+        };
+        let (low, high) = (corner(f64::min), corner(f64::max));
+        let [x, y] = [0, 1].map(|i| self.points[WRIST][i] - self.points[MIDDLE_KNUCKLE][i]);
+        let is_long = libm::hypot(x, y) > SHORT * self.length();
+        let turn = if is_long { FRAC_PI_2 - libm::atan2(y, x) } else { 0.0 };
+        let centre = [0, 1].map(|i| 0.5 * (low[i] + high[i]));
+        (Square { centre, side: SIDE * self.length(), turn }, is_long)
+    }
+
+    /// The log-odds of the hand at a place of the picture, by how far from the bones it is.
+    pub(crate) fn hand(&self, place: [f64; 2]) -> f32 {
+        let length = self.length();
+        let is_palm = PALM.iter().any(|corners| is_inside(place, corners.map(|at| self.points[at])));
+        let bones = BONES.iter().map(|ends| from_bone(place, ends.map(|at| self.points[at])));
+        let away = if is_palm { 0.0 } else { bones.fold(f64::INFINITY, f64::min) };
+        let odds = (HALF_FINGER * length - away) / (SOFT * length);
+        odds.clamp(MOST_SURE[0], MOST_SURE[1]) as f32
+    }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
+}
+
+/// How far a place is from a bone.
+fn from_bone([x, y]: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let length = along[0] * along[0] + along[1] * along[1];
+    let share = ((x - a[0]) * along[0] + (y - a[1]) * along[1]) / length.max(f64::MIN_POSITIVE);
+    let share = share.clamp(0.0, 1.0);
+    distance([x, y], [a[0] + share * along[0], a[1] + share * along[1]])
+}
+
+/// Whether a place lies in a triangle, whichever way round that goes.
+fn is_inside([x, y]: [f64; 2], corners: [[f64; 2]; 3]) -> bool {
+    let sides = [0, 1, 2].map(|at| {
+        let (a, b) = (corners[at], corners[(at + 1) % 3]);
+        (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+    });
+    sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flat hand, its fingers up, the wrist at (100, 200): 180 pixels long.
+    fn flat() -> [[f64; 2]; 21] {
+        let finger = |x: f64| [120.0, 75.0, 50.0, 25.0].map(|y| [x, y]);
+        let mut points = [[100.0, 200.0]; 21];
+        for (at, place) in [[70.0, 180.0], [50.0, 150.0], [40.0, 130.0], [35.0, 110.0]].iter().enumerate() {
+            points[1 + at] = *place;
+        }
+        for (number, x) in [75.0, 95.0, 115.0, 135.0].into_iter().enumerate() {
+            points[5 + 4 * number..9 + 4 * number].copy_from_slice(&finger(x));
+        }
+        points
+    }
+
+    fn joints(points: &[[f64; 2]; 21]) -> Joints {
+        Landmarks::new(points, LandmarkUnit::Pixel).unwrap().of_picture(640, 480).unwrap()
+    }
+
+    #[test]
+    fn places_on_the_hand_are_likely_and_others_are_not() {
+        let hand = joints(&flat());
+        for place in [[100.0, 160.0], [95.0, 60.0], [40.0, 130.0], [100.0, 125.0]] {
+            assert!(hand.hand(place) > 1.0, "{place:?}: {}", hand.hand(place));
+        }
+        for place in [[100.0, 260.0], [160.0, 60.0], [40.0, 60.0], [95.0, 0.0]] {
+            assert!(hand.hand(place) < -1.0, "{place:?}: {}", hand.hand(place));
+        }
+        let small = hand.shrunk(4);
+        assert_eq!(small.hand([24.0, 15.0]), hand.hand([96.0, 60.0]));
+    }
+
+    #[test]
+    fn the_square_stands_upright_around_the_hand() {
+        let upright = joints(&flat()).square();
+        assert!(upright.1 && upright.0.turn.abs() < 0.1, "{upright:?}");
+        // Lying, the fingers to the right, the arm comes from the left.
+        let lying = flat().map(|[x, y]| [300.0 - y, x]);
+        let (square, is_known) = joints(&lying).square();
+        assert!(is_known);
+        let [x, y] = square.from_picture().of([100.0, 100.0]);
+        assert!(y > 0.7 && (x - 0.5).abs() < 0.2, "the wrist is below: {x} {y}");
+    }
+
+    #[test]
+    fn what_is_no_hand_is_rejected() {
+        let error = |points: &[[f64; 2]]| {
+            let landmarks = Landmarks::new(points, LandmarkUnit::Pixel);
+            landmarks.and_then(|landmarks| landmarks.of_picture(640, 480)).unwrap_err().to_string()
+        };
+        insta::assert_snapshot!(error(&[[1.0, 2.0]]), @"1 landmarks, 21 expected: the wrist, then four of the thumb and of each finger");
+        insta::assert_snapshot!(error(&[[0.5, 0.5]; 21]), @"the landmarks are all within 0.0 pixels: a hand is larger");
+        let mut points = flat();
+        points[7][1] = f64::NAN;
+        insta::assert_snapshot!(error(&points), @"landmark 7 is not at a place: both its numbers must be finite");
+        insta::assert_snapshot!(error(&flat().map(|[x, y]| [x + 900.0, y])), @"no landmark lies in the picture of 640 x 480 pixels");
+    }
+
+    #[test]
+    fn shares_are_of_the_picture() {
+        let shares = flat().map(|[x, y]| [x / 640.0, y / 480.0]);
+        let joints = Landmarks::new(&shares, LandmarkUnit::Share).unwrap().of_picture(640, 480).unwrap();
+        assert!((joints.length() - self::joints(&flat()).length()).abs() < 1e-9);
+    }
+}
