@@ -42,8 +42,8 @@ pub mod render_set;
 
 pub use camera::{CameraScene, Framing, Layers, Part, Picture};
 pub use grasp::{
-    Example, Grasp, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject, Placement,
-    PoseGroup, RecordedPose, Stage, StagePose, UnknownStage,
+    Example, Grasp, GraspFault, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject,
+    Placement, PoseGroup, RecordedPose, Stage, StagePose, UnknownStage, presented_grasps,
 };
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,

@@ -8,7 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::grasp::{Example, Grasp, Object, PlacedObject, Stage, grip, hold};
-use crate::hand::{HandPose, HandShape, HandSurface, Skeleton};
+use crate::hand::{Chain, HandPose, HandShape, HandSurface, Skeleton};
 use crate::hand_model::HandModel;
 use crate::mesh::{Mesh, surface_nets};
 use crate::raster::{self, Drawing, Light};
@@ -117,7 +117,15 @@ pub(crate) struct Pieces {
     pub(crate) object: PlacedObject,
     /// The middle of the place where the hand or its forearm is cut.
     pub(crate) cut: Vector3<f64>,
-    pub(crate) joints: JointPlaces,
+    /// The posed digits.
+    pub(crate) chains: [Chain; 5],
+}
+
+impl Pieces {
+    /// Where the joints are.
+    pub(crate) fn joints(&self) -> JointPlaces {
+        self.chains.map(|chain| chain.points.map(|point| point.cast()))
+    }
 }
 
 /// One synthetic picture.
@@ -147,7 +155,9 @@ impl SceneSpec {
     /// [`SceneError::Look`] when a parameter of the look is out of its range.
     pub fn build(&self) -> Result<Scene, SceneError> {
         self.look.check()?;
-        let Pieces { hand, object, cut, joints } = self.pieces();
+        let pieces = self.pieces();
+        let joints = pieces.joints();
+        let Pieces { hand, object, cut, .. } = pieces;
         let sleeve = arm(&self.hand_shape, &cut, self.look.arm, self.look.sleeve);
         let black = [object.mesh(), sleeve];
         let (drawing, centre) = assemble(hand, &black, cut.x);
@@ -170,8 +180,7 @@ impl SceneSpec {
         };
         let (pose, object) = self.pose(&skeleton);
         let (hand, cut) = self.hand(&skeleton, &pose);
-        let joints = skeleton.chains(&pose).map(|chain| chain.points.map(|point| point.cast()));
-        Pieces { hand, object, cut, joints }
+        Pieces { hand, object, cut, chains: skeleton.chains(&pose) }
     }
 
     /// The posed hand, and the middle of the place where it is cut.

@@ -206,7 +206,7 @@ fn a_live_camera_is_answered_one_frame_at_a_time_until_it_is_stopped() {
     // The camera of this browser shows a hand: a film of one picture.
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.mjpeg");
-    let picture = std::fs::read(pictures().join("camera/10-power-sphere.jpg")).unwrap();
+    let picture = std::fs::read(pictures().join("camera/01-large-diameter.jpg")).unwrap();
     std::fs::write(&film, picture.repeat(10)).unwrap();
     let option = format!("--use-file-for-fake-video-capture={}", film.display());
     let Some((service, mut browser)) = start_with(&[option]) else { return };

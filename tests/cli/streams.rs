@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// A photograph of a hand, as JPEG.
 fn hand() -> Vec<u8> {
-    fs::read(pictures().join("camera/09-pinch.jpg")).unwrap()
+    fs::read(pictures().join("camera/01-large-diameter.jpg")).unwrap()
 }
 
 /// A photograph without a hand, as JPEG.

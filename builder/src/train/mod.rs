@@ -34,6 +34,6 @@ pub use hand::Hand;
 pub use options::{DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Kind, Options};
 pub use run::{Files, Trained, train};
 pub use scene::Scene;
-pub use scenes::Scenes;
+pub use scenes::{DrawnScene, Scenes};
 pub use schedule::Schedule;
 pub use window::Window;

@@ -3,12 +3,16 @@
 use std::sync::Arc;
 
 use grasp_renders::random::unit;
-use grasp_renders::{Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation};
+use grasp_renders::{
+    Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation, presented_grasps,
+};
 use rand::{Rng as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// How often each stage is drawn: most pictures that are asked about show the grasp itself.
 const STAGES: [(Stage, f64); 3] = [(Stage::Reach, 0.2), (Stage::Close, 0.25), (Stage::Grasp, 0.55)];
+/// How far things that are held up are tilted in the hand, in degrees (standard deviation).
+const TILT_OF_PRESENTED: f64 = 25.0;
 /// Pixels a side of a render: somewhat more than a network sees, as augmentation turns and cuts it.
 const SIDE: usize = 80;
 
@@ -21,7 +25,21 @@ pub struct Scenes {
     hands: Hands,
     /// The only stage that is drawn.
     stage: Option<Stage>,
+    /// The share of scenes in which a thing is held up at the finger tips, where a grasp has such
+    /// ways.
+    presented: f64,
     seed: u64,
+}
+
+/// A scene that was drawn.
+#[derive(Debug)]
+pub struct DrawnScene {
+    /// What is to be rendered.
+    pub spec: SceneSpec,
+    /// The grasp's place in the list of classes.
+    pub class: usize,
+    /// Whether a thing is held up at the finger tips.
+    pub is_presented: bool,
 }
 
 /// Whose hands are drawn. Hands that the presets of an index have are among neither.
@@ -43,6 +61,7 @@ impl Scenes {
             variation: Variation { recorded_from: poses, ..plan.variation },
             hands: Hands::Training,
             stage: None,
+            presented: 0.0,
             seed,
         }
     }
@@ -58,13 +77,18 @@ impl Scenes {
         Self { variation: Variation { examples: 0.0, recorded: 1.0, ..scenes.variation }, ..scenes }
     }
 
+    /// The same scenes but for a share, in which things are held up as to a camera.
+    pub fn with_presented(self, share: f64) -> Self {
+        Self { presented: share, ..self }
+    }
+
     /// How many classes there are.
     pub fn classes(&self) -> usize {
         self.grasps.len()
     }
 
-    /// Scene `number` and its class.
-    pub fn scene(&self, number: u64) -> (SceneSpec, usize) {
+    /// Scene `number`.
+    pub fn scene(&self, number: u64) -> DrawnScene {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
         let drawn = rng.next_u64();
@@ -74,20 +98,36 @@ impl Scenes {
         });
         // Classes take turns, so that each has its share of every batch.
         let class = (number % self.grasps.len() as u64) as usize;
-        let grasp = &self.grasps[class];
         let drawn = stage(unit(&mut rng));
+        let size = unit(&mut rng);
+        let presented = self.presented(&self.grasps[class].name, &mut rng);
+        let is_presented = presented.is_some();
+        let variation = if is_presented { &self.variation_of_presented() } else { &self.variation };
+        let grasp = presented.unwrap_or(&self.grasps[class]);
         let spec = SceneSpec {
             hand_shape: Arc::new(shape),
             hand_model: None,
             grasp: Arc::clone(grasp),
             stage: self.stage.unwrap_or(drawn),
-            object: grasp.object.object(unit(&mut rng)),
+            object: grasp.object.object(size),
             example: None,
             held: None,
             look: self.look.clone(),
             seed: self.seed ^ number,
         };
-        (self.variation.of(spec), class)
+        DrawnScene { spec: variation.of(spec), class, is_presented }
+    }
+
+    /// One of the ways in which things are held up in a grasp, now and then; `None` where it has none.
+    fn presented(&self, name: &str, rng: &mut ChaCha8Rng) -> Option<&'static Arc<Grasp>> {
+        let (chance, which) = (unit(rng), unit(rng));
+        let ways: Vec<_> = presented_grasps().iter().filter(|way| way.name == name).collect();
+        let way = ways.get((which * ways.len() as f64) as usize).copied();
+        way.filter(|_| chance < self.presented)
+    }
+
+    fn variation_of_presented(&self) -> Variation {
+        Variation { examples: 0.0, recorded: 0.0, tilt_deg: TILT_OF_PRESENTED, ..self.variation.clone() }
     }
 }
 
@@ -109,14 +149,14 @@ mod tests {
     fn classes_take_turns_and_stages_have_their_shares() {
         let scenes = Scenes::training(7, PoseGroup::All);
         let drawn: Vec<_> = (0..600).map(|number| scenes.scene(number)).collect();
-        assert!(drawn.iter().enumerate().all(|(number, (_, class))| *class == number % scenes.classes()));
+        assert!(drawn.iter().enumerate().all(|(number, drawn)| drawn.class == number % scenes.classes()));
         for (stage, share) in STAGES {
-            let found = drawn.iter().filter(|(spec, _)| spec.stage == stage).count() as f64 / 600.0;
+            let found = drawn.iter().filter(|drawn| drawn.spec.stage == stage).count() as f64 / 600.0;
             assert!((found - share).abs() < 0.07, "{stage}: {found}");
         }
-        let again = Scenes::training(7, PoseGroup::All).scene(5).0.params_hash();
-        assert_eq!(drawn[5].0.params_hash(), again);
-        assert_ne!(Scenes::training(8, PoseGroup::All).scene(5).0.params_hash(), again);
+        let again = Scenes::training(7, PoseGroup::All).scene(5).spec.params_hash();
+        assert_eq!(drawn[5].spec.params_hash(), again);
+        assert_ne!(Scenes::training(8, PoseGroup::All).scene(5).spec.params_hash(), again);
     }
 
     #[test]
@@ -124,11 +164,29 @@ mod tests {
         let training = Scenes::training(7, PoseGroup::Kept);
         let (hands, poses) = (Scenes::other_hands(7, PoseGroup::Kept), Scenes::held_out_poses(7));
         for number in 0..60 {
-            let trained = training.scene(number).0.hand_shape;
-            let [hand, pose] = [&hands, &poses].map(|scenes| scenes.scene(number).0);
+            let trained = training.scene(number).spec.hand_shape;
+            let [hand, pose] = [&hands, &poses].map(|scenes| scenes.scene(number).spec);
             assert!(hand.hand_shape != trained && pose.hand_shape != trained);
             assert_eq!([hand.stage, pose.stage], [Stage::Grasp; 2]);
             assert!(pose.held.is_some() && pose.example.is_none());
         }
+    }
+
+    #[test]
+    fn things_are_held_up_in_a_share_of_the_scenes_and_the_others_stay_as_they_are() {
+        let plain = Scenes::training(7, PoseGroup::All);
+        let some = Scenes::training(7, PoseGroup::All).with_presented(0.4);
+        let has_way =
+            |class: usize| presented_grasps().iter().any(|way| way.name == plain.grasps[class].name);
+        let (mut presented, mut possible) = (0, 0);
+        for number in 0..600 {
+            let [was, is] = [&plain, &some].map(|scenes| scenes.scene(number));
+            possible += usize::from(has_way(is.class));
+            presented += usize::from(is.is_presented);
+            assert_eq!(is.is_presented, is.spec.params_hash() != was.spec.params_hash());
+            assert_eq!(is.spec.grasp.name, was.spec.grasp.name);
+        }
+        assert_eq!(possible, 300);
+        assert!((100..140).contains(&presented), "{presented} of {possible}");
     }
 }

@@ -14,22 +14,31 @@ use crate::random::{between, normal, unit};
 
 type V = Vector3<f64>;
 
-/// Balls below this radius in metres are what finger tips pick up.
+/// A grasp whose largest balls are below this radius in metres is one that picks up small things.
 const SMALL: f64 = 0.02;
 /// Cylinders from this radius in metres on are vessels, thinner ones handles.
 const VESSEL: f64 = 0.024;
 /// About the middle of the palm, in the frame of the hand.
 const PALM: V = V::new(0.07, 0.0, -0.01);
 
-/// The parts of a thing; each has a material of its own.
-pub(super) fn dress(object: &PlacedObject, rng: &mut ChaCha8Rng) -> Vec<Mesh> {
+/// How far a vessel is from being held in the middle, in halves of its length at most: in the palm,
+/// and at the finger tips, further from the palm than this in metres.
+const OFF_IN_PALM: f64 = 0.35;
+const OFF_AT_TIPS: f64 = 0.7;
+const AT_TIPS: f64 = 0.075;
+
+/// The parts of a thing, held in a grasp whose bodies have a radius of at most `largest`; each has a
+/// material of its own.
+pub(super) fn dress(object: &PlacedObject, largest: f64, rng: &mut ChaCha8Rng) -> Vec<Mesh> {
     let place = Isometry3::from_parts(Translation3::from(object.centre), object.turn);
     // Away from the palm, in the thing's own frame.
     let away = place.inverse_transform_vector(&(object.centre - PALM));
+    let far = away.norm();
     let away = away.try_normalize(1e-9).unwrap_or_else(V::z);
-    let mut thing = Thing { place, away, parts: Vec::new() };
+    let off = if far > AT_TIPS { OFF_AT_TIPS } else { OFF_IN_PALM };
+    let mut thing = Thing { place, away, off, parts: Vec::new() };
     match object.object {
-        Object::Sphere { radius } if radius < SMALL => thing.small(radius, rng),
+        Object::Sphere { radius } if largest < SMALL => thing.small(radius, rng),
         Object::Sphere { radius } => thing.ball(radius, rng),
         Object::Cylinder { radius, length } if length < radius => thing.lid(radius, length, rng),
         Object::Cylinder { radius, length } if radius < VESSEL => thing.tool(radius, length, rng),
@@ -42,6 +51,7 @@ pub(super) fn dress(object: &PlacedObject, rng: &mut ChaCha8Rng) -> Vec<Mesh> {
 struct Thing {
     place: Isometry3<f64>,
     away: V,
+    off: f64,
     parts: Vec<Mesh>,
 }
 
@@ -57,7 +67,7 @@ impl Thing {
     /// A can, a bottle, a mug, a box, a jar: around z.
     fn vessel(&mut self, r: f64, length: f64, rng: &mut ChaCha8Rng) {
         let half = 0.5 * length * between(rng, [0.6, 1.35]);
-        let shift = at_height(0.35 * half * (2.0 * unit(rng) - 1.0));
+        let shift = at_height(self.off * half * (2.0 * unit(rng) - 1.0));
         match unit(rng) {
             x if x < 0.3 => {
                 let rim = r * between(rng, [0.8, 1.0]);
@@ -111,9 +121,13 @@ impl Thing {
 
     /// A ball, a football, a fruit.
     fn ball(&mut self, r: f64, rng: &mut ChaCha8Rng) {
-        // It grows away from the palm.
-        let size = r * if unit(rng) < 0.4 { between(rng, [1.0, 1.5]) } else { 1.0 };
-        let centre = Translation3::from(self.away * (size - r));
+        // It grows away from the palm, and goes on through where the fingers lie.
+        let size = match unit(rng) {
+            x if x < 0.15 => r * between(rng, [1.5, 2.5]),
+            x if x < 0.45 => r * between(rng, [1.0, 1.5]),
+            _ => r,
+        };
+        let centre = Translation3::from(self.away * (size * size - r * r).max(0.0).sqrt());
         if unit(rng) < 0.65 {
             self.add(&Lathe::ball(size), centre.into());
         } else {
@@ -283,7 +297,7 @@ mod tests {
                 let mut rng = ChaCha8Rng::seed_from_u64(100 * number + seed);
                 let object = grasp.object.object(unit(&mut rng));
                 let held = PlacedObject::new(object, V::new(0.1, 0.0, -0.04), &V::y());
-                let parts = dress(&held, &mut rng);
+                let parts = dress(&held, grasp.object.radius[1], &mut rng);
                 assert!((1..=8).contains(&parts.len()), "{}: {} parts", grasp.name, parts.len());
                 let nearest = parts.iter().flat_map(|part| &part.vertices).map(|corner| {
                     let away = (corner.cast() - held.centre).norm();

@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
+use super::marks::Mark;
 use super::scene::{CameraScene, FIRST_OBJECT};
+use super::shut::shut;
 use crate::random::{between, normal, unit};
 use crate::raster::{Projected, fill};
 use crate::view::View;
@@ -24,8 +26,12 @@ pub(super) struct Texel {
     pub(super) part: u8,
     /// The normal in the camera's frame, times 127.
     normal: [i8; 3],
-    /// The place in the hand's frame, in steps.
+    /// The place in the hand's frame while the wrist was straight, in steps.
     place: [i8; 3],
+    /// What the skin has: see [`Texel::mark`].
+    mark: [i8; 3],
+    /// How much of what lies around is nearer to the camera, 0 to 255.
+    shut: u8,
 }
 
 impl Texel {
@@ -36,6 +42,17 @@ impl Texel {
     /// In metres, to 1.5 mm and to 19 cm from the wrist.
     pub(super) fn place(&self) -> [f32; 3] {
         self.place.map(|v| f32::from(v) * STEP)
+    }
+
+    /// What the skin has here.
+    pub(super) fn mark(&self) -> Mark {
+        let [palmar, nail, knuckle] = self.mark.map(|v| f32::from(v) / 127.0);
+        Mark { palmar, nail, knuckle }
+    }
+
+    /// The share of light from all around that does not come in, 0 to 1.
+    pub(super) fn shut(&self) -> f32 {
+        f32::from(self.shut) / 255.0
     }
 
     pub(super) fn is_hand(&self) -> bool {
@@ -92,10 +109,13 @@ impl Layers {
             let see = |wb: f32, wc: f32, scale: f32| (at as u32, wb * scale, wc * scale);
             fill(&corners, SIDE, &mut depth, &mut seen, see);
         }
-        let texels: Vec<Texel> = seen
+        let mut texels: Vec<Texel> = seen
             .iter()
             .map(|&(at, wb, wc)| texel(scene, turn, at as usize, [1.0 - wb - wc, wb, wc]))
             .collect();
+        for (texel, shut) in texels.iter_mut().zip(shut(&depth, SIDE)) {
+            texel.shut = shut;
+        }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
         Self { texels, centre, size, hand: hand.area, is_sleeved: scene.is_sleeved, camera_from_hand }
@@ -169,11 +189,12 @@ impl Patch {
 
 fn texel(scene: &CameraScene, turn: &Matrix3<f32>, at: usize, weights: [f32; 3]) -> Texel {
     let Some((corners, part)) = scene.triangles.get(at) else { return Texel::default() };
-    let vertices = corners.map(|v| scene.vertices[v as usize]);
+    let [vertices, places] = [&scene.vertices, &scene.places].map(|of| corners.map(|v| of[v as usize]));
     let mix = |values: [Vector3<f32>; 3]| {
         values.iter().zip(weights).fold(Vector3::zeros(), |sum, (v, weight)| sum + v * weight)
     };
-    let normal = match corners.iter().all(|&v| (v as usize) < scene.hand_vertices) {
+    let is_hand = corners.iter().all(|&v| (v as usize) < scene.hand_vertices);
+    let normal = match is_hand {
         true => mix(corners.map(|v| scene.normals[v as usize])),
         false => (vertices[1] - vertices[0]).cross(&(vertices[2] - vertices[0])),
     };
@@ -183,17 +204,29 @@ fn texel(scene: &CameraScene, turn: &Matrix3<f32>, at: usize, weights: [f32; 3])
         part: *part,
         normal: [normal.x, normal.y, normal.z].map(|v| round(v * 127.0, 127.0)),
         place: {
-            let place = mix(vertices);
+            let place = mix(places);
             [place.x, place.y, place.z].map(|v| round(v / STEP, 127.0))
         },
+        mark: match is_hand {
+            true => {
+                let of = |v: u32| {
+                    let Mark { palmar, nail, knuckle } = scene.marks[v as usize];
+                    Vector3::new(palmar, nail, knuckle)
+                };
+                let mark = mix(corners.map(of));
+                [mark.x, mark.y, mark.z].map(|v| round(v * 127.0, 127.0))
+            }
+            false => [0; 3],
+        },
+        shut: 0,
     }
 }
 
 /// Every vertex in the frame that shows the hand, without its arm, in the middle.
 fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> Vec<Projected> {
-    let hand = |at: usize, v: &Vector3<f32>| at < scene.hand_vertices && v.x > WRIST;
+    let hand = |at: usize| at < scene.hand_vertices && scene.places[at].x > WRIST;
     let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
-    for (_, v) in scene.vertices.iter().enumerate().filter(|(at, v)| hand(*at, v)) {
+    for (_, v) in scene.vertices.iter().enumerate().filter(|(at, _)| hand(*at)) {
         (low, high) = (low.inf(v), high.sup(v));
     }
     let centre = (low + high) * 0.5;
@@ -208,7 +241,7 @@ fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> Vec<Proje
         })
         .collect();
     let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
-    for (p, _) in out.iter().zip(scene.vertices.iter().enumerate()).filter(|(_, (at, v))| hand(*at, v)) {
+    for (_, p) in out.iter().enumerate().filter(|(at, _)| hand(*at)) {
         low = [low[0].min(p.x), low[1].min(p.y)];
         high = [high[0].max(p.x), high[1].max(p.y)];
     }

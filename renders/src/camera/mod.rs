@@ -10,12 +10,15 @@ mod background;
 mod dress;
 mod lattice;
 mod layers;
+mod marks;
 mod optics;
 mod paint;
 mod palette;
 mod scene;
+mod shut;
 mod solid;
 mod surface;
+mod wrist;
 
 pub use layers::{Framing, Layers};
 pub use paint::{Part, Picture};

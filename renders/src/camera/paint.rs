@@ -144,14 +144,13 @@ impl Surfaces {
     }
 
     fn seen(&self, texel: &Texel) -> Rgb {
-        let (place, normal) = (texel.place(), texel.normal());
         if texel.is_object() {
             let material = &self.things[usize::from(texel.part - FIRST_OBJECT) % self.things.len()];
-            return material.seen(place, normal, &self.light, &self.field);
+            return material.seen(texel, &self.light, &self.field);
         }
         match self.cover(texel).filter(|_| texel.is_arm()) {
-            Some(material) => material.seen(place, normal, &self.light, &self.field),
-            None => self.skin.seen(place, normal, &self.light, &self.field),
+            Some(material) => material.seen(texel, &self.light, &self.field),
+            None => self.skin.seen(texel, &self.light, &self.field),
         }
     }
 }

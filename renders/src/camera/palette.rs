@@ -44,6 +44,12 @@ pub(super) fn skin(rng: &mut ChaCha8Rng) -> Rgb {
     }))
 }
 
+/// A palm's: from pale to red, whatever the back of the hand is.
+pub(super) fn palm(rng: &mut ChaCha8Rng) -> Rgb {
+    let (red, bright) = (between(rng, [0.0, 0.12]), between(rng, [-0.14, 0.06]));
+    linear([0.90 + bright, 0.71 + bright - red, 0.62 + bright - red])
+}
+
 /// Any colour; greys, white and black, and colours of wood and skin, have shares of their own.
 pub(super) fn any(rng: &mut ChaCha8Rng) -> Rgb {
     match unit(rng) {

@@ -5,6 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::dress::dress;
+use super::marks::{Mark, marks};
+use super::wrist::Wrist;
 use crate::mesh::Mesh;
 use crate::random::{between, unit};
 use crate::scene::{JointPlaces, Pieces, SceneError, SceneSpec, arm};
@@ -26,6 +28,10 @@ pub(super) const FIRST_OBJECT: u8 = 3;
 #[derive(Debug, Clone)]
 pub struct CameraScene {
     pub(super) vertices: Vec<Vector3<f32>>,
+    /// The same while the wrist was straight.
+    pub(super) places: Vec<Vector3<f32>>,
+    /// What the skin has at each vertex of the hand.
+    pub(super) marks: Vec<Mark>,
     /// One unit normal a vertex of the hand.
     pub(super) normals: Vec<Vector3<f32>>,
     /// Corners, and the part that they are of.
@@ -47,14 +53,19 @@ impl CameraScene {
     /// As [`SceneSpec::build`].
     pub fn build(spec: &SceneSpec, is_held: bool, seed: u64) -> Result<Self, SceneError> {
         spec.look.check()?;
-        let Pieces { hand, object, cut, joints } = spec.pieces();
+        let pieces = spec.pieces();
+        let joints = pieces.joints();
+        let Pieces { hand, object, cut, chains } = pieces;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let is_sleeved = unit(&mut rng) < SLEEVED;
         let width = if is_sleeved { between(&mut rng, SLEEVE) } else { BARE };
         let arm = arm(&spec.hand_shape, &cut, ARM_LENGTH, width);
+        let wrist = Wrist::random(&mut rng);
         let mut scene = Self {
             hand_vertices: hand.vertices.len(),
             vertices: Vec::new(),
+            places: Vec::new(),
+            marks: marks(&hand, &chains),
             normals: hand.normals.clone(),
             triangles: Vec::new(),
             is_sleeved,
@@ -64,12 +75,22 @@ impl CameraScene {
         };
         scene.add(&hand, HAND);
         scene.add(&arm, ARM);
+        scene.bend(&wrist);
         if is_held {
-            for (part, mesh) in dress(&object, &mut rng).iter().enumerate() {
+            let [_, largest] = spec.grasp.object.radius;
+            for (part, mesh) in dress(&object, largest, &mut rng).iter().enumerate() {
                 scene.add(mesh, FIRST_OBJECT.saturating_add(part as u8));
             }
         }
         Ok(scene)
+    }
+
+    /// Bends what there is, hand and arm.
+    fn bend(&mut self, wrist: &Wrist) {
+        let mut normals = self.normals.iter_mut();
+        for vertex in &mut self.vertices {
+            wrist.bend(vertex, normals.next());
+        }
     }
 
     /// Where the hand's joints are.
@@ -85,6 +106,7 @@ impl CameraScene {
     fn add(&mut self, mesh: &Mesh, part: u8) {
         let offset = self.vertices.len() as u32;
         self.vertices.extend(&mesh.vertices);
+        self.places.extend(&mesh.vertices);
         self.triangles.extend(mesh.triangles.iter().map(|corners| (corners.map(|c| c + offset), part)));
     }
 }

@@ -3,6 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::lattice::Lattice;
+use super::layers::Texel;
 use super::palette::{self, Rgb, mix, scale, times};
 use crate::random::{between, normal, unit};
 
@@ -12,6 +13,8 @@ pub(super) struct Light {
     toward: [f32; 3],
     colour: Rgb,
     even: Rgb,
+    /// How dark hollows are, 0 to 1.
+    hollows: f32,
 }
 
 impl Light {
@@ -26,11 +29,13 @@ impl Light {
             toward: toward.map(|v| v / length),
             colour: scale(tint(warm), 1.25 * (1.0 - even)),
             even: scale(tint(-0.5 * warm), even),
+            hollows: between(rng, [0.0, 0.8]) as f32,
         }
     }
 
-    /// The light that a surface of a normal sends back, and the mirrored light.
-    fn on(&self, normal: [f32; 3], wrap: f32) -> (Rgb, f32) {
+    /// The light that a surface of a normal sends back, from which a share is kept away, and the
+    /// mirrored light.
+    fn on(&self, normal: [f32; 3], shut: f32, wrap: f32) -> (Rgb, f32) {
         let dot: f32 = normal.iter().zip(&self.toward).map(|(a, b)| a * b).sum();
         let lit = ((dot + wrap) / (1.0 + wrap)).max(0.0);
         // Half way between the light and the camera, which looks along z.
@@ -39,7 +44,8 @@ impl Light {
         let shine = normal.iter().zip(&half).map(|(a, b)| a * b).sum::<f32>() / length;
         // Surfaces that face up are brighter where light comes from all around.
         let open = 0.85 - 0.15 * normal[1] - 0.1 * normal[2];
-        (std::array::from_fn(|i| self.even[i] * open + self.colour[i] * lit), shine.max(0.0))
+        let left = 1.0 - self.hollows * shut;
+        (std::array::from_fn(|i| left * (self.even[i] * open + self.colour[i] * lit)), shine.max(0.0))
     }
 }
 
@@ -151,8 +157,9 @@ impl Material {
     }
 
     /// As the camera sees it: linear RGB.
-    pub(super) fn seen(&self, place: [f32; 3], normal: [f32; 3], light: &Light, field: &Lattice) -> Rgb {
-        let (lit, shine) = light.on(normal, 0.0);
+    pub(super) fn seen(&self, texel: &Texel, light: &Light, field: &Lattice) -> Rgb {
+        let (place, normal) = (texel.place(), texel.normal());
+        let (lit, shine) = light.on(normal, texel.shut(), 0.0);
         let colour = times(self.colour(place, field), lit);
         let glint = glint(self.gloss, shine, self.polish);
         // Metal mirrors a room of light and dark.
@@ -166,6 +173,9 @@ fn glint(gloss: f32, shine: f32, polish: f32) -> f32 {
     if gloss == 0.0 || shine < 0.5 { 0.0 } else { gloss * libm::powf(shine, polish) }
 }
 
+/// How often nails are painted.
+const PAINTED: f64 = 0.1;
+
 /// A person's skin.
 #[derive(Debug, Clone)]
 pub(super) struct Skin {
@@ -175,15 +185,27 @@ pub(super) struct Skin {
     size: f32,
     gloss: f32,
     hairy: f32,
+    /// The colour of the palm's side, of knuckles and of nails.
+    palm: Rgb,
+    knuckle: Rgb,
+    nail: Rgb,
+    nail_gloss: f32,
 }
 
 impl Skin {
     pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
         let colour = palette::skin(rng);
         let red = [1.1, 0.72, 0.7].map(|v: f64| v + 0.05 * normal(rng));
+        let red = std::array::from_fn(|i| (f64::from(colour[i]) * red[i]) as f32);
+        let bare = mix(palette::palm(rng), colour, unit(rng) as f32);
+        let nail = mix(bare, palette::palm(rng), unit(rng) as f32);
         Self {
             colour,
-            red: std::array::from_fn(|i| (f64::from(colour[i]) * red[i]) as f32),
+            red,
+            palm: bare,
+            knuckle: mix(colour, scale(red, between(rng, [0.6, 1.0]) as f32), unit(rng) as f32),
+            nail: if unit(rng) < PAINTED { palette::any(rng) } else { nail },
+            nail_gloss: (0.5 * unit(rng)) as f32,
             uneven: (0.9 * unit(rng)) as f32,
             size: between(rng, [25.0, 90.0]) as f32,
             gloss: (0.25 * unit(rng) * unit(rng)) as f32,
@@ -192,15 +214,19 @@ impl Skin {
     }
 
     /// As the camera sees it: linear RGB.
-    pub(super) fn seen(&self, place: [f32; 3], normal: [f32; 3], light: &Light, field: &Lattice) -> Rgb {
+    pub(super) fn seen(&self, texel: &Texel, light: &Light, field: &Lattice) -> Rgb {
+        let (place, mark) = (texel.place(), texel.mark());
         // Light comes through a little: the shadow's edge is soft and red.
-        let (lit, shine) = light.on(normal, 0.25);
+        let (lit, shine) = light.on(texel.normal(), texel.shut(), 0.25);
         let red = (field.at_place(place.map(|v| v * self.size)) - 0.3).max(0.0) * self.uneven;
-        let mut colour = mix(self.colour, self.red, red);
+        let palmar = (0.5 + mark.palmar).clamp(0.0, 1.0);
+        let mut colour = mix(self.colour, self.palm, palmar);
+        colour = mix(mix(colour, self.knuckle, mark.knuckle), self.red, red);
         if self.hairy > 0.0 && place[0] < 0.0 {
             colour = scale(colour, 1.0 - self.hairy * field.at_place(place.map(|v| v * 330.0)));
         }
-        let glint = glint(self.gloss, shine, 9.0);
+        colour = mix(colour, self.nail, mark.nail);
+        let glint = glint(self.gloss + mark.nail * self.nail_gloss, shine, 9.0);
         times(colour, lit).map(|v| v + glint)
     }
 }

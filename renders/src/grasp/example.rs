@@ -6,6 +6,7 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use super::fault::GraspFault;
 use super::object::{Object, ObjectKind, PlacedObject};
 use super::posture::{RawPose, unit};
 use super::stage::Stage;
@@ -46,8 +47,8 @@ struct RawBody {
 
 impl RawExample {
     /// The example, if its angles are a hand's and its object is of this kind.
-    pub(super) fn check(&self, kind: ObjectKind) -> Result<Example, String> {
-        let stage: Stage = self.stage.parse().map_err(|error| format!("example: {error}"))?;
+    pub(super) fn check(&self, kind: ObjectKind) -> Result<Example, GraspFault> {
+        let stage: Stage = self.stage.parse()?;
         let pose = RawPose {
             thumb: self.thumb,
             index: self.index,
@@ -61,24 +62,22 @@ impl RawExample {
 }
 
 impl RawBody {
-    fn check(&self, kind: ObjectKind) -> Result<PlacedObject, String> {
-        let size = |what: &str, metres: f64| {
+    fn check(&self, kind: ObjectKind) -> Result<PlacedObject, GraspFault> {
+        let size = |what: &'static str, metres: f64| {
             let fits = (0.001..=0.5).contains(&metres);
-            fits.then_some(metres).ok_or_else(|| {
-                format!("example: the object's {what} is {metres}; 0.001 to 0.5 m is supported")
-            })
+            fits.then_some(metres).ok_or(GraspFault::ExampleSize { what, metres })
         };
         if !self.centre.iter().all(|x| (-0.5..=0.5).contains(x)) {
-            return Err("example: the object's centre lies within half a metre of the wrist".to_owned());
+            return Err(GraspFault::ExampleCentre);
         }
         let radius = size("radius", self.radius)?;
         let (object, axis) = match (kind, self.length, self.axis) {
             (ObjectKind::Sphere, None, None) => (Object::Sphere { radius }, Vector3::z()),
-            (ObjectKind::Sphere, ..) => return Err("example: a sphere has no length and no axis".to_owned()),
+            (ObjectKind::Sphere, ..) => return Err(GraspFault::ExampleSphere),
             (_, Some(length), Some(axis)) => {
                 (Object::Cylinder { radius, length: size("length", length)? }, unit("axis", axis)?)
             }
-            _ => return Err("example: the object needs radius, length, axis and centre".to_owned()),
+            _ => return Err(GraspFault::ExampleObject),
         };
         Ok(PlacedObject::new(object, self.centre.into(), &axis))
     }

@@ -4,20 +4,24 @@
 
 mod definition;
 mod example;
+mod fault;
 mod grip;
 mod hold;
 mod least_squares;
 mod object;
 mod posture;
+mod presented;
 mod recorded;
 mod set;
 mod stage;
 
 pub use definition::{Grasp, ObjectRange, Placement, StagePose};
 pub use example::Example;
+pub use fault::GraspFault;
 pub(crate) use grip::grip;
 pub(crate) use hold::hold;
 pub use object::{Object, ObjectKind, PlacedObject};
+pub use presented::presented_grasps;
 pub use recorded::{PoseGroup, RecordedPose};
 pub use set::{GraspSet, GraspSetError};
 pub use stage::{Stage, UnknownStage};

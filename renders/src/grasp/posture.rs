@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use super::fault::GraspFault;
 use crate::hand::{Digit, HandPose, JOINT_NAMES, Joints, joint_limits};
 
 /// The joint angles of a hand in degrees, digit by digit.
@@ -18,7 +19,7 @@ pub(super) struct RawPose {
 
 impl RawPose {
     /// The pose, if every angle is within its joint's limits; `pose` names it where one is not.
-    pub(super) fn check(&self, pose: &str) -> Result<HandPose, String> {
+    pub(super) fn check(&self, pose: &str) -> Result<HandPose, GraspFault> {
         let four = |[a, b, c, d]: [f64; 4]| [a, b, c, d, 0.0];
         let raw = [self.thumb, four(self.index), four(self.middle), four(self.ring), four(self.little)];
         let mut digits: [Joints; 5] = [[0.0; 5]; 5];
@@ -29,14 +30,14 @@ impl RawPose {
                 let [low, high] = limits[joint];
                 let angle = degrees[joint].to_radians();
                 if !(low - 1e-9..=high + 1e-9).contains(&angle) {
-                    return Err(format!(
-                        "{pose}.{}: {} is {} degrees, but that joint goes from {:.0} to {:.0}",
-                        digit.name(),
-                        names[joint],
-                        degrees[joint],
-                        low.to_degrees(),
-                        high.to_degrees(),
-                    ));
+                    return Err(GraspFault::Angle {
+                        pose: pose.to_owned(),
+                        digit: digit.name(),
+                        joint: names[joint],
+                        degrees: degrees[joint],
+                        low: low.to_degrees(),
+                        high: high.to_degrees(),
+                    });
                 }
                 radians[joint] = angle;
             }
@@ -46,9 +47,9 @@ impl RawPose {
 }
 
 /// A direction of unit length; `key` names it where it has none.
-pub(super) fn unit(key: &str, v: [f64; 3]) -> Result<Vector3<f64>, String> {
+pub(super) fn unit(key: &'static str, v: [f64; 3]) -> Result<Vector3<f64>, GraspFault> {
     Vector3::from(v)
         .try_normalize(1e-6)
         .filter(|v| v.iter().all(|x| x.is_finite()))
-        .ok_or_else(|| format!("{key} has no direction: it needs three numbers that are not all 0"))
+        .ok_or(GraspFault::Direction(key))
 }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use super::definition::{Grasp, ObjectRange, Placement, StagePose};
 use super::example::RawExample;
+use super::fault::GraspFault;
 use super::object::ObjectKind;
 use super::posture::{RawPose, unit};
 use crate::hand::Digit;
@@ -29,12 +30,12 @@ pub enum GraspSetError {
     #[error("the grasps cannot be parsed")]
     Syntax(#[from] toml::de::Error),
     /// A value that cannot be.
-    #[error("grasp `{grasp}`: {what}")]
+    #[error("grasp `{grasp}`: {fault}")]
     Value {
         /// The grasp's name.
         grasp: String,
         /// What is wrong and what would be right.
-        what: String,
+        fault: GraspFault,
     },
     /// A set without a grasp.
     #[error("there is no [[grasp]] in the file")]
@@ -72,15 +73,12 @@ impl GraspSet {
     /// When the text is not TOML, has an unknown or missing key, or a value that cannot be: an
     /// angle out of the joint's limits, an empty range, a name given twice.
     pub fn parse(text: &str) -> Result<GraspSet, GraspSetError> {
-        let file: File = toml::from_str(text)?;
-        let mut grasps: Vec<Grasp> = Vec::new();
-        for raw in file.grasp {
-            let fail = |what: String| GraspSetError::Value { grasp: raw.name.clone(), what };
-            if grasps.iter().any(|g| g.name == raw.name || g.cutkosky == raw.cutkosky) {
-                return Err(fail("its name or its number is taken by another grasp".to_owned()));
+        let grasps = grasps(text)?;
+        for (at, grasp) in grasps.iter().enumerate() {
+            if grasps[..at].iter().any(|g| g.name == grasp.name || g.cutkosky == grasp.cutkosky) {
+                let grasp = grasp.name.clone();
+                return Err(GraspSetError::Value { grasp, fault: GraspFault::Taken });
             }
-            let grasp = raw.check(file.stages, &file.relaxed).map_err(fail)?;
-            grasps.push(grasp);
         }
         if grasps.is_empty() {
             return Err(GraspSetError::Empty);
@@ -116,6 +114,16 @@ impl<'a> IntoIterator for &'a GraspSet {
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
     }
+}
+
+/// The grasps of a file, in their order, two of one name among them perhaps.
+pub(super) fn grasps(text: &str) -> Result<Vec<Grasp>, GraspSetError> {
+    let file: File = toml::from_str(text)?;
+    let check = |raw: RawGrasp| {
+        raw.check(file.stages, &file.relaxed)
+            .map_err(|fault| GraspSetError::Value { grasp: raw.name.clone(), fault })
+    };
+    file.grasp.into_iter().map(check).collect()
 }
 
 #[derive(Deserialize)]
@@ -171,21 +179,21 @@ enum RawPlace {
 }
 
 impl RawGrasp {
-    fn check(&self, stages: Stages, relaxed: &RawPose) -> Result<Grasp, String> {
+    fn check(&self, stages: Stages, relaxed: &RawPose) -> Result<Grasp, GraspFault> {
         let fit = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         if self.name.is_empty() || !self.name.chars().all(fit) {
-            return Err("its name becomes a folder's: use a-z, 0-9 and -".to_owned());
+            return Err(GraspFault::Name);
         }
         for (name, stage) in [("reach", stages.reach), ("close", stages.close)] {
             if !(0.0..=1.0).contains(&stage.closure) || !(0.0..=0.5).contains(&stage.away) {
-                return Err(format!("stage {name}: closure must lie in 0..1 and away in 0..0.5 m"));
+                return Err(GraspFault::Stage(name));
             }
         }
         if self.touch.is_empty() {
-            return Err("touch names no digit".to_owned());
+            return Err(GraspFault::NothingTouches);
         }
         if self.follow.iter().any(|d| self.touch.contains(d) || *d <= Digit::Index) {
-            return Err("follow names fingers after the index that are not in touch".to_owned());
+            return Err(GraspFault::Follow);
         }
         Ok(Grasp {
             name: self.name.clone(),
@@ -205,31 +213,31 @@ impl RawGrasp {
 }
 
 impl RawObject {
-    fn check(&self) -> Result<ObjectRange, String> {
+    fn check(&self) -> Result<ObjectRange, GraspFault> {
         let length = match (self.kind, self.length) {
             (ObjectKind::Sphere, None) => [0.0, 0.0],
-            (ObjectKind::Sphere, Some(_)) => return Err("a sphere has no length".to_owned()),
+            (ObjectKind::Sphere, Some(_)) => return Err(GraspFault::SphereWithLength),
             (_, Some(length)) => range("length", length)?,
-            (_, None) => return Err("the object's length is missing".to_owned()),
+            (_, None) => return Err(GraspFault::NoLength),
         };
         let placement = match (self.place, self.anchor, self.push, &self.between) {
             (RawPlace::Palm, Some(anchor), Some(push), None) => {
                 if !anchor.iter().all(|a| (-2.0..=2.0).contains(a)) {
-                    return Err("anchor is given in shares of the palm: -2 to 2".to_owned());
+                    return Err(GraspFault::Anchor);
                 }
                 Placement::Palm { anchor, push: unit("push", push)? }
             }
             (RawPlace::Palm, ..) => {
-                return Err("place = \"palm\" needs anchor and push and nothing else".to_owned());
+                return Err(GraspFault::Palm);
             }
             (RawPlace::Tips, None, None, Some(between)) => {
                 if between.is_empty() || between.contains(&Digit::Thumb) {
-                    return Err("between names the fingers opposite to the thumb".to_owned());
+                    return Err(GraspFault::Between);
                 }
                 Placement::Tips { between: between.clone() }
             }
             (RawPlace::Tips, ..) => {
-                return Err("place = \"tips\" needs between and nothing else".to_owned());
+                return Err(GraspFault::Tips);
             }
         };
         Ok(ObjectRange {
@@ -242,11 +250,11 @@ impl RawObject {
     }
 }
 
-fn range(key: &str, [low, high]: [f64; 2]) -> Result<[f64; 2], String> {
+fn range(key: &'static str, [low, high]: [f64; 2]) -> Result<[f64; 2], GraspFault> {
     if low > 0.001 && low <= high && high <= 0.5 {
         Ok([low, high])
     } else {
-        Err(format!("{key} must be [smallest, largest] in metres, from 0.001 to 0.5; it is [{low}, {high}]"))
+        Err(GraspFault::Range { key, low, high })
     }
 }
 

@@ -95,15 +95,16 @@ pub(crate) struct Chain {
 impl Chain {
     /// Distance from `p` to the flesh of bones `from..3`, taken as capsules of changing radius.
     pub(crate) fn distance(&self, p: &Vector3<f64>, from: usize) -> f64 {
-        (from..3)
-            .map(|i| {
-                let (a, b) = (self.points[i], self.points[i + 1]);
-                let along = b - a;
-                let t = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-                let radius = self.radii[i] + (self.radii[i + 1] - self.radii[i]) * t;
-                (p - a - along * t).norm() - radius
-            })
-            .fold(f64::INFINITY, f64::min)
+        (from..3).map(|bone| self.bone_distance(p, bone)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance from `p` to the flesh of one bone.
+    pub(crate) fn bone_distance(&self, p: &Vector3<f64>, bone: usize) -> f64 {
+        let (a, b) = (self.points[bone], self.points[bone + 1]);
+        let along = b - a;
+        let t = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        let radius = self.radii[bone] + (self.radii[bone + 1] - self.radii[bone]) * t;
+        (p - a - along * t).norm() - radius
     }
 }
 

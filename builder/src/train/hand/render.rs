@@ -7,12 +7,12 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::sample::Sample;
-use crate::train::Scenes;
 use crate::train::joints::Joints;
+use crate::train::{DrawnScene, Scenes};
 
 /// Random views of a numbered scene.
 pub(super) fn render(scenes: &Scenes, number: u64, views: usize) -> anyhow::Result<Vec<Sample>> {
-    let (spec, class) = scenes.scene(number);
+    let DrawnScene { spec, class, .. } = scenes.scene(number);
     let scene = spec.build()?;
     // Another stream than the variations of light and distance.
     let mut rng = ChaCha8Rng::seed_from_u64(spec.params_hash());

@@ -33,7 +33,7 @@ impl Course for Scene {
         Self { views: Views::new(Scenes::training(options.seed, options.poses()), options.seed) }
     }
 
-    /// 25 million multiply-adds.
+    /// 30 million multiply-adds.
     fn architecture(&self) -> Architecture {
         let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
         Architecture {
@@ -42,11 +42,13 @@ impl Course for Scene {
             convolutions: vec![
                 convolution(5, 2, 16),
                 convolution(3, 2, 32),
-                convolution(3, 1, 48),
+                convolution(3, 1, 40),
                 convolution(3, 2, 96),
-                convolution(3, 1, 112),
-                convolution(3, 1, 112),
+                convolution(3, 1, 104),
+                convolution(3, 1, 104),
                 convolution(3, 2, 160),
+                convolution(3, 1, 160),
+                convolution(3, 1, 176),
             ],
             embedding: 128,
             heads: (self.views.classes() + 2 + STAGES + ROTATION) as u32,

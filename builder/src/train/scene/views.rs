@@ -3,18 +3,21 @@
 use std::sync::Arc;
 
 use grasp_renders::random::{between, unit};
-use grasp_renders::{CameraScene, Layers, Stage, View};
+use grasp_renders::{CameraScene, Layers, SceneSpec, Stage, View, world_from_hand};
+use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::empty;
-use crate::train::Scenes;
 use crate::train::joints::Joints;
+use crate::train::{DrawnScene, Scenes};
 
 /// How often a hand is in none of the grasps.
 const EMPTY: f64 = 0.09;
 /// How often what is not yet held is there at all.
 const IN_SIGHT: f64 = 0.8;
+/// How often a thing is held up at the finger tips, in grasps that have such ways.
+const PRESENTED: f64 = 0.4;
 /// Distances of the camera, in hand lengths.
 const DISTANCE: [f64; 2] = [2.0, 8.0];
 /// What the thing in the hand looks like is drawn by another seed than the hand.
@@ -39,7 +42,7 @@ pub struct SceneView {
 
 impl Views {
     pub(super) fn new(scenes: Scenes, seed: u64) -> Self {
-        Self { scenes, seed }
+        Self { scenes: scenes.with_presented(PRESENTED), seed }
     }
 
     /// How many grasps there are.
@@ -59,7 +62,7 @@ impl Views {
 
     /// Random views of a numbered scene.
     pub(super) fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
-        let (mut spec, class) = self.scenes.scene(number);
+        let DrawnScene { mut spec, class, is_presented } = self.scenes.scene(number);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ SEED_OF_THINGS);
         rng.set_stream(number);
         let is_empty = unit(&mut rng) < EMPTY;
@@ -75,7 +78,7 @@ impl Views {
         let view = |rng: &mut ChaCha8Rng| {
             let distance = between(rng, DISTANCE);
             SceneView {
-                layers: scene.layers(&View::random(rng), distance),
+                layers: scene.layers(&seen_from(&spec, is_presented, rng), distance),
                 class,
                 stage,
                 joints: Arc::clone(&joints),
@@ -83,4 +86,12 @@ impl Views {
         };
         Ok((0..views).map(|_| view(&mut rng)).collect())
     }
+}
+
+/// A random view; of a hand that holds something up, the palm's side more often.
+fn seen_from(spec: &SceneSpec, is_presented: bool, rng: &mut ChaCha8Rng) -> View {
+    let view = View::random(rng);
+    let back = view.camera_from_world() * world_from_hand(&spec.grasp.up) * Vector3::z();
+    let is_back_seen = back.z < 0.0;
+    if is_presented && is_back_seen { View::random(rng) } else { view }
 }

@@ -207,7 +207,7 @@ fn legend(canvas: &mut Canvas, (mut x, y): (u32, u32), entries: &[([u8; 3], &str
 
 /// The classes' probabilities as bars.
 fn vote(canvas: &mut Canvas, (x, top): (u32, u32), answer: &Answer) {
-    canvas.text((x, top), LARGE, Font::STRONG, "4  What its neighbours say", colour::INK);
+    canvas.text((x, top), LARGE, Font::STRONG, "4  The vote", colour::INK);
     let shown = answer.classes.len().min(MOST_CLASSES);
     let step = LARGE / (shown.max(6) as u32);
     for (place, class) in (0u32..).zip(answer.classes.iter().take(shown)) {

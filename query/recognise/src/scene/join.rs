@@ -5,9 +5,10 @@ use grasp_index::{Index, Vote};
 use super::Scene;
 use crate::side::Side;
 
-/// The odds, as a logarithm, from which on the network has made out well which hand it sees. Where
-/// it has not, it has hardly made out the grasp, and counts for less.
-const MADE_OUT: f64 = 2.0;
+/// The power of the neighbours' probabilities where the network's have a power of 1: both see the
+/// same hand, and are sure of the same mistakes. Chosen on camera pictures of two hands
+/// (docs/accuracy.md).
+const NEIGHBOURS: f64 = 0.6;
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
@@ -28,7 +29,6 @@ impl Scene {
     pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) {
         let probabilities = self.probabilities(side);
         let grasps = probabilities.len() - 1;
-        let weight = (self.right_odds.abs() / MADE_OUT).min(1.0);
         let known: f64 = probabilities[..grasps].iter().sum();
         let of_name = |name: &str| {
             let at = self.grasps.iter().position(|grasp| grasp == name);
@@ -37,7 +37,7 @@ impl Scene {
         for score in &mut vote.classes {
             let name = index.catalogue().classes.get(usize::from(score.class));
             let by_scene = name.map_or(0.0, |class| of_name(&class.name));
-            score.probability = score.probability.max(LEAST) * libm::pow(by_scene.max(LEAST), weight);
+            score.probability = libm::pow(score.probability.max(LEAST), NEIGHBOURS) * by_scene.max(LEAST);
         }
         let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
         vote.classes.iter_mut().for_each(|score| score.probability /= total);

@@ -23,12 +23,38 @@ pub(super) struct Example {
     pub(super) weight: f64,
 }
 
-/// The model under which the labels are likeliest.
+/// Measures that can only speak against a hand, the more the larger they are, and such as can only
+/// speak for it. A few hundred pictures may say otherwise by chance, and a model that believed them
+/// would trust what is like nothing that it has seen.
+const AGAINST: [&str; 4] = ["skin_around", "on_border", "nearest", "spread"];
+const FOR: [&str; 3] = ["scene_side", "scene_agrees", "scene_sure"];
+
+/// The model under which the labels are likeliest, of those in which no measure speaks for what it
+/// cannot.
 pub(super) fn fit(examples: &[Example]) -> Logistic {
+    let mut left_out = [false; Evidence::NAMES.len()];
+    loop {
+        let model = fit_to(examples, &left_out);
+        let mut is_sound = true;
+        for (name, left_out) in Evidence::NAMES.iter().zip(&mut left_out) {
+            let weight = model.measures[*name].weight;
+            if AGAINST.contains(name) && weight > 0.0 || FOR.contains(name) && weight < 0.0 {
+                (*left_out, is_sound) = (true, false);
+            }
+        }
+        if is_sound {
+            return model;
+        }
+    }
+}
+
+/// The likeliest model by the measures that are not left out.
+fn fit_to(examples: &[Example], left_out: &[bool; Evidence::NAMES.len()]) -> Logistic {
     let terms: Vec<Term> = (0..Evidence::NAMES.len()).map(|at| term(examples, at)).collect();
     let columns = terms.len() + 1;
     let standard = DMatrix::from_fn(examples.len(), columns, |row, column| match column.checked_sub(1) {
         None => 1.0,
+        Some(at) if left_out[at] => 0.0,
         Some(at) => {
             examples[row].measures[at].map_or(0.0, |value| (value - terms[at].mean) / terms[at].deviation)
         }
@@ -96,6 +122,14 @@ mod tests {
         let model = fit(&(0..400).map(example).collect::<Vec<_>>());
         assert!(model.measures["skin_around"].weight < -1.0, "{model:?}");
         assert!(model.measures["thickness"].weight.abs() < 0.3, "{model:?}");
+        // What speaks against a hand is not taken for what speaks for it.
+        let odd = |at: usize| {
+            let mut odd = example(at);
+            odd.measures[0] = odd.measures[0].map(|low| 0.7 - low);
+            odd
+        };
+        let other = fit(&(0..400).map(odd).collect::<Vec<_>>());
+        assert_eq!(other.measures["skin_around"].weight, 0.0, "{other:?}");
         let evidence = |skin_around: f64| Evidence {
             quality: Some(Quality { on_border: 0.2, skin_around, raggedness: 1.6, thickness: 0.5 }),
             share: 0.1,
