@@ -15,7 +15,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let threads = if given.is_empty() { vec![1, 2] } else { given };
     let hand = [(5, 2, 24), (3, 2, 48), (3, 1, 64), (3, 2, 128), (3, 1, 128), (3, 1, 128)];
     let hand = architecture(48, 2, &hand, 16, None);
-    let scene = [(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 112), (3, 1, 112), (3, 2, 160)];
+    let scene = [
+        (5, 2, 16),
+        (3, 2, 32),
+        (3, 1, 40),
+        (3, 2, 96),
+        (3, 1, 104),
+        (3, 1, 104),
+        (3, 2, 160),
+        (3, 1, 160),
+        (3, 1, 176),
+    ];
     let scene = architecture(64, 3, &scene, 17, Some(Masks { convolution: 5, count: 3, cells: 4 }));
     for (name, architecture) in [("hand", hand), ("scene", scene)] {
         let samples = 64;

@@ -1,43 +1,32 @@
-//! How long a picture takes, on each path that this machine has, by the shipped network and by one
-//! with masks: `cargo run -p grasp-network --example network_speed`.
+//! How long a picture takes, on each path that this machine has, by both shipped networks, or by
+//! those in the files that are named: `cargo run -p grasp-network --example network_speed [FILE...]`.
 
-use grasp_network::{Architecture, Convolution, Layer, Masks, Network, Path, Scratch};
+use grasp_network::{Layer, Network, Path, Scratch};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
 /// Pictures that are timed, one by one.
 const PICTURES: usize = 1001;
+/// The descriptor's network, and the one that finds a hand.
+const SHIPPED: [&str; 2] = [
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../builder/data/hand.network"),
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../query/recognise/data/scene.network"),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    measure(architecture(48, 2, &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 96)], 15, None))?;
-    println!();
-    measure(architecture(
-        64,
-        3,
-        &[(5, 2, 16), (3, 2, 32), (3, 1, 48), (3, 2, 96), (3, 1, 112), (3, 1, 112), (3, 2, 160)],
-        17,
-        Some(Masks { convolution: 5, count: 2, cells: 4 }),
-    ))
+    let named: Vec<String> = std::env::args().skip(1).collect();
+    let files = if named.is_empty() { SHIPPED.map(str::to_owned).to_vec() } else { named };
+    for file in files {
+        measure(&Network::from_bytes(&std::fs::read(file)?)?)?;
+    }
+    Ok(())
 }
 
-fn architecture(
-    side: u32,
-    planes: u32,
-    convolutions: &[(u32, u32, u32)],
-    heads: u32,
-    masks: Option<Masks>,
-) -> Architecture {
-    let convolution = |&(kernel, stride, outputs)| Convolution { kernel, stride, outputs };
-    let convolutions = convolutions.iter().map(convolution).collect();
-    Architecture { side, planes, convolutions, embedding: 128, heads, masks }
-}
-
-fn measure(architecture: Architecture) -> Result<(), Box<dyn Error>> {
+fn measure(network: &Network) -> Result<(), Box<dyn Error>> {
+    let architecture = network.architecture();
     let multiply_adds: u64 = architecture.layers()?.iter().map(Layer::multiply_adds).sum();
-    println!("{} weights, {multiply_adds} multiply-adds a picture\n", architecture.parameters()?);
-    let weights = (0..architecture.parameters()?).map(|at| wave(at) * 0.1).collect();
+    println!("\n{} weights, {multiply_adds} multiply-adds a picture\n", architecture.parameters()?);
     let inputs = (architecture.side * architecture.side * architecture.planes) as usize;
-    let network = Network::from_weights(architecture, weights)?;
     let input: Vec<f32> = (0..inputs).map(|at| wave(at).max(0.0)).collect();
 
     println!("| path     | median us a picture | fastest |");
