@@ -118,7 +118,8 @@ impl Scenes {
         DrawnScene { spec: variation.of(spec), class, is_presented }
     }
 
-    /// One of the ways in which things are held up in a grasp, now and then; `None` where it has none.
+    /// One of the ways in which things are held up in a grasp, now and then; `None` where it has
+    /// none.
     fn presented(&self, name: &str, rng: &mut ChaCha8Rng) -> Option<&'static Arc<Grasp>> {
         let (chance, which) = (unit(rng), unit(rng));
         let ways: Vec<_> = presented_grasps().iter().filter(|way| way.name == name).collect();

@@ -1,5 +1,6 @@
 //! How long a picture takes, on each path that this machine has, by both shipped networks, or by
-//! those in the files that are named: `cargo run -p grasp-network --example network_speed [FILE...]`.
+//! those in the files that are named:
+//! `cargo run -p grasp-network --example network_speed [FILE...]`.
 
 use grasp_network::{Layer, Network, Path, Scratch};
 use std::error::Error;

@@ -27,8 +27,8 @@ const OFF_IN_PALM: f64 = 0.35;
 const OFF_AT_TIPS: f64 = 0.7;
 const AT_TIPS: f64 = 0.075;
 
-/// The parts of a thing, held in a grasp whose bodies have a radius of at most `largest`; each has a
-/// material of its own.
+/// The parts of a thing, held in a grasp whose bodies have a radius of at most `largest`; each has
+/// a material of its own.
 pub(super) fn dress(object: &PlacedObject, largest: f64, rng: &mut ChaCha8Rng) -> Vec<Mesh> {
     let place = Isometry3::from_parts(Translation3::from(object.centre), object.turn);
     // Away from the palm, in the thing's own frame.

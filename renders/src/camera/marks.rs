@@ -1,7 +1,7 @@
 //! What a hand's skin has where: nails, knuckles, and the palm's side of every digit.
 //!
-//! The palm's skin has another colour than the back's, nails are pale and shine, knuckles are red or
-//! dark. By these a person knows the back of a hand from its palm where the outlines are alike.
+//! The palm's skin has another colour than the back's, nails are pale and shine, knuckles are red
+//! or dark. By these a person knows the back of a hand from its palm where the outlines are alike.
 
 use nalgebra::Vector3;
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use serde::Deserialize;
 use thiserror::Error;
 
 use super::square::Square;
@@ -40,8 +41,9 @@ const HALF_FINGER: f64 = 0.048;
 const BREADTH: f64 = 0.35;
 /// The log-odds of a hand change by 1 in so many of its lengths.
 const SOFT: f64 = 0.005;
-/// The most and the least log-odds: trackers are a finger's breadth off now and then, but what is
-/// far from every joint is another hand.
+/// The least and the most log-odds: trackers are a finger's breadth off now and then, but what is
+/// far from every joint is another hand. They are large because colours take what else has seen the
+/// hand at a tenth ([`crate::segment::adapt::AdaptParams`]).
 const MOST_SURE: [f64; 2] = [-60.0, 6.0];
 /// The side of the square that is looked at first, in lengths of the hand.
 const SIDE: f64 = 1.6;
@@ -50,7 +52,8 @@ const SIDE: f64 = 1.6;
 const SHORT: f64 = 0.12;
 
 /// What places are counted in, right and down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LandmarkUnit {
     /// Pixels of the picture, upright as its EXIF orientation says.
     Pixel,
@@ -71,6 +74,8 @@ pub struct Landmarks {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joints {
     points: [[f64; 2]; 21],
+    /// About how long the hand is: as its longest finger, or its knuckles, say.
+    length: f64,
 }
 
 /// What is wrong with landmarks.
@@ -118,27 +123,25 @@ impl Landmarks {
     pub fn of_picture(&self, width: usize, height: usize) -> Result<Joints, LandmarksError> {
         let size = [width, height].map(|side| side as f64);
         let unit = if self.unit == LandmarkUnit::Share { size } else { [1.0; 2] };
-        let joints = Joints { points: self.places.map(|[x, y]| [x * unit[0], y * unit[1]]) };
+        let joints = Joints::new(self.places.map(|[x, y]| [x * unit[0], y * unit[1]]));
         let inside = |place: &[f64; 2]| place.iter().zip(size).all(|(v, most)| (0.0..=most).contains(v));
         if !joints.points.iter().any(inside) {
             return Err(LandmarksError::Outside { width, height });
         }
-        let length = joints.length();
-        if length < LEAST { Err(LandmarksError::Small(length)) } else { Ok(joints) }
+        if joints.length < LEAST { Err(LandmarksError::Small(joints.length)) } else { Ok(joints) }
     }
 }
 
 impl Joints {
-    /// The same hand in a picture that is `factor` times as small.
-    pub(crate) fn shrunk(&self, factor: usize) -> Self {
-        Self { points: self.points.map(|place| place.map(|v| v / factor as f64)) }
+    fn new(points: [[f64; 2]; 21]) -> Self {
+        let bone = |[from, to]: [usize; 2]| distance(points[from], points[to]);
+        let fingers = BONES.chunks(4).skip(1).map(|bones| bones.iter().copied().map(bone).sum());
+        Self { points, length: fingers.fold(bone(KNUCKLES) / BREADTH, f64::max) }
     }
 
-    /// About how long the hand is, in pixels: as its longest finger, or its knuckles, say.
-    fn length(&self) -> f64 {
-        let bone = |[from, to]: [usize; 2]| distance(self.points[from], self.points[to]);
-        let fingers = BONES.chunks(4).skip(1).map(|bones| bones.iter().copied().map(bone).sum());
-        fingers.fold(bone(KNUCKLES) / BREADTH, f64::max)
+    /// The same hand in a picture that is `factor` times as small.
+    pub(crate) fn shrunk(&self, factor: usize) -> Self {
+        Self::new(self.points.map(|place| place.map(|v| v / factor as f64)))
     }
 
     /// The square around the hand, and whether it shows where the arm comes from: it comes from
@@ -149,15 +152,15 @@ impl Joints {
         };
         let (low, high) = (corner(f64::min), corner(f64::max));
         let [x, y] = [0, 1].map(|i| self.points[WRIST][i] - self.points[MIDDLE_KNUCKLE][i]);
-        let is_long = libm::hypot(x, y) > SHORT * self.length();
+        let is_long = libm::hypot(x, y) > SHORT * self.length;
         let turn = if is_long { FRAC_PI_2 - libm::atan2(y, x) } else { 0.0 };
         let centre = [0, 1].map(|i| 0.5 * (low[i] + high[i]));
-        (Square { centre, side: SIDE * self.length(), turn }, is_long)
+        (Square { centre, side: SIDE * self.length, turn }, is_long)
     }
 
     /// The log-odds of the hand at a place of the picture, by how far from the bones it is.
     pub(crate) fn hand(&self, place: [f64; 2]) -> f32 {
-        let length = self.length();
+        let length = self.length;
         let is_palm = PALM.iter().any(|corners| is_inside(place, corners.map(|at| self.points[at])));
         let bones = BONES.iter().map(|ends| from_bone(place, ends.map(|at| self.points[at])));
         let away = if is_palm { 0.0 } else { bones.fold(f64::INFINITY, f64::min) };
@@ -252,6 +255,6 @@ mod tests {
     fn shares_are_of_the_picture() {
         let shares = flat().map(|[x, y]| [x / 640.0, y / 480.0]);
         let joints = Landmarks::new(&shares, LandmarkUnit::Share).unwrap().of_picture(640, 480).unwrap();
-        assert!((joints.length() - self::joints(&flat()).length()).abs() < 1e-9);
+        assert!((joints.length - self::joints(&flat()).length).abs() < 1e-9);
     }
 }

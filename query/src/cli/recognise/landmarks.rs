@@ -10,17 +10,8 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    unit: Unit,
+    unit: LandmarkUnit,
     landmarks: Vec<Place>,
-}
-
-/// What places are counted in.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Unit {
-    Pixel,
-    /// Shares of the picture's width and height, as MediaPipe's normalised landmarks are.
-    Share,
 }
 
 /// `[x, y]` or `{"x": .., "y": ..}`; what else a tracker says of it is left alone.
@@ -46,10 +37,6 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Landmarks> {
     let about = || format!("cannot use the landmarks {}", path.display());
     let text = std::fs::read_to_string(path).with_context(about)?;
     let file: File = serde_json::from_str(&text).with_context(about)?;
-    let unit = match file.unit {
-        Unit::Pixel => LandmarkUnit::Pixel,
-        Unit::Share => LandmarkUnit::Share,
-    };
     let places: Vec<[f64; 2]> = file.landmarks.iter().map(Place::xy).collect();
-    Landmarks::new(&places, unit).with_context(about)
+    Landmarks::new(&places, file.unit).with_context(about)
 }
