@@ -1,0 +1,62 @@
+//! Where in space the pixels of a calibrated camera look.
+
+use crate::messages::sensor::CameraInfo;
+
+/// A camera without distortion, for pictures of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct View {
+    focal: [f64; 2],
+    principal: [f64; 2],
+}
+
+impl View {
+    /// The camera that a message describes, for pictures of `width` x `height` pixels: those of a
+    /// camera whose driver shrinks them are smaller than the message says. `None` where it is not
+    /// calibrated.
+    pub(crate) fn new(info: &CameraInfo, width: usize, height: usize) -> Option<Self> {
+        let scale = |whole: u32, side: usize| if whole == 0 { 1.0 } else { side as f64 / f64::from(whole) };
+        let (across, down) = (scale(info.width, width), scale(info.height, height));
+        let [fx, _, cx, _, fy, cy, ..] = info.k;
+        let (focal, principal) = ([fx * across, fy * down], [cx * across, cy * down]);
+        let is_sound = focal.iter().all(|length| length.is_finite() && *length > 0.0)
+            && principal.iter().all(|place| place.is_finite());
+        is_sound.then_some(Self { focal, principal })
+    }
+
+    /// The point that is seen at a place of the picture, in pixels, as far before the camera as
+    /// `depth` metres, in its optical frame.
+    pub(crate) fn point(&self, place: [f64; 2], depth: f64) -> [f64; 3] {
+        let along = |axis: usize| (place[axis] - self.principal[axis]) / self.focal[axis] * depth;
+        [along(0), along(1), depth]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(k: [f64; 9]) -> CameraInfo {
+        CameraInfo { width: 640, height: 480, k, ..CameraInfo::default() }
+    }
+
+    const K: [f64; 9] = [500.0, 0.0, 320.0, 0.0, 400.0, 240.0, 0.0, 0.0, 1.0];
+
+    #[test]
+    fn a_pixel_is_a_ray() {
+        let view = View::new(&info(K), 640, 480).unwrap();
+        assert_eq!(view.point([320.0, 240.0], 0.8), [0.0, 0.0, 0.8]);
+        assert_eq!(view.point([420.0, 140.0], 2.0), [0.4, -0.5, 2.0]);
+    }
+
+    #[test]
+    fn a_shrunk_picture_is_seen_by_the_same_camera() {
+        let (whole, half) = (View::new(&info(K), 640, 480).unwrap(), View::new(&info(K), 320, 240).unwrap());
+        assert_eq!(half.point([210.0, 70.0], 1.0), whole.point([420.0, 140.0], 1.0));
+    }
+
+    #[test]
+    fn a_camera_that_was_never_calibrated_sees_no_ray() {
+        assert_eq!(View::new(&info([0.0; 9]), 640, 480), None);
+        assert_eq!(View::new(&info([f64::NAN; 9]), 640, 480), None);
+    }
+}
