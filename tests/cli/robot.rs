@@ -305,6 +305,30 @@ fn another_hand_is_a_name_or_a_file() {
 }
 
 #[test]
+fn a_gripper_is_described_by_its_urdf_and_a_file_beside_it() {
+    let folder = ball();
+    let urdf = workspace().join("query/robot/tests/urdf/slider.urdf");
+    let with = |hand: &str, form: &[&str]| {
+        let arguments = [&["--robot", hand, "--object", "ball.toml"], form].concat();
+        recognise(folder.path(), "10-power-sphere.png", &arguments)
+    };
+    let found = with(urdf.to_str().unwrap(), &["--json"]);
+    assert_eq!(found.status, 0, "{}", found.stderr);
+    let strategy = &found.json_lines()[0]["strategy"];
+    assert_eq!((&strategy["robot"], &strategy["wrist_link"]), (&"slider".into(), &"base".into()));
+    // 60 mm between the pads and 20 more are more than they open: as far as they go.
+    assert_eq!(strategy["open"]["left_slide"], 0.035);
+    assert_eq!(strategy["layout"]["fingers"].as_array().unwrap().len(), 2);
+    let message = with(urdf.to_str().unwrap(), &["--format", "moveit"]);
+    assert!(message.status == 0 && message.stdout.contains("[\"left_slide\"]"), "{}", message.stdout);
+
+    fs::copy(&urdf, folder.path().join("alone.urdf")).unwrap();
+    let alone = with("alone.urdf", &[]);
+    assert_eq!((alone.status, alone.stdout.as_str()), (2, ""));
+    assert!(alone.stderr.contains("write alone.toml, which does"), "{}", alone.stderr);
+}
+
+#[test]
 fn a_grasp_that_this_hand_cannot_do_leaves_the_answer() {
     let folder = ball();
     fs::write(folder.path().join("wide.toml"), BALL.replace("0.03", "0.1")).unwrap();

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::fault::DescriptionFault;
+
 /// Why there is no strategy.
 #[derive(Debug, thiserror::Error)]
 pub enum RobotError {
@@ -14,14 +16,14 @@ pub enum RobotError {
         cause: std::io::Error,
     },
     /// A file is no such description.
-    #[error("{name} is not a valid description of {what}: {problem}")]
+    #[error("{name} is not a valid description of {what}: {fault}")]
     Format {
         /// The file, or the name of a description that comes with the program.
         name: String,
         /// What it should describe, with its article.
         what: &'static str,
-        /// What is wrong and what is needed.
-        problem: String,
+        /// What is wrong and what is needed; part of the message, and so no source beside it.
+        fault: Box<DescriptionFault>,
     },
     /// The hand is none that comes with the program.
     #[error("there is no robot hand `{name}`: use {known}, or name a file that describes one (HAND.toml)")]
@@ -71,8 +73,8 @@ pub enum RobotError {
     },
     /// The object does not go between the fingers.
     #[error(
-        "{object} is {:.0} mm wide where the fingers close, and {hand} opens to {:.0} mm: approach it from another side, or take another hand",
-        1e3 * width, 1e3 * widest
+        "{object} is {:.0} mm wide where the fingers close, and {hand} opens to {:.0} mm: {}",
+        1e3 * width, 1e3 * widest, nearest(*turned, others)
     )]
     TooWide {
         /// The object.
@@ -83,6 +85,22 @@ pub enum RobotError {
         width: f64,
         /// The most, in metres.
         widest: f64,
+        /// Its extent for a hand that is turned by a quarter about the approach, in metres, where
+        /// the hand could take that.
+        turned: Option<f64>,
+        /// Hands that come with the program and could take it.
+        others: Vec<&'static str>,
+    },
+    /// A URDF has no file beside it that says what a URDF does not.
+    #[error(
+        "a URDF says neither where the palm of a hand is nor what its fingers' tips are: write {}, which does, for example\n{example}",
+        companion.display()
+    )]
+    NoCompanion {
+        /// The file that is missing.
+        companion: PathBuf,
+        /// What could stand in it.
+        example: String,
     },
     /// The object to simulate lies nowhere.
     #[error("{object} has no `table`, or its pose is not in the world: a trial needs both to begin with")]
@@ -95,11 +113,28 @@ pub enum RobotError {
     NoOrientation,
 }
 
+/// What comes nearest to what cannot be done.
+fn nearest(turned: Option<f64>, others: &[&str]) -> String {
+    let side = turned.map_or_else(
+        || "approach it from another side".to_owned(),
+        |width| {
+            format!(
+                "turned by a quarter about the approach the hand would find it {:.0} mm wide; approach it so",
+                1e3 * width
+            )
+        },
+    );
+    match others {
+        [] => side,
+        others => format!("{side}, or take a hand that opens wider ({})", others.join(", ")),
+    }
+}
+
 impl RobotError {
     /// A short, stable name for JSON records.
     pub fn kind(&self) -> &'static str {
         match self {
-            Self::Read { .. } | Self::Format { .. } => "file",
+            Self::Read { .. } | Self::Format { .. } | Self::NoCompanion { .. } => "file",
             Self::UnknownHand { .. } => "unknown_hand",
             Self::UnknownArm { .. } => "unknown_arm",
             Self::Unmapped { .. } => "unmapped",

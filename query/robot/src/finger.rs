@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
+use super::DescriptionFault;
+
 /// The longest part of a finger, in metres.
 const LONGEST: f64 = 1.0;
 
@@ -79,7 +81,7 @@ impl Finger {
     }
 
     /// What is wrong with its description, for a hand whose joints are those of `limits`.
-    pub(super) fn fault(&self, limits: &BTreeMap<String, [f64; 2]>) -> Option<String> {
+    pub(super) fn fault(&self, limits: &BTreeMap<String, [f64; 2]>) -> Option<DescriptionFault> {
         let spread = self.spread.as_ref();
         let mut joints = spread.map(|turn| &turn.joint).into_iter().chain(&self.slide);
         let unknown = joints.find(|joint| !limits.contains_key(*joint));
@@ -90,10 +92,10 @@ impl Finger {
                 .find(|joint| !limits.contains_key(*joint))
         });
         if let Some(joint) = unknown {
-            return Some(format!("finger: `{joint}` is no joint of [limits]"));
+            return Some(DescriptionFault::FingerJoint(joint.clone()));
         }
         if spread.is_some_and(|turn| turn.sign.abs() != 1) {
-            return Some("finger.spread.sign: 1 or -1 is needed".into());
+            return Some(DescriptionFault::FingerSign);
         }
         let lengths = self.links.iter().map(|link| link.length);
         let lengths = lengths.chain(self.at).chain([self.offset]);
@@ -101,6 +103,6 @@ impl Finger {
         // Written so that what is not a number is refused as well.
         let is_sound = lengths.into_iter().all(|metres| metres.abs() <= LONGEST)
             && angles.into_iter().all(|radians| radians.abs() <= std::f64::consts::TAU);
-        (!is_sound).then(|| format!("finger: metres within {LONGEST} and radians within a turn are needed"))
+        (!is_sound).then_some(DescriptionFault::Finger { longest: LONGEST })
     }
 }

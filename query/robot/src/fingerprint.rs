@@ -22,14 +22,18 @@ impl Canonical for RobotHand {
             model,
             wrist_link,
             wrist_from_palm,
+            wrist_from_palm_xyzw,
             palm_radius,
+            palm_height,
             finger: _,
+            chain: _,
             touch_links,
             max_contact_force,
             approach,
             retreat,
             limits,
             map,
+            instead: _,
             grasp,
         } = self;
         to.text(name).u8(u8::from(model.is_some())).text(model.as_deref().unwrap_or_default());
@@ -45,6 +49,13 @@ impl Canonical for RobotHand {
             to.text(grasp);
         });
         encode_map(to, grasp, |to, grasp| grasp.encode(to));
+        // At the end, and only where they are there: hands without them keep their numbers.
+        if let Some(xyzw) = wrist_from_palm_xyzw {
+            to.u8(1).f64s(xyzw);
+        }
+        if let Some(height) = palm_height {
+            to.u8(2).f64(*height);
+        }
     }
 }
 

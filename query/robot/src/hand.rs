@@ -2,23 +2,34 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::path::Path;
 
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
-use super::RobotError;
+use super::chain::Chain;
 use super::finger::Finger;
 use super::human::HumanGrasp;
-use super::read::{Source, built_in, described, text};
+use super::read::{Source, built_in, text};
+use super::urdf;
 use super::window::Window;
+use super::{DescriptionFault, RobotError};
 
 /// The hands that come with the program.
-const BUILT_IN: [(&str, &str); 2] = [
+const BUILT_IN: [(&str, &str); 5] = [
+    ("allegro", include_str!("../../data/robots/allegro.toml")),
     ("barrett", include_str!("../../data/robots/barrett.toml")),
+    ("franka-hand", include_str!("../../data/robots/franka-hand.toml")),
     ("parallel-gripper", include_str!("../../data/robots/parallel-gripper.toml")),
+    ("robotiq-2f-85", include_str!("../../data/robots/robotiq-2f-85.toml")),
 ];
 
 /// The reach of a hand whose description names no fingers, in metres.
 const ORDINARY_REACH: f64 = 0.20;
+
+/// The least height of the palm's cylinder, in metres, for hands whose wrist lies in the palm's
+/// surface.
+const THINNEST_PALM: f64 = 0.01;
 
 /// The palm's radius where a description has none, in metres.
 fn ordinary_palm() -> f64 {
@@ -37,15 +48,23 @@ pub struct RobotHand {
     pub model: Option<String>,
     /// The link that an arm carries: the parent of the hand.
     pub wrist_link: String,
-    /// The middle of the palm's surface in the wrist's frame, in metres; both frames are turned
-    /// alike.
+    /// The middle of the palm's surface in the wrist's frame, in metres.
     pub wrist_from_palm: [f64; 3],
-    /// The palm's radius, in metres: it is taken for a cylinder from the wrist to its surface.
+    /// How the palm is turned there, as a unit quaternion x, y, z, w; without it both frames are
+    /// turned alike.
+    pub wrist_from_palm_xyzw: Option<[f64; 4]>,
+    /// The palm's radius, in metres: it is taken for a cylinder that ends in its surface.
     #[serde(default = "ordinary_palm")]
     pub palm_radius: f64,
-    /// The fingers; without them drawings show none, and none is looked for in the table.
+    /// How high that cylinder is, in metres; without it, it begins at the height of the wrist.
+    pub palm_height: Option<f64>,
+    /// Fingers that bend in a plane; without any finger drawings show none, and none is looked for
+    /// in the table.
     #[serde(default)]
     pub finger: Vec<Finger>,
+    /// Fingers whose joints lie anyhow in space.
+    #[serde(default)]
+    pub chain: Vec<Chain>,
     /// Links that may touch the object.
     pub touch_links: Vec<String>,
     /// In newtons.
@@ -58,6 +77,9 @@ pub struct RobotHand {
     pub limits: BTreeMap<String, [f64; 2]>,
     /// Human grasp to robot grasp.
     pub map: BTreeMap<String, String>,
+    /// Human grasps that the hand cannot imitate: what it does instead, for a person.
+    #[serde(default)]
+    pub instead: BTreeMap<String, String>,
     /// The robot's grasps.
     pub grasp: BTreeMap<String, RobotGrasp>,
 }
@@ -155,14 +177,31 @@ impl Value {
 }
 
 impl RobotHand {
-    /// The hand of this name, or, where the name ends in `.toml`, the one that this file describes.
+    /// The hand of this name, or, where the name ends in `.toml` or `.urdf`, the one that this file
+    /// describes; see [`RobotHand::description`].
     ///
     /// # Errors
-    /// [`RobotError::UnknownHand`], [`RobotError::Read`], [`RobotError::Format`].
+    /// [`RobotError::UnknownHand`], [`RobotError::Read`], [`RobotError::Format`],
+    /// [`RobotError::NoCompanion`].
     pub fn find(name: &str) -> Result<Self, RobotError> {
-        match described(name) {
-            Some(path) => Self::parse(name, &text(path)?),
+        match Self::description(name)? {
+            Some(text) => Self::parse(name, &text),
             None => Self::built_in(name),
+        }
+    }
+
+    /// The description of a hand that is a file, as [`RobotHand::parse`] reads it: that file where
+    /// its name ends in `.toml`. Where it ends in `.urdf`, what the URDF says, with what the file
+    /// beside it that ends in `.toml` adds to it. `None` for any other name.
+    ///
+    /// # Errors
+    /// [`RobotError::Read`], [`RobotError::Format`], [`RobotError::NoCompanion`].
+    pub fn description(name: &str) -> Result<Option<String>, RobotError> {
+        let path = Path::new(name);
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("toml") => text(path).map(Some),
+            Some("urdf") => urdf::description(path).map(Some),
+            _ => Ok(None),
         }
     }
 
@@ -195,25 +234,42 @@ impl RobotHand {
 
     fn check(&self, source: Source<'_>) -> Result<(), RobotError> {
         source.position("wrist_from_palm", self.wrist_from_palm)?;
+        if let Some(xyzw) = self.wrist_from_palm_xyzw {
+            source.rotation("wrist_from_palm_xyzw", xyzw)?;
+        }
+        if let Some(height) = self.palm_height {
+            source.length("palm_height", height, 1.0)?;
+        }
         source.length("max_contact_force", self.max_contact_force, 1e4)?;
         source.length("palm_radius", self.palm_radius, 1.0)?;
         if let Some(fault) = self.finger.iter().find_map(|finger| finger.fault(&self.limits)) {
             return Err(source.error(fault));
         }
+        if let Some(fault) = self.chain.iter().find_map(|chain| chain.fault(&self.limits)) {
+            return Err(source.error(fault));
+        }
+        if let Some((joint, ends)) =
+            self.limits.iter().find(|(_, [low, high])| !(low <= high && high.is_finite()))
+        {
+            return Err(source.error(DescriptionFault::Range { joint: joint.clone(), ends: *ends }));
+        }
         for (key, way) in [("approach", self.approach), ("retreat", self.retreat)] {
             source.length(&format!("{key}.least"), way.least, way.distance)?;
             source.length(&format!("{key}.distance"), way.distance, 1.0)?;
         }
-        for (human, robot) in &self.map {
+        let humans = self.map.keys().map(|human| ("map", human));
+        for (table, human) in humans.chain(self.instead.keys().map(|human| ("instead", human))) {
             if HumanGrasp::named(human).is_none() {
                 let known = HumanGrasp::names().collect::<Vec<_>>().join(", ");
-                return Err(source.error(format!("map.{human}: the human grasps are {known}")));
+                let human = human.clone();
+                return Err(source.error(DescriptionFault::HumanGrasp { table, human, known }));
             }
+        }
+        for (human, robot) in &self.map {
             if !self.grasp.contains_key(robot) {
-                return Err(source.error(format!(
-                    "map.{human} = `{robot}`, which is not one of its grasps: they are {}",
-                    self.grasp_names()
-                )));
+                let (human, robot) = (human.clone(), robot.clone());
+                let known = self.grasp_names();
+                return Err(source.error(DescriptionFault::NoSuchGrasp { human, robot, known }));
             }
         }
         self.grasp.iter().try_for_each(|(name, grasp)| self.check_grasp(source, name, grasp))
@@ -224,9 +280,7 @@ impl RobotHand {
             && grasp.middle.is_sound()
             && [grasp.table_clearance, grasp.table_reach].iter().all(|metres| (0.0..1.0).contains(metres));
         if !is_sound {
-            return Err(source.error(format!(
-                "grasp.{name}: standoff, middle, table_clearance and table_reach need metres, points with ascending widths"
-            )));
+            return Err(source.error(DescriptionFault::Distances(name.to_owned())));
         }
         for window in &grasp.window {
             let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));
@@ -239,16 +293,14 @@ impl RobotHand {
         }
         for (posture, joints) in [("open", &grasp.open), ("closed", &grasp.closed)] {
             if joints.keys().ne(self.limits.keys()) {
-                return Err(source.error(format!(
-                    "grasp.{name}.{posture} must name every joint of [limits], and no other"
-                )));
+                return Err(source.error(DescriptionFault::Posture { grasp: name.to_owned(), posture }));
             }
             for (joint, value) in joints {
                 let [least, most] = self.limits.get(joint).copied().unwrap_or_default();
                 if !value.is_sound() || value.values().iter().any(|value| !(least..=most).contains(value)) {
-                    return Err(source.error(format!(
-                        "grasp.{name}.{posture}.{joint}: values must lie from {least} to {most}, and the widths of points must ascend"
-                    )));
+                    let (grasp, joint) = (name.to_owned(), joint.clone());
+                    let fault = DescriptionFault::Joint { grasp, posture, joint, least, most };
+                    return Err(source.error(fault));
                 }
             }
         }
@@ -257,8 +309,44 @@ impl RobotHand {
 
     /// How far from the middle of the palm's surface a finger's tip may be, in metres.
     pub(super) fn reach(&self) -> f64 {
+        let palm = Point3::from(self.wrist_from_palm);
         let fingers = self.finger.iter().map(|finger| finger.reach(&self.limits));
+        let fingers = fingers.chain(self.chain.iter().map(|chain| chain.reach(palm, &self.limits)));
         fingers.reduce(f64::max).unwrap_or(ORDINARY_REACH)
+    }
+
+    /// The palm in the wrist's frame.
+    pub(super) fn wrist_from_palm(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.wrist_from_palm_xyzw.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        Isometry3::from_parts(Translation3::from(self.wrist_from_palm), turned)
+    }
+
+    /// How high the palm's cylinder is, in metres.
+    pub(super) fn palm_height(&self) -> f64 {
+        self.palm_height.unwrap_or(self.wrist_from_palm[2]).max(THINNEST_PALM)
+    }
+
+    /// Each finger's middle line in the palm's frame, from the palm to its tip, its joints being as
+    /// `posture` says.
+    pub fn fingers(&self, posture: &BTreeMap<String, f64>) -> Vec<Vec<Point3<f64>>> {
+        let palm_from_wrist = self.wrist_from_palm().inverse();
+        let in_palm = |chain: &Chain| {
+            chain.points(posture).iter().map(|point| palm_from_wrist * point).collect::<Vec<_>>()
+        };
+        let planar = self.finger.iter().map(|finger| finger.points(posture));
+        planar.chain(self.chain.iter().map(in_palm)).collect()
+    }
+
+    /// Other hands that come with the program and take an object as wide as `width`, in metres,
+    /// where a human grasps it so; those whose descriptions set no limit, up to their reach.
+    pub(super) fn that_open_wider(&self, human: &str, width: f64) -> Vec<&'static str> {
+        let takes = |name: &&str| {
+            let Ok(hand) = Self::built_in(name) else { return false };
+            let widest = |(_, grasp): (&str, &RobotGrasp)| grasp.widest.unwrap_or_else(|| hand.reach());
+            hand.name != self.name && hand.for_human(human).is_ok_and(|found| width <= widest(found))
+        };
+        Self::names().filter(takes).collect()
     }
 
     fn grasp_names(&self) -> String {

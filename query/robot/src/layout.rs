@@ -12,9 +12,6 @@ use super::{Object, RobotGrasp, RobotHand, Shape};
 
 /// An approach whose horizontal part is shorter than this comes from above or below.
 const VERTICAL: f64 = 0.35;
-/// The least height of the palm's cylinder, in metres, for hands whose wrist lies in the palm's
-/// surface.
-const THINNEST_PALM: f64 = 0.01;
 
 /// Where everything is when the fingers begin to close. Metres, in the world.
 #[derive(Clone, Debug, Serialize)]
@@ -76,7 +73,7 @@ pub struct View {
     pub table: Option<f64>,
 }
 
-/// The palm as a cylinder from the wrist to its surface.
+/// The palm as a cylinder that ends in its surface.
 #[derive(Clone, Debug, Default)]
 struct Palm {
     /// The middle of its surface.
@@ -99,14 +96,12 @@ impl Layout {
             surface: placed.world_from_palm,
             back: -placed.approach * hand.approach.distance,
             radius: hand.palm_radius,
-            height: hand.wrist_from_palm[2].max(THINNEST_PALM),
+            height: hand.palm_height(),
         };
         let open = posture(&grasp.open, placed.width);
-        let fingers: Vec<Vec<Point3<f64>>> = hand
-            .finger
-            .iter()
-            .map(|finger| finger.points(&open).iter().map(|point| palm.surface * point).collect())
-            .collect();
+        let in_world =
+            |points: &Vec<Point3<f64>>| points.iter().map(|point| palm.surface * point).collect::<Vec<_>>();
+        let fingers: Vec<Vec<Point3<f64>>> = hand.fingers(&open).iter().map(in_world).collect();
         let start = Translation3::from(palm.back) * palm.surface;
         let lifted = Translation3::new(0.0, 0.0, hand.retreat.distance) * palm.surface;
         let seen =

@@ -13,12 +13,15 @@
 //! Metres and radians; quaternions x, y, z, w. `world`: z up. `camera`: z forward, x right, y down.
 //! `hand`: the human hand, x from the wrist to the middle knuckle, z out of the back, y = z cross
 //! x. `palm`: the robot's, origin in the middle of its palm's surface, z the direction of approach,
-//! y to the side of its thumb. `wrist`: the link that an arm carries, turned as the palm is.
+//! y to the side of its thumb. `wrist`: the link that an arm carries, with the axes that its maker
+//! gave it.
 //! `object`: about the middle of its shape.
 
 mod arm;
 mod camera;
+mod chain;
 mod error;
+mod fault;
 mod feasible;
 mod finger;
 mod fingerprint;
@@ -38,11 +41,14 @@ pub mod simulation;
 mod step;
 mod strategy;
 mod tolerance;
+mod urdf;
 mod window;
 
 pub use arm::{Arm, ArmMotion, Hindrance, Unreachable, Waypoint};
 pub use camera::Camera;
+pub use chain::Chain;
 pub use error::RobotError;
+pub use fault::{DescriptionFault, UrdfFault};
 pub use feasible::{Problem, ProblemKind};
 pub use finger::Finger;
 pub use from::From;

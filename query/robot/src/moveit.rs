@@ -1,8 +1,9 @@
-//! A strategy in the shape of a `moveit_msgs/Grasp` message, as YAML.
+//! A strategy in the shape of a `moveit_msgs/Grasp` message, as values and as YAML.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use super::pose::{Direction, Pose, rounded};
@@ -81,15 +82,21 @@ fn simulated_force(strategy: &Strategy) -> Option<f64> {
     })
 }
 
-fn message(strategy: &Strategy, id: &str) -> Value {
+/// The message of one strategy, its fields by their names. What ROS fills in by itself is left out:
+/// stamps, and velocities and accelerations of postures.
+///
+/// `grasp_quality` is the strategy's, and 0, the message's own default, where that is unknown.
+pub fn message(strategy: &Strategy, id: &str) -> Value {
     let mut approach = Value::Null;
     let mut retreat = Value::Null;
     for step in &strategy.steps {
         match step {
-            // MoveIt moves along the hand's own z; the hand is turned so that this is the approach
-            // vector.
+            // MoveIt moves along a direction of the hand's own; the hand is turned so that this is
+            // the approach vector.
             Step::Approach { distance, min_distance, .. } => {
-                let forward = Direction { frame: strategy.wrist_link.clone(), vector: [0.0, 0.0, 1.0] };
+                let [wrist, palm] = [&strategy.wrist, &strategy.palm].map(|pose| pose.isometry().rotation);
+                let vector = (wrist.inverse() * palm * Vector3::z()).into();
+                let forward = Direction { frame: strategy.wrist_link.clone(), vector };
                 approach = translation(&forward, *distance, *min_distance);
             }
             Step::Retreat { direction, distance, min_distance } => {

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Deserialize;
 
 use super::read::{Source, text};
-use super::{Camera, RobotError};
+use super::{Camera, DescriptionFault, RobotError};
 
 /// How deep an object may lie in its table before that is an error, in metres: what a measurement
 /// may be wrong by.
@@ -145,10 +145,9 @@ impl Object {
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "an object" };
         let file: File = source.parse(text)?;
-        let needed = |key: &str, value: Option<f64>| {
-            let value =
-                value.ok_or_else(|| source.error(format!("a {} needs `{key}`, in metres", file.shape)))?;
-            source.length(key, value, LARGEST)
+        let needed = |key: &'static str, value: Option<f64>| {
+            let missing = || DescriptionFault::MissingMeasure { shape: file.shape.clone(), key };
+            source.length(key, value.ok_or_else(|| source.error(missing()))?, LARGEST)
         };
         let shape = match file.shape.as_str() {
             "cylinder" | "disc" => Shape::Cylinder {
@@ -157,19 +156,13 @@ impl Object {
             },
             "sphere" => Shape::Sphere { radius: needed("radius", file.radius)? },
             "box" => {
-                let size = file
-                    .size
-                    .ok_or_else(|| source.error("a box has no size without `size = [x, y, z]`, in metres"))?;
+                let size = file.size.ok_or_else(|| source.error(DescriptionFault::MissingSize))?;
                 for length in size {
                     source.length("size", length, LARGEST)?;
                 }
                 Shape::Box { size }
             }
-            other => {
-                return Err(
-                    source.error(format!("shape = `{other}`: it must be cylinder, disc, box or sphere"))
-                );
-            }
+            other => return Err(source.error(DescriptionFault::Shape(other.to_owned()))),
         };
         if let Some(table) = file.table {
             source.position("table", [0.0, 0.0, table])?;
@@ -203,11 +196,9 @@ impl Object {
     pub(super) fn checked(&self, world_from_object: Isometry3<f64>) -> Result<Isometry3<f64>, RobotError> {
         let down = world_from_object.inverse_transform_vector(&-Vector3::z());
         let lowest = world_from_object.translation.z - self.shape.reach(&down);
-        if let Some(depth) = self.table.map(|table| table - lowest).filter(|depth| *depth > SUNK) {
-            return Err(Source { name: &self.name, what: "an object on a table" }.error(format!(
-                "it lies {:.0} mm inside the table: raise its position, which is that of its middle, or lower `table`",
-                1e3 * depth
-            )));
+        if let Some(metres) = self.table.map(|table| table - lowest).filter(|depth| *depth > SUNK) {
+            let source = Source { name: &self.name, what: "an object on a table" };
+            return Err(source.error(DescriptionFault::InTable { metres }));
         }
         Ok(world_from_object)
     }

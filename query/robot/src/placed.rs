@@ -36,11 +36,14 @@ impl Placed {
         let approach = turned * Vector3::z();
         let width = 2.0 * half(turned * Vector3::y());
         if let Some(widest) = grasp.widest.filter(|widest| width > *widest) {
+            let quarter = 2.0 * half(turned * Vector3::x());
             return Err(RobotError::TooWide {
                 object: object.name.clone(),
                 hand: hand.name.clone(),
                 width,
                 widest,
+                turned: (quarter <= widest).then_some(quarter),
+                others: Vec::new(),
             });
         }
         let middle = world_from_object.translation.vector;

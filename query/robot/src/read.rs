@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::de::DeserializeOwned;
 
-use super::RobotError;
+use super::{DescriptionFault, RobotError};
 
 /// How far a quaternion's length may be from 1: five written decimals are exact enough, a typing
 /// error is not.
@@ -21,31 +21,39 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    pub(super) fn error(self, problem: impl Into<String>) -> RobotError {
-        RobotError::Format { name: self.name.to_owned(), what: self.what, problem: problem.into() }
+    pub(super) fn error(self, fault: DescriptionFault) -> RobotError {
+        RobotError::Format { name: self.name.to_owned(), what: self.what, fault: Box::new(fault) }
     }
 
     pub(super) fn parse<T: DeserializeOwned>(self, text: &str) -> Result<T, RobotError> {
-        toml::from_str(text).map_err(|error| self.error(error.to_string().trim_end()))
+        toml::from_str(text).map_err(|error| self.error(DescriptionFault::Toml(error)))
     }
 
     /// A rigid motion of checked parts.
     pub(super) fn pose(self, position: [f64; 3], xyzw: [f64; 4]) -> Result<Isometry3<f64>, RobotError> {
         self.position("position", position)?;
+        let rotation = self.rotation("quaternion_xyzw", xyzw)?;
+        Ok(Isometry3::from_parts(Translation3::from(position), rotation))
+    }
+
+    /// A rotation of a checked quaternion.
+    pub(super) fn rotation(
+        self,
+        key: &'static str,
+        xyzw: [f64; 4],
+    ) -> Result<UnitQuaternion<f64>, RobotError> {
         let [x, y, z, w] = xyzw;
         let quaternion = Quaternion::new(w, x, y, z);
         let length = quaternion.norm();
         if length.is_nan() || (length - 1.0).abs() > UNIT_TOLERANCE {
-            return Err(self.error(format!(
-                "quaternion_xyzw has the length {length:.4}: a rotation needs 1, in the order x, y, z, w"
-            )));
+            return Err(self.error(DescriptionFault::Rotation { key, length }));
         }
-        Ok(Isometry3::from_parts(Translation3::from(position), UnitQuaternion::new_normalize(quaternion)))
+        Ok(UnitQuaternion::new_normalize(quaternion))
     }
 
-    pub(super) fn position(self, key: &str, position: [f64; 3]) -> Result<(), RobotError> {
+    pub(super) fn position(self, key: &'static str, position: [f64; 3]) -> Result<(), RobotError> {
         if position.iter().any(|value| value.is_nan() || value.abs() > FAR) {
-            return Err(self.error(format!("{key} = {position:?}: each must be within {FAR} m")));
+            return Err(self.error(DescriptionFault::Position { key, position, most: FAR }));
         }
         Ok(())
     }
@@ -53,7 +61,7 @@ impl Source<'_> {
     /// A length in metres, above 0.
     pub(super) fn length(self, key: &str, value: f64, most: f64) -> Result<f64, RobotError> {
         if !(value > 0.0 && value <= most) {
-            return Err(self.error(format!("{key} = {value}: it must be above 0 and at most {most}")));
+            return Err(self.error(DescriptionFault::Measure { key: key.to_owned(), value, most }));
         }
         Ok(value)
     }

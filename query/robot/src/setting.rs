@@ -1,5 +1,7 @@
 //! The robot and all that is given to it, read once for many pictures.
 
+use nalgebra::Vector3;
+
 use super::{Arm, Camera, Object, RobotError, RobotHand, Seen, Strategy};
 
 /// A robot hand, what it is to grasp, and from where that was seen.
@@ -36,5 +38,12 @@ impl Setting {
             Some(arm) => strategy.carried_by(arm),
             None => strategy,
         })
+    }
+
+    /// The direction in which the palm of a strategy of this setting comes to the object, of length
+    /// 1 in the camera's optical frame (x right, y down, z forward).
+    pub fn approach_in_camera(&self, strategy: &Strategy) -> Vector3<f64> {
+        let approach = strategy.palm_in_world.isometry().rotation * Vector3::z();
+        self.camera.world_from_camera.rotation.inverse_transform_vector(&approach)
     }
 }

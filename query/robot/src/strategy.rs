@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
 use super::feasible::{Findings, Problem, ProblemKind};
@@ -48,6 +48,9 @@ pub struct Strategy {
     pub human_grasp: String,
     /// The robot's grasp.
     pub grasp: String,
+    /// What the robot hand does instead, where it cannot do what the human hand does; null where it
+    /// can.
+    pub instead: Option<String>,
     /// The object.
     pub object: String,
     /// The link that an arm carries.
@@ -119,7 +122,13 @@ impl Strategy {
         let grip = camera.hand.map_or(middle, |wrist| {
             camera.world_from_camera * wrist + world_from_hand * human.centre(seen.side).coords
         });
-        let placed = Placed::new(hand, grasp, object, &world_from_object, turned, grip)?;
+        let placed = Placed::new(hand, grasp, object, &world_from_object, turned, grip);
+        let placed = placed.map_err(|mut error| {
+            if let RobotError::TooWide { width, others, .. } = &mut error {
+                *others = hand.that_open_wider(&seen.grasp, *width);
+            }
+            error
+        })?;
 
         let estimate = Estimate {
             position_m: camera.position_spread,
@@ -128,6 +137,9 @@ impl Strategy {
         };
         let layout = Layout::new(hand, grasp, object, &world_from_object, &placed);
         let mut findings = Findings::new(hand, object, &layout, grip);
+        if let Some(instead) = hand.instead.get(&seen.grasp) {
+            findings.doubts.push(format!("{} cannot do {} as people do: {instead}", hand.name, seen.grasp));
+        }
         findings.doubts.extend(doubts(&estimate, grasp, placed.width, &placed.approach));
         Ok(Self::assemble(hand, seen, (name, grasp), object, layout, &placed, estimate, findings))
     }
@@ -140,7 +152,8 @@ impl Strategy {
 
     /// Says how `arm` carries the hand there; where it cannot, the strategy is not feasible.
     pub fn carried_by(mut self, arm: &Arm) -> Self {
-        let motion = arm.carry(&self.wrist_in_world, &self.steps);
+        let forward = self.palm_in_world.isometry().rotation * Vector3::z();
+        let motion = arm.carry(&self.wrist_in_world, forward, &self.steps);
         if let Some(end) = &motion.unreachable {
             let message = format!(
                 "unreachable: {} cannot carry the hand beyond {:.0} mm of the {}: {}",
@@ -170,9 +183,8 @@ impl Strategy {
         Findings { problems, doubts }: Findings,
     ) -> Self {
         let object_from_world = layout.object.pose.isometry().inverse();
-        let wrist_from_palm = Translation3::from(hand.wrist_from_palm);
         let palm = placed.world_from_palm;
-        let wrist = palm * wrist_from_palm.inverse();
+        let wrist = palm * hand.wrist_from_palm().inverse();
         let start = Translation3::from(-placed.approach * hand.approach.distance) * wrist;
         let open = posture(&grasp.open, placed.width);
         let closed = posture(&grasp.closed, placed.width);
@@ -210,6 +222,7 @@ impl Strategy {
             robot: hand.name.clone(),
             human_grasp: seen.grasp.clone(),
             grasp: name.to_owned(),
+            instead: hand.instead.get(&seen.grasp).cloned(),
             object: object.name.clone(),
             wrist_link: hand.wrist_link.clone(),
             approach_vector,

@@ -1,0 +1,244 @@
+//! The links and joints of a URDF.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Isometry3;
+use toml::{Table, Value};
+use urdf_rs::{Joint, JointType, Robot};
+
+use super::values::numbers;
+use crate::chain::{Segment, frames};
+use crate::read::Source;
+use crate::{RobotError, UrdfFault};
+
+/// No gripper's URDF is longer, in bytes: meshes are not in it.
+const LONGEST: usize = 4_000_000;
+/// No URDF has elements in elements so deep; a parser has no end of memory for them.
+const DEEPEST: usize = 100;
+/// A hand has fewer joints and links.
+const MOST: usize = 1000;
+
+/// A robot whose every link but one has a parent.
+pub(super) struct Tree {
+    robot: Robot,
+    /// The joint above each link.
+    above: BTreeMap<String, usize>,
+    root: String,
+}
+
+/// The joints from the wrist to a tip, by their places in the URDF.
+pub(super) type Way = Vec<usize>;
+
+impl Tree {
+    pub(super) fn parse(source: Source<'_>, text: &str) -> Result<Self, RobotError> {
+        if text.len() > LONGEST {
+            return Err(source.error(UrdfFault::TooLong { most: LONGEST }.into()));
+        }
+        // What xacro is still to expand is no URDF, and would be read as one without joints.
+        let elements = text.split("-->").filter_map(|part| part.split("<!--").next());
+        if elements.into_iter().any(|part| part.contains("<xacro:")) {
+            return Err(source.error(UrdfFault::Xacro.into()));
+        }
+        if depth(text) > DEEPEST {
+            return Err(source.error(UrdfFault::TooDeep { most: DEEPEST }.into()));
+        }
+        let robot = urdf_rs::read_from_string(text)
+            .map_err(|error| source.error(UrdfFault::Parser(error.to_string()).into()))?;
+        if robot.joints.len() > MOST || robot.links.len() > MOST {
+            return Err(source.error(UrdfFault::TooMany { most: MOST }.into()));
+        }
+        let mut above = BTreeMap::new();
+        for (at, joint) in robot.joints.iter().enumerate() {
+            if above.insert(joint.child.link.clone(), at).is_some() {
+                return Err(source.error(UrdfFault::CarriedTwice(joint.child.link.clone()).into()));
+            }
+        }
+        let mut roots = robot.links.iter().filter(|link| !above.contains_key(&link.name));
+        let root = match (roots.next(), roots.next()) {
+            (Some(root), None) => root.name.clone(),
+            (None, _) => return Err(source.error(UrdfFault::NoRoot.into())),
+            (Some(one), Some(other)) => {
+                let (one, other) = (one.name.clone(), other.name.clone());
+                return Err(source.error(UrdfFault::TwoRoots { one, other }.into()));
+            }
+        };
+        let tree = Self { robot, above, root };
+        tree.check(source)?;
+        Ok(tree)
+    }
+
+    /// Followed joints must exist, and follow none themselves.
+    fn check(&self, source: Source<'_>) -> Result<(), RobotError> {
+        for joint in &self.robot.joints {
+            let Some(mimic) = &joint.mimic else { continue };
+            let (name, leader) = (joint.name.clone(), mimic.joint.clone());
+            let fault = match self.robot.joints.iter().find(|other| other.name == mimic.joint) {
+                None => UrdfFault::NoLeader { joint: name, leader },
+                Some(found) if found.mimic.is_some() => UrdfFault::LeaderFollows { joint: name, leader },
+                Some(_) => continue,
+            };
+            return Err(source.error(fault.into()));
+        }
+        Ok(())
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.robot.name
+    }
+
+    pub(super) fn root(&self) -> &str {
+        &self.root
+    }
+
+    /// The links that carry no others.
+    pub(super) fn leaves(&self) -> Vec<&str> {
+        let parents: BTreeSet<&str> =
+            self.robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
+        let links = self.robot.links.iter().map(|link| link.name.as_str());
+        links.filter(|link| !parents.contains(link)).collect()
+    }
+
+    /// The joints between two links.
+    pub(super) fn chain(&self, source: Source<'_>, from: &str, to: &str) -> Result<Way, RobotError> {
+        let mut way = Vec::new();
+        let mut link = to;
+        while link != from {
+            let Some(&at) = self.above.get(link) else {
+                let is_there = self.robot.links.iter().any(|other| other.name == to);
+                let links: Vec<&str> = self.robot.links.iter().map(|link| link.name.as_str()).collect();
+                let fault = if is_there && links.contains(&from) {
+                    UrdfFault::Apart { from: from.to_owned(), to: to.to_owned() }
+                } else {
+                    let link = if is_there { from } else { to }.to_owned();
+                    UrdfFault::NoLink { link, known: links.join(", ") }
+                };
+                return Err(source.error(fault.into()));
+            };
+            way.push(at);
+            // As many joints as there are, or it runs in a circle.
+            if way.len() > self.robot.joints.len() {
+                return Err(source.error(UrdfFault::Circle(to.to_owned()).into()));
+            }
+            link = self.robot.joints.get(at).map_or(from, |joint| joint.parent.link.as_str());
+        }
+        way.reverse();
+        Ok(way)
+    }
+
+    /// The place of one link in another's frame, all joints being at 0.
+    pub(super) fn pose(
+        &self,
+        source: Source<'_>,
+        from: &str,
+        to: &str,
+    ) -> Result<Isometry3<f64>, RobotError> {
+        let segments = self.segments(&self.chain(source, from, to)?);
+        Ok(frames(&segments, |_| 0.0).last().copied().unwrap_or_else(Isometry3::identity))
+    }
+
+    fn joints<'a>(&'a self, way: &'a Way) -> impl Iterator<Item = &'a Joint> {
+        way.iter().filter_map(|at| self.robot.joints.get(*at))
+    }
+
+    /// The segments of a way.
+    pub(super) fn segments(&self, way: &Way) -> Vec<Segment> {
+        self.joints(way).map(segment).collect()
+    }
+
+    /// The joints of some ways that move by themselves, with their least and greatest values.
+    pub(super) fn limits(
+        &self,
+        source: Source<'_>,
+        ways: &[Way],
+    ) -> Result<BTreeMap<String, [f64; 2]>, RobotError> {
+        let mut limits = BTreeMap::new();
+        for joint in ways.iter().flat_map(|way| self.joints(way)) {
+            let leader = match &joint.mimic {
+                Some(mimic) => self.robot.joints.iter().find(|other| other.name == mimic.joint),
+                None => Some(joint),
+            };
+            let Some(leader) = leader.filter(|_| moves(joint)) else { continue };
+            let [low, high] = match leader.joint_type {
+                JointType::Continuous => [-std::f64::consts::PI, std::f64::consts::PI],
+                JointType::Revolute | JointType::Prismatic => [leader.limit.lower, leader.limit.upper],
+                _ => {
+                    return Err(source.error(UrdfFault::Kind(leader.name.clone()).into()));
+                }
+            };
+            // Written so that what is not a number is refused as well.
+            if !(low < high && low.is_finite() && high.is_finite()) {
+                let joint = leader.name.clone();
+                return Err(source.error(UrdfFault::Limits { joint, low, high }.into()));
+            }
+            limits.insert(leader.name.clone(), [low, high]);
+        }
+        Ok(limits)
+    }
+
+    /// The links of some ways that joints carry which move.
+    pub(super) fn links_of(&self, ways: &[Way]) -> Vec<String> {
+        let mut links = BTreeSet::new();
+        for way in ways {
+            let moved = self.joints(way).skip_while(|joint| !moves(joint));
+            links.extend(moved.map(|joint| joint.child.link.clone()));
+        }
+        links.into_iter().collect()
+    }
+
+    /// A way as a HAND.toml has it.
+    pub(super) fn table(&self, way: &Way) -> Value {
+        let segment = |joint: &Joint| {
+            let Segment { at, rpy, joint, axis, slides, factor, plus } = segment(joint);
+            let mut table = Table::new();
+            let mut set = |key: &str, value: Value| {
+                table.insert(key.to_owned(), value);
+            };
+            set("at", numbers(at));
+            set("rpy", numbers(rpy));
+            if let Some(joint) = joint {
+                set("joint", joint.into());
+                set("axis", numbers(axis));
+                set("slides", slides.into());
+                set("factor", factor.into());
+                set("plus", plus.into());
+            }
+            Value::Table(table)
+        };
+        let segments = self.joints(way).map(segment).collect();
+        Value::Table([("segments".to_owned(), Value::Array(segments))].into_iter().collect())
+    }
+}
+
+/// How deep elements lie in elements, or more: what is ambiguous counts as one that is not closed.
+fn depth(text: &str) -> usize {
+    let (mut depth, mut deepest) = (0_usize, 0);
+    for part in text.split('<').skip(1) {
+        let tag = part.split('>').next().unwrap_or_default();
+        let is_quoted = ['"', '\''].iter().any(|quote| tag.matches(*quote).count() % 2 == 1);
+        if part.starts_with('/') {
+            depth = depth.saturating_sub(1);
+        } else if !part.starts_with(['!', '?']) && (is_quoted || !tag.ends_with('/')) {
+            depth += 1;
+        }
+        deepest = deepest.max(depth);
+    }
+    deepest
+}
+
+fn moves(joint: &Joint) -> bool {
+    joint.joint_type != JointType::Fixed
+}
+
+fn segment(joint: &Joint) -> Segment {
+    let mimic = joint.mimic.as_ref();
+    let leader = mimic.map_or(&joint.name, |mimic| &mimic.joint);
+    Segment {
+        at: *joint.origin.xyz,
+        rpy: *joint.origin.rpy,
+        joint: moves(joint).then(|| leader.clone()),
+        axis: *joint.axis.xyz,
+        slides: joint.joint_type == JointType::Prismatic,
+        factor: mimic.and_then(|mimic| mimic.multiplier).unwrap_or(1.0),
+        plus: mimic.and_then(|mimic| mimic.offset).unwrap_or(0.0),
+    }
+}
