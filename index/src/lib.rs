@@ -78,6 +78,7 @@ pub use descriptor::{
 pub use entry::{Entry, EntryError};
 pub use file::atomic::{AtomicFile, WriteError};
 pub use file::catalogue::{Catalogue, ClassInfo};
+pub use file::corruption::Corruption;
 pub use file::error::{FileChanged, OpenError};
 pub use file::fault::guard_against_truncation;
 pub use file::input::{BuildError, EntryFault, IndexParams, NewEntry, Summary};

@@ -48,7 +48,7 @@ pub use grasp::{
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,
 };
-pub use hand_model::{HandModel, HandModelError};
+pub use hand_model::{HandModel, HandModelError, ModelFault, NotAHand, Unsupported};
 pub use plan::{Preset, RenderPlan, UnknownPreset};
 pub use raster::HAND_FLOOR;
 pub use scene::{JointPlaces, Look, RENDERER_VERSION, Render, Scene, SceneError, SceneSpec};

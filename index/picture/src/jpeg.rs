@@ -33,6 +33,7 @@ pub(crate) fn essence(bytes: &[u8]) -> Result<Essence<'_>, DecodeError> {
     let mut pieces = Pieces::default();
     let mut exif = None;
     let (mut scans, mut table_bytes) = (0, 0);
+    let mut has_codes = false;
     pieces.push(bytes.get(..2).unwrap_or_default());
     for segment in Segments::of(bytes) {
         let Segment { marker, data, whole } = segment;
@@ -46,12 +47,19 @@ pub(crate) fn essence(bytes: &[u8]) -> Result<Essence<'_>, DecodeError> {
                 if scans > MAX_SCANS {
                     return Err(DecodeError::TooManyScans);
                 }
+                if !has_codes {
+                    pieces.push(USUAL_CODES);
+                    has_codes = true;
+                }
             }
             APP1 if exif.is_none() => {
                 exif = data.strip_prefix(b"Exif\0\0");
                 continue;
             }
-            SOF0..=SOF15 | DQT..=DRI => table_bytes += whole.len(),
+            SOF0..=SOF15 | DQT..=DRI => {
+                has_codes |= marker == DHT;
+                table_bytes += whole.len();
+            }
             // How colours are stored, and that the usual Huffman tables are left out.
             APP14 if data.starts_with(b"Adobe") => table_bytes += whole.len(),
             APP0 if data.starts_with(b"AVI1") => table_bytes += whole.len(),
@@ -83,9 +91,15 @@ pub(crate) fn missing(image: &DynamicImage) -> Result<DecodeWarning, DecodeError
     }
 }
 
+/// What tells a decoder that the usual Huffman tables are left out, as in Motion JPEG: many cameras
+/// leave them out, and not all say so.
+const USUAL_CODES: &[u8] = b"\xFF\xE0\x00\x07AVI1\0";
+
 /// The first and the last of the frame headers, between which the Huffman tables lie.
 const SOF0: u8 = 0xC0;
 const SOF15: u8 = 0xCF;
+/// Huffman tables.
+const DHT: u8 = 0xC4;
 const SOI: u8 = 0xD8;
 const EOI: u8 = 0xD9;
 const SOS: u8 = 0xDA;

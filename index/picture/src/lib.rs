@@ -29,6 +29,7 @@ mod png;
 mod size;
 mod stream;
 mod webp;
+mod yuv;
 
 pub use decode::{Decoded, decode, dimensions};
 pub use error::{DecodeError, DecodeWarning};
@@ -39,4 +40,5 @@ pub use jpeg::MAX_MISSING_PERCENT;
 pub use limits::{
     FORMATS, MAX_BYTES_A_PIXEL, MAX_COMPRESSED_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SCANS, MAX_SIDE,
 };
-pub use stream::{Frame, Frames, StreamError};
+pub use stream::{Frame, Frames, StreamError, Y4mFault};
+pub use yuv::yuyv_to_pnm;

@@ -1,6 +1,7 @@
 //! The bytes of an index, mapped or in memory. The one place where a file is mapped.
 
 use super::align::ALIGNMENT;
+use super::corruption::Corruption;
 use super::error::{FileChanged, OpenError};
 use super::fault::Registered;
 use super::header::{self, Header};
@@ -81,8 +82,7 @@ impl Bytes {
     pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
         let stamp = Stamp::new(open_regular(path)?)?;
         let mut file = stamp.file();
-        let length = usize::try_from(stamp.length())
-            .map_err(|_| OpenError::corrupt("it is larger than this machine's memory"))?;
+        let length = usize::try_from(stamp.length()).map_err(|_| Corruption::TooLarge)?;
         // A length is only believed, and memory taken for it, where a header states it as well.
         let mut head = [0; header::LENGTH];
         let held = head.len().min(length);

@@ -3,6 +3,8 @@
 use std::fmt;
 use thiserror::Error;
 
+use super::corruption::Corruption;
+
 /// The file of an index was changed in place while it was in use, so that what was read of it may
 /// be of two files.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
@@ -75,12 +77,13 @@ pub enum OpenError {
     Changed(#[from] FileChanged),
     /// A part of the file is not what it was when it was written.
     #[error("corrupt: {0}: copy or build the file again")]
-    Corrupt(String),
+    Corrupt(Corruption),
 }
 
-impl OpenError {
-    pub(crate) fn corrupt(what: impl fmt::Display) -> Self {
-        Self::Corrupt(what.to_string())
+// The corruption is part of the message, and so no source beside it.
+impl From<Corruption> for OpenError {
+    fn from(corruption: Corruption) -> Self {
+        Self::Corrupt(corruption)
     }
 }
 

@@ -13,6 +13,7 @@
 //! | 56..64 | xxh3 of bytes 0..56 |
 
 use super::align::{ALIGNMENT, align};
+use super::corruption::Corruption;
 use super::error::OpenError;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -79,7 +80,7 @@ impl Header {
         };
         // Before the version: a version is believed only where the header is whole.
         if xxh3_64(&bytes[..56]) != u64_at(bytes, 56) {
-            return Err(OpenError::corrupt("the header does not match its hash"));
+            return Err(Corruption::Header.into());
         }
         let needs = (u64_at(bytes, 8) & u64::from(u32::MAX)) as u32;
         if needs > VERSION {
@@ -107,9 +108,7 @@ impl Header {
         let in_order = header.catalogue_offset >= LENGTH as u64
             && align(header.catalogue_offset) == Some(header.catalogue_offset);
         if end != Some(header.file_length) || !in_order {
-            return Err(OpenError::corrupt(format_args!(
-                "the catalogue should start at a multiple of {ALIGNMENT} and end with the file"
-            )));
+            return Err(Corruption::CataloguePlace { alignment: ALIGNMENT }.into());
         }
         Ok(header)
     }

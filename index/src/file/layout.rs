@@ -2,6 +2,7 @@
 
 use super::align::align;
 use super::catalogue::Catalogue;
+use super::corruption::Corruption;
 use super::error::OpenError;
 use super::header;
 use super::kept::Originals;
@@ -97,33 +98,33 @@ impl Layout {
         let mut end = header::LENGTH as u64;
         let kinds = SectionKind::of(&catalogue.descriptor);
         if catalogue.sections.len() != kinds.len() {
-            return Err(OpenError::corrupt("the catalogue lists another number of sections than there are"));
+            return Err(Corruption::Catalogue("lists another number of sections than there are").into());
         }
         for (section, kind) in catalogue.sections.iter().zip(kinds.iter().copied()) {
-            let corrupt = |what| OpenError::corrupt(format_args!("the section {kind:?} {what}"));
+            let corrupt = |what| Corruption::Section { kind, what };
             let element = kind.element(catalogue.originals);
             if section.kind != kind || section.element != element {
-                return Err(corrupt("is not where it should be"));
+                return Err(corrupt("is not where it should be").into());
             }
             // Sections follow each other: none overlaps another, and between them there is padding
             // alone.
             if align(end) != Some(section.offset) {
-                return Err(corrupt("does not start where the one before ends"));
+                return Err(corrupt("does not start where the one before ends").into());
             }
             let elements = kind.elements(catalogue).ok_or_else(|| corrupt("is too long"))?;
             let expected = elements.map(|count| count.checked_mul(element.size()));
             if expected.is_some_and(|expected| expected != Some(section.length)) {
-                return Err(corrupt("has another length than the catalogue's numbers give"));
+                return Err(corrupt("has another length than the catalogue's numbers give").into());
             }
             end = section.offset.checked_add(section.length).ok_or_else(|| corrupt("is too long"))?;
             if end > sections_end {
-                return Err(corrupt("reaches beyond the catalogue"));
+                return Err(corrupt("reaches beyond the catalogue").into());
             }
             // Within the file, so within usize.
             ranges[kind as usize] = section.offset as usize..end as usize;
         }
         if align(end) != Some(sections_end) {
-            return Err(OpenError::corrupt("the catalogue does not start where the last section ends"));
+            return Err(Corruption::Catalogue("does not start where the last section ends").into());
         }
         Ok(Self { ranges })
     }
@@ -131,10 +132,8 @@ impl Layout {
 
 /// The catalogue's numbers against each other.
 fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
-    let corrupt = |what: &str| Err(OpenError::corrupt(format_args!("the catalogue {what}")));
-    if let Err(error) = catalogue.descriptor.validate() {
-        return Err(OpenError::corrupt(error));
-    }
+    let corrupt = |what| Err(Corruption::Catalogue(what).into());
+    catalogue.descriptor.validate().map_err(Corruption::Descriptor)?;
     if catalogue.descriptor.dim() as u64 != u64::from(catalogue.dim) {
         return corrupt("states a descriptor length that its parameters do not give");
     }
@@ -197,6 +196,6 @@ fn check_measured(measured: &Measured) -> Result<(), OpenError> {
     if measured.curve.iter().all(is_sound) {
         Ok(())
     } else {
-        Err(OpenError::corrupt("the catalogue states an impossible measurement"))
+        Err(Corruption::Catalogue("states an impossible measurement").into())
     }
 }

@@ -15,6 +15,7 @@ pub(crate) mod atomic;
 pub(crate) mod bytes;
 pub(crate) mod catalogue;
 mod contents;
+pub(crate) mod corruption;
 pub(crate) mod error;
 pub(crate) mod fault;
 pub(crate) mod header;

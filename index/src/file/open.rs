@@ -3,6 +3,7 @@
 
 use super::bytes::Bytes;
 use super::catalogue::Catalogue;
+use super::corruption::Corruption;
 use super::error::OpenError;
 use super::header::Header;
 use super::layout::Layout;
@@ -31,13 +32,12 @@ impl Opened {
         // The header's check has found the catalogue inside the file, so inside usize.
         let archive = bytes
             .get(header.catalogue_offset as usize..)
-            .ok_or_else(|| OpenError::corrupt("the catalogue lies beyond the file"))?;
+            .ok_or(Corruption::Catalogue("lies beyond the file"))?;
         if xxh3_64(archive) != header.catalogue_hash {
-            return Err(OpenError::corrupt("the catalogue does not match its hash"));
+            return Err(Corruption::CatalogueHash.into());
         }
         // Its hash is right, so it is whole: something else wrote it.
-        let catalogue = wire::read(archive, header.version)
-            .ok_or_else(|| OpenError::corrupt("the catalogue is not of the form that this version reads"))?;
+        let catalogue = wire::read(archive, header.version).ok_or(Corruption::CatalogueForm)?;
         let layout = Layout::check(&catalogue, header.catalogue_offset)?;
         // Every search reads these, and they lie together before the catalogue.
         let searched = layout.range(SectionKind::BucketDirectory).start..header.catalogue_offset as usize;
@@ -57,12 +57,11 @@ fn network(catalogue: &Catalogue, bytes: &[u8]) -> Result<Option<Arc<Network>>, 
     let DescriptorKind::Learned { network: fingerprint, dim } = catalogue.descriptor.kind else {
         return Ok(None);
     };
-    let network = Network::from_bytes(bytes)
-        .map_err(|error| OpenError::corrupt(format_args!("the network of its descriptors: {error}")))?;
+    let network = Network::from_bytes(bytes).map_err(Corruption::Network)?;
     if network.fingerprint() != fingerprint || network.architecture().embedding != dim {
-        return Err(OpenError::corrupt("its network is another than its descriptors were made by"));
+        return Err(Corruption::OtherNetwork.into());
     }
     let network = Arc::new(network);
-    DescriptorModel::learned(Arc::clone(&network)).map_err(OpenError::corrupt)?;
+    DescriptorModel::learned(Arc::clone(&network)).map_err(Corruption::Descriptor)?;
     Ok(Some(network))
 }

@@ -64,14 +64,30 @@ pub enum PriorError {
     },
     /// A probability that is none, or probabilities that sum to more than 1.
     #[error(
-        "the prior's object `{object}`: {what}: probabilities of 0 to 1 are needed that sum to 1 at most"
+        "the prior's object `{object}`: {fault}: probabilities of 0 to 1 are needed that sum to 1 at most"
     )]
     Probability {
         /// The object.
         object: String,
-        /// What is wrong.
-        what: String,
+        /// What is wrong; part of the message, and so no source beside it.
+        fault: ProbabilityFault,
     },
+}
+
+/// What is wrong with the probabilities of an object's grasps.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ProbabilityFault {
+    /// One of them is none.
+    #[error("{grasp} is {probability}")]
+    Range {
+        /// The grasp.
+        grasp: String,
+        /// What is said of it.
+        probability: f64,
+    },
+    /// Together they are more than certain.
+    #[error("its grasps sum to {0}")]
+    Sum(f64),
 }
 
 impl Priors {
@@ -95,7 +111,7 @@ impl Priors {
             object: object.to_owned(),
             known: self.objects.keys().cloned().collect::<Vec<_>>().join(", "),
         })?;
-        let wrong = |what: String| PriorError::Probability { object: object.to_owned(), what };
+        let wrong = |fault| PriorError::Probability { object: object.to_owned(), fault };
         for (grasp, &probability) in said {
             if !grasps.contains(grasp) {
                 let known = grasps.join(", ");
@@ -106,12 +122,12 @@ impl Priors {
                 });
             }
             if !(0.0..=1.0).contains(&probability) {
-                return Err(wrong(format!("{grasp} is {probability}")));
+                return Err(wrong(ProbabilityFault::Range { grasp: grasp.clone(), probability }));
             }
         }
         let named: f64 = said.values().sum();
         if named > 1.0 + 1e-9 {
-            return Err(wrong(format!("its grasps sum to {named}")));
+            return Err(wrong(ProbabilityFault::Sum(named)));
         }
         let unnamed = grasps.len().saturating_sub(said.len()).max(1) as f64;
         let rest = (1.0 - named).max(0.0) / unnamed;

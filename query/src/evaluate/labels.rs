@@ -82,12 +82,49 @@ pub enum LabelsError {
 
 /// A row that cannot be used; the others can.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {message}")]
+#[error("line {line}: {fault}")]
 pub struct RowError {
     /// The line of the table.
     pub line: u64,
-    /// What is wrong with it.
-    pub message: String,
+    /// What is wrong with it; part of the message, and so no source beside it.
+    pub fault: RowFault,
+}
+
+/// What is wrong with a row.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RowFault {
+    /// It cannot be read: what the reader of the table says.
+    #[error("{0}")]
+    Csv(String),
+    /// It has more or fewer values than the header.
+    #[error("{found} values, the header has {expected}")]
+    Values {
+        /// How many it has.
+        found: usize,
+        /// How many it should have.
+        expected: usize,
+    },
+    /// A kind of picture that there is not.
+    #[error("kind is `{0}`, it must be segmented or camera")]
+    Kind(String),
+    /// Neither hand.
+    #[error("hand is `{0}`, it must be left, right or empty")]
+    Hand(String),
+    /// A value that is needed.
+    #[error("no {0}")]
+    Missing(&'static str),
+    /// Four values that are no rotation.
+    #[error("qx, qy, qz, qw are `{0}`: not a unit quaternion")]
+    Quaternion(String),
+    /// A class that the index does not have.
+    #[error("`{grasp}` is not one of the classes {classes}; `{OTHER}` stands for a hand in none of them")]
+    Grasp {
+        /// What stands there.
+        grasp: String,
+        /// The index's classes.
+        classes: String,
+    },
 }
 
 /// Reads a table of labels: columns `file, kind, grasp` are needed; `mask, stage, hand, qx, qy, qz,
@@ -111,7 +148,7 @@ pub fn read(path: &Path) -> Result<Vec<Result<Label, RowError>>, LabelsError> {
         Ok(row) => label(&headers, &row),
         Err(error) => Err(RowError {
             line: error.position().map_or(0, csv::Position::line),
-            message: error.to_string(),
+            fault: RowFault::Csv(error.to_string()),
         }),
     });
     Ok(rows.collect())
@@ -119,9 +156,9 @@ pub fn read(path: &Path) -> Result<Vec<Result<Label, RowError>>, LabelsError> {
 
 fn label(headers: &csv::StringRecord, row: &csv::StringRecord) -> Result<Label, RowError> {
     let line = row.position().map_or(0, csv::Position::line);
-    let wrong = |message: String| RowError { line, message };
+    let wrong = |fault| RowError { line, fault };
     if row.len() != headers.len() {
-        return Err(wrong(format!("{} values, the header has {}", row.len(), headers.len())));
+        return Err(wrong(RowFault::Values { found: row.len(), expected: headers.len() }));
     }
     let columns: BTreeMap<String, String> =
         headers.iter().map(str::to_owned).zip(row.iter().map(str::to_owned)).collect();
@@ -129,20 +166,18 @@ fn label(headers: &csv::StringRecord, row: &csv::StringRecord) -> Result<Label, 
     let kind = match text("kind") {
         Some("segmented") => Kind::Segmented,
         Some("camera") => Kind::Camera,
-        other => {
-            let found = other.unwrap_or("nothing");
-            return Err(wrong(format!("kind is `{found}`, it must be segmented or camera")));
-        }
+        other => return Err(wrong(RowFault::Kind(other.unwrap_or("nothing").to_owned()))),
     };
     let hand = match text("hand") {
         None => None,
         Some("left") => Some(Side::Left),
         Some("right") => Some(Side::Right),
-        Some(other) => {
-            return Err(wrong(format!("hand is `{other}`, it must be left, right or empty")));
-        }
+        Some(other) => return Err(wrong(RowFault::Hand(other.to_owned()))),
     };
-    let needed = |column: &str| text(column).map(str::to_owned).ok_or_else(|| wrong(format!("no {column}")));
+    let needed = |column: &'static str| {
+        let value = text(column).map(str::to_owned);
+        value.ok_or_else(|| wrong(RowFault::Missing(column)))
+    };
     Ok(Label {
         line,
         file: needed("file")?,
@@ -157,7 +192,7 @@ fn label(headers: &csv::StringRecord, row: &csv::StringRecord) -> Result<Label, 
 }
 
 /// The quaternion of the four columns; `None` where all are empty.
-fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<UnitQuaternion<f64>>, String> {
+fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<UnitQuaternion<f64>>, RowFault> {
     let names = ["qx", "qy", "qz", "qw"];
     let given: Vec<&str> = names.iter().filter_map(|name| text(name)).collect();
     if given.is_empty() {
@@ -168,7 +203,7 @@ fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<Uni
         [x, y, z, w] if ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-2 => {
             Ok(Some(UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))))
         }
-        _ => Err(format!("qx, qy, qz, qw are `{}`: not a unit quaternion", given.join(", "))),
+        _ => Err(RowFault::Quaternion(given.join(", "))),
     }
 }
 
@@ -230,7 +265,7 @@ mod tests {
             "e.png,,camera,other,,,,,,,\n",
         ));
         let wrong: Vec<(u64, String)> =
-            rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.message.clone())).collect();
+            rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.fault.to_string())).collect();
         assert_eq!(wrong.len(), 3);
         assert_eq!(wrong[0], (3, "kind is `photo`, it must be segmented or camera".into()));
         assert!(wrong[1].1.contains("not a unit quaternion"));

@@ -108,7 +108,7 @@ impl Report {
     ) -> Self {
         let mut errors: Vec<RowReport> = broken
             .iter()
-            .map(|row| RowReport { line: row.line, file: None, message: row.message.clone() })
+            .map(|row| RowReport { line: row.line, file: None, message: row.fault.to_string() })
             .collect();
         let mut usable = Vec::new();
         for outcome in outcomes {

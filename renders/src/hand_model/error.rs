@@ -2,6 +2,8 @@
 
 use std::io;
 
+use super::fault::{ModelFault, NotAHand, Unsupported};
+
 /// Longest file that is read, in bytes.
 pub(super) const LONGEST: u64 = 256 << 20;
 /// Why a file cannot be used as a hand.
@@ -26,10 +28,10 @@ pub enum HandModelError {
     Json(#[from] serde_json::Error),
     /// The file contradicts itself or the format.
     #[error("it is damaged: {0}")]
-    Broken(String),
+    Broken(ModelFault),
     /// Something that glTF allows and that is not read here.
-    #[error("{0}")]
-    Unsupported(String),
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
     /// Joints that every hand has are not there.
     #[error("it lacks {} of the 25 joints of WebXR's hands: {}; name the bones like these", .0.len(), .0.join(", "))]
     MissingJoints(Vec<&'static str>),
@@ -37,6 +39,13 @@ pub enum HandModelError {
     #[error("the joint {0} is there more than once: one hand a file")]
     TwiceJoint(&'static str),
     /// It is all there, but it is no human hand.
-    #[error("{0}")]
-    NotAHand(String),
+    #[error(transparent)]
+    NotAHand(#[from] NotAHand),
+}
+
+// The fault is part of the message, and so no source beside it.
+impl From<ModelFault> for HandModelError {
+    fn from(fault: ModelFault) -> Self {
+        Self::Broken(fault)
+    }
 }

@@ -5,6 +5,7 @@
 use serde::Deserialize;
 
 use super::error::HandModelError;
+use super::fault::{ModelFault, Unsupported};
 
 /// Rows that one accessor may have: more than the largest mesh taken has corners.
 const MOST_ROWS: usize = 4_000_000;
@@ -122,12 +123,11 @@ impl<'a> Glb<'a> {
         }
         let version = word(4).unwrap_or_default();
         if version != 2 {
-            return Err(broken(format!("it is glTF {version}, and glTF 2 is read: export it again")));
+            return Err(ModelFault::Version(version).into());
         }
-        let length = word(8).unwrap_or_default() as usize;
-        if length > file.len() {
-            let found = file.len();
-            return Err(broken(format!("truncated: {length} bytes expected, {found} found")));
+        let expected = word(8).unwrap_or_default() as usize;
+        if expected > file.len() {
+            return Err(ModelFault::Truncated { expected, found: file.len() }.into());
         }
         let chunk = |at: usize, kind: u32| -> Option<&'a [u8]> {
             let (size, found) = (word(at)? as usize, word(at.checked_add(4)?)?);
@@ -135,8 +135,7 @@ impl<'a> Glb<'a> {
             let body = file.get(start..start.checked_add(size)?)?;
             (found == kind).then_some(body)
         };
-        let json =
-            chunk(12, JSON).ok_or_else(|| broken("its first chunk is not a JSON document".to_owned()))?;
+        let json = chunk(12, JSON).ok_or(ModelFault::NoDocument)?;
         let document: Document = serde_json::from_slice(json)?;
         // Parts start at multiples of four, the JSON document after 20 bytes.
         let numbers = chunk(20 + json.len().next_multiple_of(4), BIN).unwrap_or_default();
@@ -148,19 +147,14 @@ impl<'a> Glb<'a> {
     fn check(&self) -> Result<(), HandModelError> {
         let document = &self.document;
         if !document.asset.version.starts_with("2.") {
-            return Err(broken(format!("its asset version is {}, and 2.0 is read", document.asset.version)));
+            return Err(ModelFault::AssetVersion(document.asset.version.clone()).into());
         }
         let known = |name: &String| HARMLESS.iter().any(|harmless| name.starts_with(harmless));
         if let Some(name) = document.extensions_required.iter().find(|name| !known(name)) {
-            return Err(HandModelError::Unsupported(format!(
-                "it needs the extension {name}: export it without compression and extensions"
-            )));
+            return Err(Unsupported::Extension(name.clone()).into());
         }
         if let Some(uri) = document.buffers.iter().find_map(|buffer| buffer.uri.as_ref()) {
-            let uri: String = uri.chars().take(40).collect();
-            return Err(HandModelError::Unsupported(format!(
-                "its numbers lie outside the file ({uri}): export it as one .glb"
-            )));
+            return Err(Unsupported::Outside(uri.chars().take(40).collect()).into());
         }
         Ok(())
     }
@@ -173,23 +167,22 @@ impl<'a> Glb<'a> {
         kind: &str,
     ) -> Result<Vec<[f64; N]>, HandModelError> {
         let Some(found) = self.document.accessors.get(accessor) else {
-            return Err(broken(format!("it names accessor {accessor}, which it does not have")));
+            return Err(ModelFault::NoAccessor(accessor).into());
         };
         if found.kind != kind {
-            return Err(broken(format!("accessor {accessor} holds {}, not {kind}", found.kind)));
+            let (found, wanted) = (found.kind.clone(), kind.to_owned());
+            return Err(ModelFault::AccessorType { accessor, found, wanted }.into());
         }
         if found.sparse.is_some() {
-            return Err(HandModelError::Unsupported(format!(
-                "accessor {accessor} is sparse: export it without sparse accessors"
-            )));
+            return Err(Unsupported::Sparse(accessor).into());
         }
         if found.count > MOST_ROWS {
-            return Err(broken(format!("accessor {accessor} has {} rows; {MOST_ROWS} at most", found.count)));
+            let rows = found.count;
+            return Err(ModelFault::AccessorRows { accessor, rows, most: MOST_ROWS }.into());
         }
-        let component = Component::of(found.component_type, found.normalized).ok_or_else(|| {
-            broken(format!("accessor {accessor} has numbers of the unknown type {}", found.component_type))
-        })?;
-        let outside = || broken(format!("accessor {accessor} lies outside the file's numbers"));
+        let component = Component::of(found.component_type, found.normalized)
+            .ok_or(ModelFault::NumberType { accessor, kind: found.component_type })?;
+        let outside = || ModelFault::AccessorOutside(accessor);
         let view = found.buffer_view.and_then(|view| self.document.buffer_views.get(view));
         let view = view.filter(|view| view.buffer == 0).ok_or_else(outside)?;
         let end = view.byte_offset.checked_add(view.byte_length).ok_or_else(outside)?;
@@ -198,12 +191,12 @@ impl<'a> Glb<'a> {
         let row = N * component.size;
         let stride = view.byte_stride.unwrap_or(row);
         if stride < row {
-            return Err(broken(format!("the rows of accessor {accessor} overlap")));
+            return Err(ModelFault::RowsOverlap(accessor).into());
         }
         // The last row need not be as long as the stride.
         let needed = found.count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(row));
         if found.count > 0 && needed.is_none_or(|needed| needed > bytes.len()) {
-            return Err(outside());
+            return Err(outside().into());
         }
         let rows = bytes.chunks(stride).take(found.count);
         Ok(rows
@@ -261,11 +254,6 @@ impl Component {
             f64::MIN
         })
     }
-}
-
-/// The file contradicts itself or the format.
-pub(super) fn broken(what: String) -> HandModelError {
-    HandModelError::Broken(what)
 }
 
 #[cfg(test)]

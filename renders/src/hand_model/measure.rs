@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::error::HandModelError;
+use super::fault::NotAHand;
 use super::rig::{Joint, PALM, Rig, Skin, bone};
 use crate::hand::{Chain, Digit, FingerMeasures, HandShape, Skeleton, WRIST_CUT};
 
@@ -69,16 +70,10 @@ pub(super) fn measure(name: &str, mut rig: Rig) -> Result<(HandShape, RestPose, 
     let palm = |corner: &&super::rig::Corner| corner.bone() == PALM;
     let end = rig.skin.corners.iter().filter(palm).map(|corner| corner.at.x).fold(f64::INFINITY, f64::min);
     if !(-0.5..0.5 * shape.palm_length).contains(&end) {
-        return Err(not(
-            "its palm and wrist have no skin of their own: bind the mesh to `wrist` there".to_owned()
-        ));
+        return Err(NotAHand::NoPalm.into());
     }
     let [y, z] = wrist_box(&rig.skin).unwrap_or_default().map(|[low, high]| 0.5 * (low + high));
     Ok((shape, RestPose { bones, wrist: [y, z], end, was_left }, rig.skin))
-}
-
-fn not(what: String) -> HandModelError {
-    HandModelError::NotAHand(what)
 }
 
 /// Applies a linear map to everything.
@@ -117,21 +112,14 @@ fn axes(x: V, side: V) -> Option<Matrix3<f64>> {
 /// Whether thumb and fingertips lie where the back of a right hand would be.
 fn is_left(rig: &Rig) -> Result<bool, HandModelError> {
     let middle = rig.digits[Digit::Middle as usize];
-    let axes = axes(middle[0].at - rig.wrist, across(rig)).ok_or_else(|| {
-        not("its wrist and knuckles lie in one place or on one line: the joints need their rest pose"
-            .to_owned())
-    })?;
+    let axes = axes(middle[0].at - rig.wrist, across(rig)).ok_or(NotAHand::NoRestPose)?;
     let length = (middle[3].at - rig.wrist).norm();
     let up = axes.column(2);
     let thumb: f64 = rig.digits[0].iter().map(|joint| (joint.at - rig.wrist).dot(&up)).sum();
     let bent: f64 = rig.digits[1..].iter().map(|joints| (joints[3].at - joints[0].at).dot(&up)).sum();
     let up = (thumb + bent) / length;
     if up.is_nan() || up.abs() < SIDED {
-        return Err(not(
-            "it is so flat that a right hand cannot be distinguished from a left one: bend the rest pose's thumb and \
-                        fingers a little toward the palm"
-                .to_owned(),
-        ));
+        return Err(NotAHand::Flat.into());
     }
     Ok(up > 0.0)
 }
@@ -144,7 +132,7 @@ fn into_hand(rig: &Rig) -> Result<Matrix3<f64>, HandModelError> {
     let ours = axes(V::x(), mean.root(Digit::Index) - mean.root(Digit::Little));
     match (ours, theirs) {
         (Some(ours), Some(theirs)) => Ok(ours * theirs.transpose()),
-        _ => Err(not("its wrist and knuckles lie on one line".to_owned())),
+        _ => Err(NotAHand::OnOneLine.into()),
     }
 }
 
@@ -167,14 +155,10 @@ fn shape(name: &str, rig: &Rig, mean: &Skeleton) -> Result<HandShape, HandModelE
     let middle = rig.digits[Digit::Middle as usize].map(|joint| joint.at);
     let length = palm_length + middle.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
     if !(LENGTHS[0]..=LENGTHS[1]).contains(&length) {
-        return Err(not(format!(
-            "it is {length:.3} m long from the wrist to the middle fingertip: glTF is in metres, and a hand has \
-             {} to {} m",
-            LENGTHS[0], LENGTHS[1]
-        )));
+        return Err(NotAHand::Length { metres: length, least: LENGTHS[0], most: LENGTHS[1] }.into());
     }
     if rig.skin.corners.iter().any(|corner| corner.at.norm() > 1.0) {
-        return Err(not("a part of its mesh is more than a metre from the wrist: remove it".to_owned()));
+        return Err(NotAHand::FarPart.into());
     }
     let scale = length / typical.length();
     let checked = |what: &str, value: f64, mean: f64| {
@@ -182,7 +166,7 @@ fn shape(name: &str, rig: &Rig, mean: &Skeleton) -> Result<HandShape, HandModelE
         if (SHARES[0]..=SHARES[1]).contains(&share) {
             return Ok(value);
         }
-        Err(not(format!("its {what} is {:.0} mm, {share:.2} of a human hand's of this length", value * 1e3)))
+        Err(NotAHand::Measure { what: what.to_owned(), metres: value, share })
     };
     let mut digits = typical.digits;
     for (digit, measures) in Digit::ALL.into_iter().zip(&mut digits) {

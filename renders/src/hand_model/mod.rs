@@ -6,6 +6,7 @@
 //! moved with the bones.
 
 mod error;
+mod fault;
 mod glb;
 mod measure;
 mod pose;
@@ -25,6 +26,7 @@ use xxhash_rust::xxh3::xxh3_64;
 use crate::hand::{HandShape, Skeleton};
 pub use error::HandModelError;
 use error::LONGEST;
+pub use fault::{ModelFault, NotAHand, Unsupported};
 use glb::Glb;
 use measure::RestPose;
 use rig::{Rig, Skin};

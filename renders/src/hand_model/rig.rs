@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::error::HandModelError;
-use super::glb::{Document, Glb, Node, Primitive, broken};
+use super::fault::{ModelFault, NotAHand, Unsupported};
+use super::glb::{Document, Glb, Node, Primitive};
 use crate::hand::Digit;
 
 type V = Vector3<f64>;
@@ -179,8 +180,8 @@ impl Nodes {
             for &child in &node.children {
                 match parents.get_mut(child) {
                     Some(slot @ None) => *slot = Some(parent),
-                    Some(_) => return Err(broken(format!("node {child} has two parents"))),
-                    None => return Err(broken(format!("node {parent} has a child that is not there"))),
+                    Some(_) => return Err(ModelFault::TwoParents(child).into()),
+                    None => return Err(ModelFault::NoChild(parent).into()),
                 }
             }
         }
@@ -191,13 +192,13 @@ impl Nodes {
         while let Some((i, above)) = open.pop() {
             let pose = above * local(&nodes[i]);
             if !pose.iter().all(|x| x.is_finite()) {
-                return Err(broken(format!("the place, rotation or scale of node {i} is out of range")));
+                return Err(ModelFault::Pose(i).into());
             }
             poses[i] = Some(pose);
             open.extend(nodes[i].children.iter().map(|&child| (child, pose)));
         }
         let poses: Option<Vec<_>> = poses.into_iter().collect();
-        let poses = poses.ok_or_else(|| broken("some of its nodes go in a circle".to_owned()))?;
+        let poses = poses.ok_or(ModelFault::Circle)?;
         Ok(Nodes { parents, poses })
     }
 
@@ -233,7 +234,7 @@ fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, 
     for node in &document.nodes {
         let (Some(mesh), Some(bound)) = (node.mesh, node.skin) else { continue };
         let (Some(mesh), Some(bound)) = (document.meshes.get(mesh), document.skins.get(bound)) else {
-            return Err(broken("a node names a mesh or a skin that is not there".to_owned()));
+            return Err(ModelFault::NoMesh.into());
         };
         if !bound.joints.iter().any(|&joint| bones.get(joint).copied().flatten().is_some()) {
             continue;
@@ -242,7 +243,7 @@ fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, 
         if let Some(accessor) = bound.inverse_bind_matrices {
             let matrices = glb.rows::<16>(accessor, "MAT4")?;
             if matrices.len() < binds.len() {
-                return Err(broken("a skin has more joints than inverse bind matrices".to_owned()));
+                return Err(ModelFault::Binds.into());
             }
             for (bind, matrix) in binds.iter_mut().zip(matrices) {
                 *bind = Matrix4::from_column_slice(&matrix);
@@ -251,7 +252,7 @@ fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, 
         let mut moves = Vec::with_capacity(binds.len());
         for (&joint, bind) in bound.joints.iter().zip(&binds) {
             let Some(pose) = scene.poses.get(joint) else {
-                return Err(broken(format!("a skin names node {joint}, which is not there")));
+                return Err(ModelFault::NoJoint(joint).into());
             };
             // Bones of no hand's (twists, the forearm) go with the joint above them, or with the
             // wrist.
@@ -262,9 +263,7 @@ fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, 
         }
     }
     if skin.triangles.is_empty() {
-        return Err(HandModelError::NotAHand(
-            "no mesh is bound to its joints: skin the mesh to them".to_owned(),
-        ));
+        return Err(NotAHand::NoSkin.into());
     }
     Ok(skin)
 }
@@ -277,12 +276,10 @@ fn read_primitive(
     places: &mut HashMap<[u64; 3], u32>,
 ) -> Result<(), HandModelError> {
     if primitive.mode.unwrap_or(4) != 4 {
-        return Err(HandModelError::Unsupported(
-            "its mesh is not made of triangles: triangulate it".to_owned(),
-        ));
+        return Err(Unsupported::NoTriangles.into());
     }
     let attribute = |name: &str| primitive.attributes.get(name).copied();
-    let position = attribute("POSITION").ok_or_else(|| broken("a mesh has no POSITION".to_owned()))?;
+    let position = attribute("POSITION").ok_or(ModelFault::NoPosition)?;
     let positions = glb.rows::<3>(position, "VEC3")?;
     let mut sets = Vec::new();
     for set in 0..SETS {
@@ -294,26 +291,22 @@ fn read_primitive(
         sets.push((glb.rows::<4>(joints, "VEC4")?, glb.rows::<4>(weights, "VEC4")?));
     }
     if sets.is_empty() {
-        return Err(broken("a mesh has a skin but no JOINTS_0 and WEIGHTS_0".to_owned()));
+        return Err(ModelFault::NoWeights.into());
     }
     skin.read[0] += positions.len();
     if skin.read[0] > MOST_CORNERS {
-        return Err(HandModelError::Unsupported(format!(
-            "its mesh has more than {MOST_CORNERS} corners: reduce it"
-        )));
+        return Err(Unsupported::TooFine { what: "corners", most: MOST_CORNERS }.into());
     }
     let mut numbers = Vec::with_capacity(positions.len());
     for (i, position) in positions.iter().enumerate() {
         let mut influences = Vec::with_capacity(4 * SETS);
         for (joints, weights) in &sets {
             let (Some(joints), Some(weights)) = (joints.get(i), weights.get(i)) else {
-                return Err(broken("a mesh has fewer joints or weights than corners".to_owned()));
+                return Err(ModelFault::FewWeights.into());
             };
             influences.extend(joints.iter().copied().zip(weights.iter().copied()));
         }
-        let corner = bind(position, &influences, moves).ok_or_else(|| {
-            broken(format!("corner {i} of a mesh has weights or joints that are out of range"))
-        })?;
+        let corner = bind(position, &influences, moves).ok_or(ModelFault::Corner(i))?;
         // Adding 0 makes -0 the same as 0.
         let place = corner.at.map(|x| (x + 0.0).to_bits()).into();
         numbers.push(*places.entry(place).or_insert_with(|| {
@@ -327,16 +320,13 @@ fn read_primitive(
     };
     skin.read[1] += order.len() / 3;
     if skin.read[1] > MOST_TRIANGLES {
-        return Err(HandModelError::Unsupported(format!(
-            "its mesh has more than {MOST_TRIANGLES} triangles: reduce it"
-        )));
+        return Err(Unsupported::TooFine { what: "triangles", most: MOST_TRIANGLES }.into());
     }
     for corners in order.chunks_exact(3) {
         let mut triangle = [0; 3];
         for (slot, &index) in triangle.iter_mut().zip(corners) {
             let number = whole(index).and_then(|i| numbers.get(i));
-            *slot =
-                *number.ok_or_else(|| broken("a triangle names a corner that is not there".to_owned()))?;
+            *slot = *number.ok_or(ModelFault::Triangle)?;
         }
         let [a, b, c] = triangle;
         if a != b && b != c && c != a {

@@ -157,7 +157,7 @@ struct Job<'a> {
 impl Job<'_> {
     fn write_scene(&self, spec: &SceneSpec) -> Result<(), RenderSetError> {
         let hash = spec.params_hash();
-        self.go_on()?;
+        self.check_cancelled()?;
         // Only a scene that lacks a picture is worth building.
         let views = self.plan.views(spec);
         let missing: Vec<&View> = views
@@ -182,7 +182,7 @@ impl Job<'_> {
         }
         let scene = spec.build()?;
         missing.into_par_iter().try_for_each(|view| {
-            self.go_on()?;
+            self.check_cancelled()?;
             let path = self.folder.join(render_file(spec, view));
             picture::encode(&scene.render(view), &picture::stamp(hash, view))
                 .and_then(|bytes| picture::write_whole(&path, &bytes))
@@ -192,7 +192,7 @@ impl Job<'_> {
         })
     }
 
-    fn go_on(&self) -> Result<(), RenderSetError> {
+    fn check_cancelled(&self) -> Result<(), RenderSetError> {
         if self.cancel.load(Ordering::Relaxed) {
             let done = self.counts.done.load(Ordering::Relaxed);
             return Err(RenderSetError::Cancelled { done, total: self.total });

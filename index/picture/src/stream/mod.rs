@@ -16,7 +16,7 @@ use std::io::{self, Read};
 use crate::jpeg::EndScan;
 use end::{End, Kind, LONGEST_SIGNATURE};
 use error::MAX_FRAME_BYTES;
-pub use error::StreamError;
+pub use error::{StreamError, Y4mFault};
 use multipart::PartHeader;
 use y4m::Y4m;
 
@@ -97,7 +97,7 @@ impl<R: Read> Frames<R> {
                         let bytes = self.take(end);
                         return Ok(Some(self.frame(y4m.to_pnm(&bytes))));
                     }
-                    End::Unknown => return Err(StreamError::Y4m("a frame without the word FRAME".into())),
+                    End::Unknown => return Err(StreamError::Y4m(Y4mFault::NoFrame)),
                     // A last frame that is cut short has no rows of colour.
                     _ if self.ended => {
                         self.skip(self.buffer.len());

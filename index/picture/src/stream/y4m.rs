@@ -2,8 +2,9 @@
 //! PNM.
 
 use super::end::End;
-use super::error::StreamError;
+use super::error::{StreamError, Y4mFault};
 use crate::size::check_size;
+use crate::yuv::Range;
 
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
 const FRAME: &[u8] = b"FRAME";
@@ -24,8 +25,7 @@ pub(super) struct Y4m {
     width: usize,
     height: usize,
     sampling: Sampling,
-    /// Whether samples use 0..=255 and not 16..=235.
-    is_full_range: bool,
+    range: Range,
 }
 
 /// The header that `bytes` begins with, and its length; `None` where there is none, or not yet.
@@ -34,7 +34,7 @@ pub(super) fn header(bytes: &[u8]) -> Option<Result<(Y4m, usize), StreamError>> 
     let line = &bytes[..bytes.len().min(MAX_HEADER)];
     let Some(end) = line.iter().position(|&byte| byte == b'\n') else {
         let endless = bytes.len() >= MAX_HEADER;
-        return endless.then(|| Err(StreamError::Y4m("a header of more than a kilobyte".into())));
+        return endless.then_some(Err(StreamError::Y4m(Y4mFault::LongHeader)));
     };
     let parameters = String::from_utf8_lossy(&parameters[..end - MAGIC.len()]).into_owned();
     Some(parse(&parameters).map(|y4m| (y4m, end + 1)))
@@ -43,9 +43,9 @@ pub(super) fn header(bytes: &[u8]) -> Option<Result<(Y4m, usize), StreamError>> 
 fn parse(parameters: &str) -> Result<Y4m, StreamError> {
     let mut size = [0u32; 2];
     let mut sampling = Sampling::Colour(2, 2);
-    let mut is_full_range = false;
+    let mut range = Range::Limited;
     for parameter in parameters.split_ascii_whitespace() {
-        let unknown = || StreamError::Y4m(format!("`{parameter}`"));
+        let unknown = || StreamError::Y4m(Y4mFault::Parameter(parameter.to_owned()));
         let (name, value) = parameter.split_at_checked(1).ok_or_else(unknown)?;
         match name {
             "W" => size[0] = value.parse().map_err(|_| unknown())?,
@@ -60,17 +60,17 @@ fn parse(parameters: &str) -> Result<Y4m, StreamError> {
                     _ => return Err(unknown()),
                 }
             }
-            "X" => is_full_range |= value == "COLORRANGE=FULL",
+            "X" if value == "COLORRANGE=FULL" => range = Range::Full,
             // The frame rate, the pixels' aspect and the interlacing change no picture's content.
             _ => {}
         }
     }
     let [width, height] = size;
     check_size(width, height).map_err(|_| match width == 0 || height == 0 {
-        true => StreamError::Y4m("a header without width and height".into()),
+        true => StreamError::Y4m(Y4mFault::NoSize),
         false => StreamError::TooLarge,
     })?;
-    Ok(Y4m { width: width as usize, height: height as usize, sampling, is_full_range })
+    Ok(Y4m { width: width as usize, height: height as usize, sampling, range })
 }
 
 impl Y4m {
@@ -108,7 +108,7 @@ impl Y4m {
         pnm.reserve_exact(luma.len() * channels);
         let Sampling::Colour(columns, rows) = self.sampling else {
             // A conversion to an integer type saturates.
-            pnm.extend(luma.iter().map(|&y| self.brightness(y).round() as u8));
+            pnm.extend(luma.iter().map(|&y| self.range.brightness(y).round() as u8));
             return pnm;
         };
         let (blue, red) = colour.split_at(colour.len() / 2);
@@ -118,22 +118,9 @@ impl Y4m {
             let (blue, red) = (&blue[of_row.clone()], &red[of_row]);
             for (column, &y) in luma.iter().enumerate() {
                 let (cb, cr) = (blue[column / columns], red[column / columns]);
-                pnm.extend(self.rgb(y, cb, cr));
+                pnm.extend(self.range.rgb(y, [cb, cr]));
             }
         }
         pnm
-    }
-
-    /// Luma where black is 0 and white 255.
-    fn brightness(&self, y: u8) -> f32 {
-        if self.is_full_range { f32::from(y) } else { (f32::from(y) - 16.0) * 255.0 / 219.0 }
-    }
-
-    /// Y'CbCr of ITU-R BT.601 as RGB.
-    fn rgb(&self, y: u8, cb: u8, cr: u8) -> [u8; 3] {
-        let scale = if self.is_full_range { 1.0 } else { 255.0 / 224.0 };
-        let [cb, cr] = [cb, cr].map(|value| (f32::from(value) - 128.0) * scale);
-        let y = self.brightness(y);
-        [y + 1.402 * cr, y - 0.344_136 * cb - 0.714_136 * cr, y + 1.772 * cb].map(|value| value.round() as u8)
     }
 }
