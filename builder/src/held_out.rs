@@ -63,9 +63,9 @@ impl HeldOut {
     ///
     /// # Errors
     /// When the file cannot be read or has rows of another length, or the work was interrupted.
-    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<Asked> {
+    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<HeldOutQueries> {
         match self {
-            Self::Nothing => Ok(Asked::default()),
+            Self::Nothing => Ok(HeldOutQueries::default()),
             Self::Rendered(hands) => hands.describe(model),
             Self::File(path) => {
                 let rows = Rows::open(path)?;
@@ -77,7 +77,7 @@ impl HeldOut {
                     );
                 }
                 let descriptors = rows.all().with_context(|| cannot_use(path))?;
-                Ok(Asked { descriptors, grasps: Vec::new() })
+                Ok(HeldOutQueries { descriptors, grasps: Vec::new() })
             }
         }
     }
@@ -85,7 +85,7 @@ impl HeldOut {
 
 /// Held-out descriptors.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct HeldOutQueries {
     /// In rows.
     pub descriptors: Vec<f32>,
     /// The name of each row's grasp; nothing where that is not known.
@@ -147,8 +147,8 @@ impl Hands {
     ///
     /// # Errors
     /// When the work was interrupted.
-    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<Asked> {
-        let mut all = Asked::default();
+    pub fn describe(&self, model: &DescriptorModel) -> anyhow::Result<HeldOutQueries> {
+        let mut all = HeldOutQueries::default();
         for scenes in self.scenes().chunks(rayon::current_num_threads().max(1)) {
             interrupt::check()?;
             let described: Vec<Vec<f32>> = scenes

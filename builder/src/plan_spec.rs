@@ -98,12 +98,16 @@ impl From<Version> for u32 {
     }
 }
 
-impl TryFrom<u32> for Version {
-    type Error = String;
+/// A form of another version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("version {0}: this program reads {VERSION}")]
+pub struct UnknownVersion(u32);
 
-    fn try_from(version: u32) -> Result<Self, String> {
-        let known = version == VERSION;
-        known.then_some(Self).ok_or_else(|| format!("version {version}: this program reads {VERSION}"))
+impl TryFrom<u32> for Version {
+    type Error = UnknownVersion;
+
+    fn try_from(version: u32) -> Result<Self, UnknownVersion> {
+        if version == VERSION { Ok(Self) } else { Err(UnknownVersion(version)) }
     }
 }
 

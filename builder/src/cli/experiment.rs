@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
+use tracing::info;
 
 use super::build::ENTRIES;
 use super::form::Form;
@@ -16,7 +17,7 @@ use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;
 use crate::experiment::scale::plot::{self, PAPER_EXPONENT};
 use crate::experiment::scale::table::Row;
-use crate::experiment::scale::{Hash, Settings, default_sizes, run};
+use crate::experiment::scale::{Hash, Settings, default_sizes, redraw, run};
 use crate::experiment::shapes;
 use crate::interrupt;
 
@@ -45,7 +46,8 @@ Examples:
   grasp-builder experiment scale --out scale
   grasp-builder experiment scale --out scale --largest 5011872           ten times as far; takes an hour
   grasp-builder queries --out q.npy
-  grasp-builder experiment scale --descriptors x.npy --queries q.npy --sizes 10000,100000")]
+  grasp-builder experiment scale --descriptors x.npy --queries q.npy --sizes 10000,100000
+  grasp-builder experiment scale --out tests/peers --redraw              the drawing anew, from its table")]
 struct Scale {
     /// The folder of the results; made where there is none.
     #[arg(long, value_name = "DIR", default_value = "scale")]
@@ -71,6 +73,9 @@ struct Scale {
     /// What all randomness comes from.
     #[arg(long, default_value_t = 7, value_name = "N")]
     seed: u64,
+    /// Measure nothing: draw scale.svg anew from the scale.csv that is there.
+    #[arg(long, conflicts_with_all = ["largest", "sizes", "hash", "random_largest", "descriptors", "queries"])]
+    redraw: bool,
 }
 
 /// Indexes of ever more hand shapes, to find out what these are worth.
@@ -118,6 +123,24 @@ impl Experiment {
 impl Scale {
     fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        let rows = if self.redraw { redraw(&self.out)? } else { self.measure(global)? };
+        let mut stdout = std::io::stdout().lock();
+        for hash in plot::hashes(&rows) {
+            if let Some(law) = power_law(&plot::points(&rows, hash, |row| row.candidates)) {
+                writeln!(
+                    stdout,
+                    "{hash}: candidates grow with N^{:.3}; the paper promises N^{PAPER_EXPONENT:.3}",
+                    law.exponent
+                )?;
+            }
+        }
+        writeln!(stdout, "{}", shown(&self.out.join("scale.csv")))?;
+        writeln!(stdout, "{}", shown(&self.out.join("scale.svg")))?;
+        Ok(())
+    }
+
+    /// Measures what is not in the table yet.
+    fn measure(&self, global: &Global) -> anyhow::Result<Vec<Row>> {
         let hashes = if self.hash.is_empty() { Hash::ALL.to_vec() } else { self.hash.clone() };
         let most = |hash| if hash == Hash::Random { self.random_largest } else { u64::MAX };
         let data = match (&self.descriptors, &self.queries) {
@@ -138,24 +161,7 @@ impl Scale {
             out: self.out.clone(),
             seed: self.seed,
         };
-        let mut stderr = std::io::stderr();
-        // Nobody may be there to be told; the results go on.
-        let rows = run(&settings, global.progress(), &mut |row| {
-            let _ = writeln!(stderr, "{}", line(row));
-        })?;
-        let mut stdout = std::io::stdout().lock();
-        for hash in plot::hashes(&rows) {
-            if let Some(law) = power_law(&plot::points(&rows, hash, |row| row.candidates)) {
-                writeln!(
-                    stdout,
-                    "{hash}: candidates grow with N^{:.3}; the paper promises N^{PAPER_EXPONENT:.3}",
-                    law.exponent
-                )?;
-            }
-        }
-        writeln!(stdout, "{}", shown(&self.out.join("scale.csv")))?;
-        writeln!(stdout, "{}", shown(&self.out.join("scale.svg")))?;
-        Ok(())
+        run(&settings, global.progress(), &mut |row| info!("{}", line(row)))
     }
 }
 
@@ -176,13 +182,11 @@ impl Shapes {
         let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
         let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
-        let mut stderr = std::io::stderr();
-        // Nobody may be there to be told; the indexes go on.
         let indexes = shapes::run(&settings, global.progress(), &mut |path, report| {
             let done = if report.written.is_some() { "built" } else { "is up to date" };
             let seconds = report.elapsed.as_secs_f64();
             let entries = counted(report.entries, ENTRIES);
-            let _ = writeln!(stderr, "{} {done}: {entries}, {seconds:.1} s", shown(path));
+            info!(entries = report.entries, seconds, "{} {done}: {entries}, {seconds:.1} s", shown(path));
         })?;
         let mut stdout = std::io::stdout().lock();
         write!(stdout, "grasp-query experiment shapes LABELS.csv --out {}", self.out.display())?;

@@ -1,12 +1,12 @@
 //! `grasp-builder add`, `remove` and `compact`.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use grasp_index::Index;
 use grasp_renders::Preset;
 use grasp_terminal::text::shown;
+use tracing::warn;
 
 use super::build::tell;
 use super::global::Global;
@@ -165,20 +165,17 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
     let mut kept = kept.into_iter();
     let first = kept.next().flatten();
     let differs = kept.any(|other| other != first);
-    // Nobody may be there to be told.
-    let mut stderr = std::io::stderr();
     if first.is_none() {
-        let _ = writeln!(
-            stderr,
-            "grasp-builder: {} does not say how its hands are seen: it is taken to be as in the paper's preset; name another with \
-             --preset",
+        warn!(
+            subject = env!("CARGO_PKG_NAME"),
+            "{} does not say how its hands are seen: it is taken to be as in the paper's preset; name another with --preset",
             indexes.first().map_or_else(String::new, |path| shown(path))
         );
     } else if differs {
-        let _ = writeln!(
-            stderr,
-            "grasp-builder: the hands of these indexes are seen in different ways: the search is measured as that of the first was; name \
-             another way with --preset"
+        warn!(
+            subject = env!("CARGO_PKG_NAME"),
+            "the hands of these indexes are seen in different ways: the search is measured as that of the first was; name another \
+             way with --preset"
         );
     }
     Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanSpec::of(Preset::Paper))), seed })

@@ -4,12 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use grasp_index::{
-    Calibration, Catalogue, DescriptorKind, DescriptorParams, EPS, EPS_GRID, HashInfo, Index, Measured,
-    Sampling, Tone,
-};
+use grasp_about::{IndexInfo, class_counts};
+use grasp_index::{Calibration, Catalogue, DescriptorKind, EPS, HashInfo, Index, Measured, Sampling, Tone};
 use grasp_terminal::text::{counted, percent, printable};
-use serde_json::{Value, json};
 
 use super::build::ENTRIES;
 
@@ -30,7 +27,8 @@ impl Inspect {
         let index = Index::open(&self.index).with_context(|| format!("cannot inspect {name}"))?;
         // The names in it come from whoever made it.
         let text = match self.json {
-            true => format!("{}\n", as_json(&name.to_string(), &index)),
+            // As a value, whose keys are in order.
+            true => format!("{}\n", serde_json::to_value(IndexInfo::new(name.to_string(), &index))?),
             false => as_text(&name.to_string(), &index)
                 .lines()
                 .map(|line| format!("{}\n", printable(line)))
@@ -44,17 +42,6 @@ impl Inspect {
 
 const PLANES: [&str; 2] = ["hyperplane", "hyperplanes"];
 const QUERIES: [&str; 2] = ["query", "queries"];
-
-/// How many entries each class has.
-fn counts(index: &Index) -> Vec<usize> {
-    let mut counts = vec![0; index.catalogue().classes.len()];
-    for &label in index.labels() {
-        if let Some(count) = counts.get_mut(label as usize) {
-            *count += 1;
-        }
-    }
-    counts
-}
 
 fn as_text(name: &str, index: &Index) -> String {
     let catalogue = index.catalogue();
@@ -79,7 +66,7 @@ fn as_text(name: &str, index: &Index) -> String {
     line("descriptor", described);
     line("originals", catalogue.originals.name().to_owned());
     line("keeps", some_of(&catalogue.kept.names()));
-    for (class, count) in catalogue.classes.iter().zip(counts(index)) {
+    for (class, count) in catalogue.classes.iter().zip(class_counts(index)) {
         line("class", format!("{:>2} {}: {}", class.cutkosky, class.name, counted(count, ENTRIES)));
     }
     if catalogue.kept.labels {
@@ -134,14 +121,6 @@ fn as_text(name: &str, index: &Index) -> String {
 /// A network's fingerprint, as `train` prints it.
 fn fingerprint(network: u64) -> String {
     format!("{network:016x}")
-}
-
-/// The fingerprint of the network that describes pictures, where one does.
-fn network(descriptor: &DescriptorParams) -> Option<String> {
-    match descriptor.kind {
-        DescriptorKind::Learned { network, .. } => Some(fingerprint(network)),
-        _ => None,
-    }
 }
 
 /// How a hand image becomes the picture that is described.
@@ -204,22 +183,6 @@ fn vote_text(calibration: &Calibration) -> Vec<String> {
     lines
 }
 
-fn vote_json(calibration: &Calibration) -> Value {
-    let Calibration { k, sigma_scale, floor, power, farthest, least_probability, .. } = calibration;
-    let measured = calibration.measured.as_ref().map(|measured| {
-        let reliability = &measured.reliability;
-        let bins = reliability.bins.iter().filter(|bin| bin.n > 0);
-        let bins: Vec<Value> = bins
-            .map(|bin| json!({"n": bin.n, "probability": bin.stated(), "right": bin.found()}))
-            .collect();
-        json!({
-            "queries": reliability.n(), "noise": measured.noise, "top1": reliability.accuracy(),
-            "log_likelihood": measured.log_likelihood, "ece": reliability.expected_error(), "reliability": bins,
-        })
-    });
-    json!({"k": k, "sigma_scale": sigma_scale, "floor": floor, "power": power, "farthest": farthest, "least_probability": least_probability, "measured": measured})
-}
-
 /// The names of a list, if any.
 fn some_of(names: &[&str]) -> String {
     if names.is_empty() { "nothing else".to_owned() } else { names.join(", ") }
@@ -239,66 +202,4 @@ fn list(names: &[String]) -> String {
         0 => shown,
         more => format!("{shown} and {more} more"),
     }
-}
-
-fn as_json(name: &str, index: &Index) -> Value {
-    let catalogue = index.catalogue();
-    let measured = &catalogue.measured;
-    let classes: Vec<Value> = catalogue
-        .classes
-        .iter()
-        .zip(counts(index))
-        .map(|(class, entries)| json!({"name": class.name, "cutkosky": class.cutkosky, "entries": entries}))
-        .collect();
-    let sections: Vec<Value> = catalogue
-        .sections
-        .iter()
-        .map(|section| {
-            json!({
-                "kind": format!("{:?}", section.kind), "element": format!("{:?}", section.element),
-                "offset": section.offset, "bytes": section.length, "xxh3": format!("{:016x}", section.xxh3),
-            })
-        })
-        .collect();
-    let hash = match catalogue.hash {
-        HashInfo::Random(hash) => json!({
-            "kind": "random", "tables": hash.tables, "planes": hash.planes, "buckets": hash.buckets,
-        }),
-        HashInfo::Learned(hash) => json!({
-            "kind": "learned", "tables": 1, "planes": hash.planes, "axes": hash.axes, "groups": hash.groups,
-        }),
-        _ => Value::Null,
-    };
-    let curve: Vec<Value> = measured
-        .curve
-        .iter()
-        .map(|point| {
-            json!({
-                "probes": point.probes, "recall_at_10": point.recall_at_10, "eps_success": point.eps_success,
-                "share_of_database": point.share_of_database,
-            })
-        })
-        .collect();
-    let provenance: Vec<Value> =
-        catalogue.provenance.iter().map(|(name, value)| json!({"name": name, "value": value})).collect();
-    json!({
-        "file": name, "entries": index.len(), "bytes": index.byte_len(),
-        "descriptor": {
-            "name": catalogue.descriptor.name(), "dim": index.dim(),
-            "bins": catalogue.descriptor.bins, "levels": catalogue.descriptor.levels,
-            "sampling": format!("{:?}", catalogue.descriptor.sampling), "tone": format!("{:?}", catalogue.descriptor.tone),
-            "network": network(&catalogue.descriptor),
-        },
-        "originals": catalogue.originals.name(), "keeps": catalogue.kept.names(),
-        "classes": classes, "hand_shapes": catalogue.hand_shapes, "stages": catalogue.stages,
-        "sigma": {"mean_distance": catalogue.sigma.mean_distance, "literal": catalogue.sigma.literal},
-        "vote": vote_json(&catalogue.calibration),
-        "hash": hash,
-        "measured": {
-            "queries": measured.queries, "held_out": measured.held_out, "noise": measured.noise,
-            "eps": EPS_GRID, "curve": curve,
-        },
-        "thumbnail_side": catalogue.thumbnail_side, "seed": catalogue.seed,
-        "provenance": provenance, "sections": sections,
-    })
 }

@@ -23,13 +23,15 @@ use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use grasp_terminal::error::message;
 use grasp_terminal::text::printable_lines;
 
 use crate::interrupt::{self, Interrupted};
 use global::Global;
 
+/// Name and version.
+const PROGRAM: [&str; 2] = [env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")];
 /// Everything went well.
 const SUCCESS: u8 = 0;
 /// Something failed; the message says what and what to do.
@@ -90,8 +92,8 @@ enum Command {
 /// Parses the command line, runs it and turns the outcome into an exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    let (arguments, command) = match parse() {
+        Ok(parsed) => parsed,
         Err(message) => {
             // `--help` and `--version` come this way too, with exit code 0.
             let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
@@ -102,10 +104,18 @@ pub fn main() -> ExitCode {
             };
         }
     };
-    match run(&arguments) {
-        Ok(()) => ExitCode::from(SUCCESS),
+    let status = grasp_log::run(&arguments.global.log, PROGRAM, &command, || match run(&arguments) {
+        Ok(()) => SUCCESS,
         Err(error) => report(&error, &arguments.command),
-    }
+    });
+    ExitCode::from(status)
+}
+
+/// The command line, and the name of its command.
+fn parse() -> clap::error::Result<(Arguments, String)> {
+    let matches = Arguments::command().try_get_matches()?;
+    let command = matches.subcommand_name().unwrap_or_default().to_owned();
+    Ok((Arguments::from_arg_matches(&matches)?, command))
 }
 
 /// Prints a usage error, or the help that was asked for. An argument with control characters, such
@@ -144,16 +154,15 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// Prints on standard error what went wrong, once, and picks the exit status.
-fn report(error: &anyhow::Error, command: &Command) -> ExitCode {
+fn report(error: &anyhow::Error, command: &Command) -> u8 {
     if is_closed_pipe(error) {
-        return ExitCode::from(SUCCESS);
+        return SUCCESS;
     }
     let is_interrupted = error.chain().any(|cause| cause.is::<Interrupted>());
     let message =
         if is_interrupted { format!("stopped: {}", command.when_stopped()) } else { message(error.chain()) };
-    // Standard error may be closed as well; nobody is left to read it then.
-    let _ = writeln!(io::stderr(), "grasp-builder: {message}");
-    ExitCode::from(if is_interrupted { interrupt::EXIT_STATUS } else { ERROR })
+    tracing::error!(subject = PROGRAM[0], "{message}");
+    if is_interrupted { interrupt::EXIT_STATUS } else { ERROR }
 }
 
 impl Command {

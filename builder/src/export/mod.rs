@@ -1,5 +1,6 @@
 //! What an index holds, written as other programs read it.
 
+#[cfg_attr(not(feature = "parquet"), path = "without_parquet.rs")]
 mod parquet;
 mod pause;
 

@@ -90,6 +90,7 @@ impl Gathered {
                 Phase::Calibrate => "calibrating the vote",
                 _ => "writing",
             };
+            spinner.set_phase(doing);
             spinner.set_message(match share {
                 0.0 => doing.into(),
                 share => format!("{doing} ({})", percent(share)),

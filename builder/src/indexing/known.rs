@@ -1,12 +1,12 @@
 //! What the index that is to be replaced knows already.
 
 use std::collections::HashMap;
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{DescriptorParams, Index, NewEntry, OpenError, Originals};
 use grasp_terminal::text::shown;
+use tracing::warn;
 
 use super::inputs::Inputs;
 
@@ -72,10 +72,9 @@ impl Known {
 
     /// Says that a damaged index will not be built upon.
     fn useless(path: &Path, why: &str) -> Self {
-        // Where nobody listens any more, the build goes on all the same.
-        let _ = writeln!(
-            std::io::stderr(),
-            "grasp-builder: nothing can be taken over from the existing {}, which will be replaced: {why}",
+        warn!(
+            subject = env!("CARGO_PKG_NAME"),
+            "nothing can be taken over from the existing {}, which will be replaced: {why}",
             shown(path)
         );
         Self::nothing()

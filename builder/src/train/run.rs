@@ -94,7 +94,7 @@ fn train_on<C: Course>(
         let validation = training.course().validation(&schedule, check, &work)?;
         training.fill(check, &work)?;
         drop(work);
-        go_on(&mut training, options, &validation, files, progress, check)?;
+        finish(&mut training, options, &validation, files, progress, check)?;
     }
     let network = training.network()?;
     let rows = training.state().curve.clone();
@@ -110,7 +110,7 @@ fn train_on<C: Course>(
 }
 
 /// Does all rounds, and saves the state every now and then and when the work is stopped.
-fn go_on<C: Course>(
+fn finish<C: Course>(
     training: &mut Training<C>,
     options: &Options,
     validation: &C::Validation,

@@ -1,55 +1,54 @@
-//! How far long work has come: a bar on a terminal, lines in a log.
+//! How far long work has come: a bar on a terminal, events in a log.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, IsTerminal as _};
+use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::phase::Phase;
 use crate::text;
 
-/// How often a line is written where standard error is not a terminal.
+/// How often an event says how far the work is, where no bar is drawn.
 const EVERY: Duration = Duration::from_secs(10);
-/// How many lines back the pace is measured from.
+/// How many events back the pace is measured from.
 const SAMPLES: usize = 6;
 
 /// How progress is shown, if at all, by all work of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     shown: Shown,
-    /// What lines are counted from, so that many short pieces of work write one every [`EVERY`] as
+    /// What the events are about.
+    program: &'static str,
+    /// What events are counted from, so that many short pieces of work emit one every [`EVERY`] as
     /// well.
     since: Instant,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shown {
     Bars,
-    /// Lines that begin with the program's name.
-    Lines(&'static str),
+    Events,
     Nothing,
 }
 
 impl Progress {
-    /// Bars where standard error is a terminal, lines that begin with `program` elsewhere, and
-    /// neither unless `wanted`.
+    /// Bars where standard error is a terminal for people, events whose subject is `program`
+    /// elsewhere.
     #[must_use]
-    pub fn new(program: &'static str, wanted: bool) -> Self {
-        let shown = match (wanted, io::stderr().is_terminal()) {
-            (false, _) => Shown::Nothing,
-            (true, true) => Shown::Bars,
-            (true, false) => Shown::Lines(program),
-        };
-        Self { shown, since: Instant::now() }
+    pub fn new(program: &'static str, for_people: bool) -> Self {
+        let shown = if for_people && io::stderr().is_terminal() { Shown::Bars } else { Shown::Events };
+        Self { shown, program, since: Instant::now() }
     }
 
     /// Shows nothing.
     #[must_use]
     pub fn hidden() -> Self {
-        Self { shown: Shown::Nothing, since: Instant::now() }
+        Self { shown: Shown::Nothing, program: "", since: Instant::now() }
     }
 
     /// Work that is `doing` something to `len` things, which are called `unit` in the plural.
@@ -65,21 +64,20 @@ impl Progress {
     }
 
     fn work(self, len: Option<u64>, doing: &'static str, unit: &'static str) -> Work {
-        let target = match self.shown {
+        let Self { shown, program, since } = self;
+        let target = match shown {
             Shown::Bars => ProgressDrawTarget::stderr(),
-            Shown::Lines(_) | Shown::Nothing => ProgressDrawTarget::hidden(),
+            Shown::Events | Shown::Nothing => ProgressDrawTarget::hidden(),
         };
+        let phase = (shown != Shown::Nothing).then(|| Arc::new(Phase::begin(program, doing, unit)));
         let bar = ProgressBar::with_draw_target(len, target);
         bar.set_message(doing);
-        if matches!(self.shown, Shown::Bars) {
+        if shown == Shown::Bars {
             draw(&bar, len.is_some(), unit);
         }
-        let shown = self.shown;
-        let log = match shown {
-            Shown::Lines(program) => Some(Log::start(program, bar.clone(), unit, self.since)),
-            Shown::Bars | Shown::Nothing => None,
-        };
-        Work { bar, log, shown }
+        let logged = phase.clone().filter(|_| shown == Shown::Events);
+        let log = logged.map(|phase| Log::start(phase, bar.clone(), since));
+        Work { bar, log, phase, shown, program }
     }
 }
 
@@ -88,7 +86,9 @@ impl Progress {
 pub struct Work {
     bar: ProgressBar,
     log: Option<Log>,
+    phase: Option<Arc<Phase>>,
     shown: Shown,
+    program: &'static str,
 }
 
 impl Work {
@@ -112,12 +112,18 @@ impl Work {
         self.bar.set_message(doing);
     }
 
+    /// The work goes on with its next phase; nothing new where that is what is done already.
+    pub fn set_phase(&self, doing: &'static str) {
+        if let Some(phase) = &self.phase {
+            phase.enter(doing);
+        }
+    }
+
     /// Writes a line that stays, such as what was measured on the way.
     pub fn line(&self, line: &str) {
         match self.shown {
             Shown::Bars => self.bar.println(line),
-            // Nobody may be there to read it; the work goes on.
-            Shown::Lines(program) => drop(writeln!(io::stderr(), "{program}: {line}")),
+            Shown::Events => tracing::info!(subject = self.program, "{line}"),
             Shown::Nothing => {}
         }
     }
@@ -127,7 +133,11 @@ impl Drop for Work {
     fn drop(&mut self) {
         // In this order, so that no line follows what the program prints next.
         drop(self.log.take());
+        let (done, total) = (self.bar.position(), self.bar.length());
         self.bar.finish_and_clear();
+        if let Some(phase) = &self.phase {
+            phase.end(done, total);
+        }
     }
 }
 
@@ -150,7 +160,7 @@ fn draw(bar: &ProgressBar, has_length: bool, unit: &str) {
     }
 }
 
-/// The thread that writes lines about one piece of work.
+/// The thread that emits events about one piece of work.
 #[derive(Debug)]
 struct Log {
     /// Never sent to: the thread ends when this is dropped.
@@ -159,7 +169,7 @@ struct Log {
 }
 
 impl Log {
-    fn start(program: &'static str, bar: ProgressBar, unit: &'static str, since: Instant) -> Self {
+    fn start(phase: Arc<Phase>, bar: ProgressBar, since: Instant) -> Self {
         let (end, ended) = channel::<()>();
         let write = move || {
             let started = Instant::now();
@@ -186,11 +196,21 @@ impl Log {
                 if samples.len() > SAMPLES {
                     samples.pop_front();
                 }
-                // Nobody may be there to read it; the work goes on.
-                let _ = writeln!(io::stderr(), "{program}: {}", state.line(unit));
+                let unit = phase.unit();
+                let counted = (!unit.is_empty()).then_some(unit);
+                tracing::info!(
+                    subject = phase.program(),
+                    phase = phase.doing(),
+                    done = counted.and(Some(state.done)),
+                    total = counted.and(state.len),
+                    unit = counted,
+                    seconds = state.elapsed.as_secs_f64(),
+                    "{}",
+                    state.line(unit)
+                );
             }
         };
-        // Without a thread there are no lines, which is no reason not to do the work.
+        // Without a thread there are no events, which is no reason not to do the work.
         let thread = std::thread::Builder::new().name("progress".to_owned()).spawn(write).ok();
         Self { end: Some(end), thread }
     }
@@ -270,8 +290,8 @@ mod tests {
     #[test]
     fn work_ends_at_once_however_it_is_shown() {
         let started = Instant::now();
-        for shown in [Shown::Nothing, Shown::Lines("test")] {
-            let progress = Progress { shown, since: Instant::now() };
+        for shown in [Shown::Nothing, Shown::Events] {
+            let progress = Progress { shown, program: "test", since: Instant::now() };
             let work = progress.bar(2, "trying", "things");
             work.inc(1);
             work.line("tried one");

@@ -17,7 +17,8 @@ use super::query::Options;
 use super::service::Shared;
 use super::shown::shown;
 use super::tags;
-use grasp_index::{EPS_GRID, HashInfo};
+use grasp_about::{EffortInfo, HashInfo, MeasuredInfo};
+use grasp_index::EPS_GRID;
 
 /// The index that is served. Its keys are an interface: they may be added to, never renamed.
 #[derive(Debug, Serialize, ToSchema)]
@@ -45,7 +46,7 @@ pub(super) struct IndexRecord {
     /// Sides of the thumbnails in pixels; 0 where there are none.
     thumbnail_side: u32,
     /// What a search finds, as measured when the index was built.
-    efforts: Vec<EffortRecord>,
+    efforts: Vec<EffortInfo>,
     /// The values of eps that `eps_success` is told for.
     eps: [f64; EPS_GRID.len()],
     /// Whether people can name grasps at /quiz/.
@@ -61,15 +62,6 @@ pub(super) struct ClassName {
     cutkosky: u8,
 }
 
-/// What so many probes find.
-#[derive(Debug, Serialize, ToSchema)]
-pub(super) struct EffortRecord {
-    probes: u32,
-    recall_at_10: f64,
-    eps_success: [f64; EPS_GRID.len()],
-    share_of_database: f64,
-}
-
 /// `GET /v1/index`.
 #[utoipa::path(get, path = "/v1/index", tag = tags::INDEX,
     summary = "Describe the index that is served",
@@ -80,12 +72,7 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
     let served = service.served()?;
     let (index, catalogue) = (&served.index, served.index.catalogue());
     let classes = catalogue.classes.iter();
-    let efforts = catalogue.measured.curve.iter().map(|point| EffortRecord {
-        probes: point.probes,
-        recall_at_10: point.recall_at_10,
-        eps_success: point.eps_success,
-        share_of_database: point.share_of_database,
-    });
+    let measured = MeasuredInfo::from(&catalogue.measured);
     Ok(Json(IndexRecord {
         file: service.current.path().display().to_string(),
         generation: served.generation,
@@ -99,14 +86,11 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
             .collect(),
         hand_shapes: catalogue.hand_shapes.clone(),
         stages: catalogue.stages.clone(),
-        hash: match catalogue.hash {
-            HashInfo::Random(_) => "random",
-            _ => "learned",
-        },
+        hash: HashInfo::of(&catalogue.hash).map_or("unknown", |hash| hash.kind()),
         k: catalogue.calibration.k,
         thumbnail_side: catalogue.thumbnail_side,
-        efforts: efforts.collect(),
-        eps: EPS_GRID,
+        efforts: measured.curve,
+        eps: measured.eps,
         quiz: service.settings.has_quiz,
         provenance: catalogue.provenance.clone(),
     }))
@@ -200,7 +184,7 @@ pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let ready = state == "serving";
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let path = service.current.path().display().to_string();
-    let problem = trouble.now.map(|problem| without(&problem, &path));
+    let problem = trouble.now.map(|problem| without(&problem.to_string(), &path));
     let problem = problem.or_else(|| is_lost.then(|| format!("the service {LOST}")));
     let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem };
     (status, Json(record)).into_response()

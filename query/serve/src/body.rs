@@ -19,14 +19,15 @@ pub(super) struct Input {
     pub(super) picture: Bytes,
     mask: Option<Bytes>,
     depth: Option<Bytes>,
+    landmarks: Option<Bytes>,
     robot: Option<Bytes>,
     object: Option<Bytes>,
     camera: Option<Bytes>,
     arm: Option<Bytes>,
 }
 
-/// A picture as the body itself, or a form of the parts `picture`, `mask` or `depth`, and `object`,
-/// `camera`, `robot` and `arm`.
+/// A picture as the body itself, or a form of the parts `picture`, `mask`, `depth` or `landmarks`,
+/// and `object`, `camera`, `robot` and `arm`.
 pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<Input, Problem> {
     let content_type = content_type.and_then(|kind| kind.to_str().ok()).unwrap_or_default().trim_start();
     if !content_type.to_ascii_lowercase().starts_with("multipart/form-data") {
@@ -46,13 +47,14 @@ pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<I
             }
             "mask" => input.mask.replace(content).is_none(),
             "depth" => input.depth.replace(content).is_none(),
+            "landmarks" => input.landmarks.replace(content).is_none(),
             "robot" => input.robot.replace(content).is_none(),
             "object" => input.object.replace(content).is_none(),
             "camera" => input.camera.replace(content).is_none(),
             "arm" => input.arm.replace(content).is_none(),
             other => {
                 return Err(Problem::bad_request(format!(
-                    "the form has a part {}: its parts are picture, mask, depth, object, camera, robot and arm",
+                    "the form has a part {}: its parts are picture, mask, depth, landmarks, object, camera, robot and arm",
                     shown(other)
                 )));
             }
@@ -86,17 +88,22 @@ impl Input {
         Ok(())
     }
 
-    /// Where the hand's mask comes from. Decodes masks and depth pictures.
+    /// Where the hand's mask comes from. Decodes masks and depth pictures, and reads landmarks.
     pub(super) fn source(&self, segmented: bool, range: Option<DepthRange>) -> Result<MaskSource, Problem> {
-        let named = [segmented, self.mask.is_some(), self.depth.is_some()];
+        let named = [segmented, self.mask.is_some(), self.depth.is_some(), self.landmarks.is_some()];
         if named.into_iter().filter(|is_named| *is_named).count() > 1 {
             return Err(Problem::bad_request(
-                "only one of segmented, a mask and a depth picture can be given",
+                "only one of segmented, a mask, a depth picture and landmarks can be given",
             ));
         }
         let unusable = |what: &str, error: picture::DecodeError| {
             Problem::bad_request(format!("cannot use the {what}: {error}"))
         };
+        if let (Some(landmarks), None) = (&self.landmarks, range) {
+            let landmarks = serde_json::from_slice(landmarks)
+                .map_err(|error| Problem::bad_request(format!("cannot use the landmarks: {error}")))?;
+            return Ok(MaskSource::Landmarks(landmarks));
+        }
         match (&self.mask, &self.depth, range) {
             (Some(mask), ..) => {
                 let (width, height, grey) =

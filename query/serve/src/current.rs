@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use anyhow::{Context as _, bail};
 use grasp_index::Index;
 
 use super::identity::Identity;
+use super::unusable::{IndexFault, UnusableIndex};
 
 /// What a service does without its index.
 pub(super) const LOST: &str =
@@ -63,18 +63,18 @@ pub(super) struct Trouble {
     /// How often a new file could not be used.
     pub(super) failures: u64,
     /// What is wrong with the file that lies there now; `None` where it is the one that is served.
-    pub(super) now: Option<String>,
+    pub(super) now: Option<Arc<UnusableIndex>>,
 }
 
 /// What a look at the path found.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub(super) enum Looked {
     /// The file that was there before.
     Unchanged,
     /// Another one, which is served now, as this generation.
     Replaced(u64),
     /// One that cannot be used, or none.
-    Failed(String),
+    Failed(Arc<UnusableIndex>),
     /// One that is being written: worth another look soon.
     OnItsWay,
     /// The file that is served has been overwritten or truncated. Reported once.
@@ -143,7 +143,7 @@ impl Current {
         if is_young(SETTLED) {
             return Looked::OnItsWay;
         }
-        let opened = found.map_err(anyhow::Error::from).and_then(|identity| self.open(&identity));
+        let opened = found.map_err(IndexFault::from).and_then(|identity| self.open(&identity));
         // What could not be used may be another file already than the one that was found.
         let has_changed = || old.is_some() && Identity::of(&self.path).ok() != seen.ok();
         if opened.is_err() && (is_young(ON_ITS_WAY) || has_changed()) {
@@ -156,13 +156,18 @@ impl Current {
                 trouble.now = None;
                 Looked::Replaced(self.put(index))
             }
-            Err(error) => {
-                let message = format!("cannot use the index {}: {error:#}", self.path.display());
+            Err(fault) => {
+                let why = self.unusable(fault);
                 trouble.failures += 1;
-                trouble.now = Some(message.clone());
-                Looked::Failed(message)
+                trouble.now = Some(Arc::clone(&why));
+                Looked::Failed(why)
             }
         }
+    }
+
+    /// What is wrong with what lies at the path.
+    pub(super) fn unusable(&self, fault: IndexFault) -> Arc<UnusableIndex> {
+        Arc::new(UnusableIndex { path: self.path.clone(), fault })
     }
 
     fn put(&self, index: Index) -> u64 {
@@ -176,18 +181,18 @@ impl Current {
     /// Opens what lies at the path. The first index is served as soon as it is open; one that
     /// replaces another is read through first, so that nothing damaged takes the place of something
     /// sound, and no request waits for the disk.
-    fn open(&self, identity: &Identity) -> anyhow::Result<Index> {
+    fn open(&self, identity: &Identity) -> Result<Index, IndexFault> {
         let is_read = identity.length() <= self.most_read;
         let index = if is_read { Index::read(&self.path)? } else { Index::open(&self.path)? };
         let Some(old) = self.get() else {
             return Ok(index);
         };
-        if let Some(problem) = index.verify().problems.first() {
-            bail!("{problem}");
+        if let Some(problem) = index.verify().problems.into_iter().next() {
+            return Err(problem.into());
         }
         index.check_unchanged()?;
         if old.index.check_recognises().is_ok() {
-            index.check_recognises().context("the index that is served can tell what pictures show")?;
+            index.check_recognises().map_err(IndexFault::RecognisesNothing)?;
         }
         Ok(index)
     }

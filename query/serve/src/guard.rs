@@ -1,7 +1,5 @@
 //! Who may ask, and what every answer says to a browser.
 
-use std::time::Instant;
-
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
@@ -12,6 +10,7 @@ use super::metrics::PATHS;
 use super::origin::{Names, check_host, check_origin};
 use super::page;
 use super::problem::Problem;
+use super::request_log::RequestLog;
 use super::service::Shared;
 use super::tags;
 use crate::wire::Token;
@@ -39,7 +38,7 @@ const HEADERS: [(HeaderName, &str); 5] = [
 
 /// Checks and counts every request, and puts the headers on every answer.
 pub(super) async fn guard(State(service): State<Shared>, request: Request, next: Next) -> Response {
-    let started = Instant::now();
+    let asked = RequestLog::of(&request);
     let request = Linger::around(request);
     let path = counted(request.uri().path());
     let mut response = match check(&service, &request) {
@@ -49,7 +48,9 @@ pub(super) async fn guard(State(service): State<Shared>, request: Request, next:
     for (name, value) in HEADERS {
         response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }
-    service.metrics.answered(path, response.status().as_u16(), started.elapsed());
+    let (status, took) = (response.status().as_u16(), asked.at.elapsed());
+    service.metrics.answered(path, status, took);
+    asked.log(status, took);
     response
 }
 

@@ -4,7 +4,8 @@
 //! (`query`); bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes
 //! the `gate`, which bounds the work. It is done on a thread that may block (`recognise`,
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
-//! lies at its path; `listen` holds the connections, `page` is what a browser is given. `router`
+//! lies at its path (`unusable` says why one cannot); `asked` logs what was asked; `listen` holds
+//! the connections, `page` is what a browser is given. `router`
 //! says which path leads where, and [`Service::run`] puts them together. [`client`] is the other
 //! end, and [`wire`] what crosses the line between both.
 
@@ -31,6 +32,7 @@ mod page;
 mod problem;
 mod query;
 mod recognise;
+mod request_log;
 mod router;
 mod run;
 mod search;
@@ -38,6 +40,7 @@ mod service;
 mod shown;
 pub mod small;
 mod tags;
+mod unusable;
 pub mod wire;
 mod work;
 
@@ -45,3 +48,4 @@ pub use listen::Listener;
 pub use page::LOOK;
 pub use problem::Problem;
 pub use service::{Ended, Event, Service, Settings};
+pub use unusable::{IndexFault, UnusableIndex};

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use grasp_terminal::PHASE;
 
 use crate::current::Looked;
 use crate::listen::{Connections, Listener};
 use crate::router::router;
 use crate::service::{Ended, Event, Service};
+use crate::unusable::{IndexFault, UnusableIndex};
 
 impl Service {
     /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of
@@ -23,7 +25,7 @@ impl Service {
         quiz: Option<Router>,
         stop: impl Future<Output = ()>,
         tell: impl Fn(Event) + Send + 'static,
-    ) -> Result<Ended, String> {
+    ) -> Result<Ended, Arc<UnusableIndex>> {
         let router = router(Arc::clone(&self), quiz);
         let connections = Arc::new(Connections::new());
         let accepting: Vec<_> = listeners
@@ -35,12 +37,14 @@ impl Service {
             .collect();
         let first = match self.look(false).await {
             Some(Looked::Replaced(generation)) => generation,
-            Some(Looked::Failed(message)) => return Err(message),
-            _ => return Err("the index cannot be opened".into()),
+            Some(Looked::Failed(why)) => return Err(why),
+            _ => return Err(self.current.unusable(IndexFault::Unknown)),
         };
         tell(Event::Serving(first));
         let watching = tokio::spawn(Arc::clone(&self).watch(tell));
         stop.await;
+        let under_way = self.arriving() + self.gate.inside();
+        tracing::info!(target: PHASE, state = "began", phase = "draining", under_way, "draining: {under_way} under way");
         let ended = self.drain().await;
         watching.abort();
         for task in accepting {

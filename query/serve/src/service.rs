@@ -17,6 +17,7 @@ use crate::current::{Current, LOST, Looked, Served};
 use crate::gate::{Gate, Place};
 use crate::metrics::Metrics;
 use crate::problem::Problem;
+use crate::unusable::UnusableIndex;
 use crate::wire::Token;
 
 /// What the service allows.
@@ -48,17 +49,17 @@ pub struct Settings {
 }
 
 /// What to tell the one who runs the service.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Event {
     /// The index is open, for the first time or again, as this generation.
     Serving(u64),
     /// The file at the index's path cannot be used; the one before is served.
-    StillTheOld(String),
+    StillTheOld(Arc<UnusableIndex>),
     /// The file that was served has been overwritten or truncated: requests are turned away until
     /// it is whole.
     Lost,
     /// The file at the index's path cannot be used, and the one before is lost.
-    StillNone(String),
+    StillNone(Arc<UnusableIndex>),
 }
 
 /// How the service ended.
@@ -154,8 +155,8 @@ impl Service {
             };
             match looked {
                 Some(Looked::Replaced(generation)) => tell(Event::Serving(generation)),
-                Some(Looked::Failed(message)) if is_lost => tell(Event::StillNone(message)),
-                Some(Looked::Failed(message)) => tell(Event::StillTheOld(message)),
+                Some(Looked::Failed(why)) if is_lost => tell(Event::StillNone(why)),
+                Some(Looked::Failed(why)) => tell(Event::StillTheOld(why)),
                 Some(Looked::Lost) => tell(Event::Lost),
                 Some(Looked::Unchanged | Looked::OnItsWay) => {}
                 None => self.metrics.panicked(),

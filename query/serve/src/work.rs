@@ -28,7 +28,8 @@ use crate::wire::parameters::{PictureParameters, SearchParameters};
         rejected, 2 an error), and `grasp-index-generation` says which index answered.",
     params(PictureParameters),
     request_body(description = "A picture as it is, or a form (multipart/form-data) of `picture` and `mask` (white where the hand \
-        is) or `depth` (with `depth_range`).",
+        is), `depth` (with `depth_range`) or `landmarks` (where a tracker has the hand's 21 joints, as JSON: `{\"unit\": \"pixel\" or \
+        \"share\", \"landmarks\": [[x, y], ...]}`, in MediaPipe's order).",
         content(("application/octet-stream"), ("multipart/form-data"))),
     responses(
         (status = 200, description = "The record that `grasp-query recognise --json` prints; with `explained=true` an `ExplainedRecord`",
@@ -88,7 +89,7 @@ pub(crate) async fn robot_strategy(
 ) -> Result<Response, Problem> {
     if parameters.0.robot.is_none() {
         return Err(Problem::bad_request(
-            "say which robot: robot=barrett, robot=parallel-gripper or robot=described",
+            "say which robot: robot=barrett, robot=robotiq-2f-85, another that comes with the program, or robot=described",
         ));
     }
     recognise_picture(service, parameters, request).await

@@ -106,6 +106,20 @@ pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) 
     Ok(rows)
 }
 
+/// Draws the picture anew from the table at `out`, and measures nothing. Returns the table's rows.
+///
+/// # Errors
+/// Where the table is missing or empty, or files cannot be read or written.
+pub fn redraw(out: &Path) -> anyhow::Result<Vec<Row>> {
+    let table = out.join("scale.csv");
+    let rows = table::read(&table)?;
+    if rows.is_empty() {
+        bail!("{} holds no results to draw: name their folder with --out", table.display());
+    }
+    write_plot(&out.join("scale.svg"), &rows)?;
+    Ok(rows)
+}
+
 fn write_plot(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
     let mut file = AtomicFile::create(path)?;
     let written = file.write_all(plot::svg(rows).as_bytes());

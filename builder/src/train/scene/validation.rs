@@ -24,14 +24,14 @@ const VIEWS: usize = 12;
 /// Pictures of other hands, large enough for their grasps to be named.
 #[derive(Debug)]
 pub struct Validation {
-    pictures: Vec<Asked>,
+    pictures: Vec<Labelled>,
     /// The classes that are grasps.
     grasps: usize,
 }
 
 /// A picture and what is right.
 #[derive(Debug)]
-struct Asked {
+struct Labelled {
     planes: Vec<f32>,
     masks: Vec<f32>,
     class: Option<usize>,
@@ -45,9 +45,9 @@ impl Validation {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
             rng.set_stream(number);
             let seen = views.render(number, VIEWS)?;
-            Ok(seen.iter().map(|view| Asked::new(view, &mut rng)).collect())
+            Ok(seen.iter().map(|view| Labelled::new(view, &mut rng)).collect())
         };
-        let pictures: Vec<Asked> = render_all(0..schedule.validation, check, render)?;
+        let pictures: Vec<Labelled> = render_all(0..schedule.validation, check, render)?;
         work.inc(schedule.validation);
         ensure!(!pictures.is_empty(), "there is no scene to measure by");
         Ok(Self { pictures, grasps: views.classes() })
@@ -56,7 +56,8 @@ impl Validation {
     /// Shares of right classes and of hands told from mirrored ones, the rotation's median error,
     /// and how well the masks of hand and object cover theirs (intersection over union).
     pub(super) fn measure(&self, network: &Network) -> Vec<Figure> {
-        let answer = |scratch: &mut Scratch, asked: &Asked| Answer::new(network, scratch, asked, self.grasps);
+        let answer =
+            |scratch: &mut Scratch, asked: &Labelled| Answer::new(network, scratch, asked, self.grasps);
         let answers: Vec<Answer> = self.pictures.par_iter().map_init(Scratch::default, answer).collect();
         let share = |of: &[&Answer], is_so: fn(&Answer) -> bool| {
             of.iter().filter(|answer| is_so(answer)).count() as f64 / of.len().max(1) as f64
@@ -80,7 +81,7 @@ impl Validation {
     }
 }
 
-impl Asked {
+impl Labelled {
     fn new(view: &SceneView, rng: &mut ChaCha8Rng) -> Self {
         let framing = Framing::near(&view.layers, rng);
         let picture = view.layers.paint(&framing, SIDE, rng);
@@ -101,7 +102,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn new(network: &Network, scratch: &mut Scratch, asked: &Asked, grasps: usize) -> Self {
+    fn new(network: &Network, scratch: &mut Scratch, asked: &Labelled, grasps: usize) -> Self {
         let mut flipped = asked.planes.clone();
         flipped.chunks_exact_mut(3 * SIDE).for_each(|row| row.as_chunks_mut::<3>().0.reverse());
         let mirrored = |heads: &[f32]| f64::from(heads[grasps]) - f64::from(log_sum(&heads[..grasps]));

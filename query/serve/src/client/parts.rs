@@ -15,6 +15,8 @@ pub struct Parts {
     pub mask: Option<Vec<u8>>,
     /// A depth picture.
     pub depth: Option<Vec<u8>>,
+    /// Where the hand's joints are, as JSON.
+    pub landmarks: Option<Vec<u8>>,
     /// A robot hand's description.
     pub robot: Option<Vec<u8>>,
     /// The object's.
@@ -27,9 +29,9 @@ pub struct Parts {
 
 impl Parts {
     fn others(&self) -> impl Iterator<Item = (&'static str, &[u8])> {
-        let Self { picture: _, mask, depth, robot, object, camera, arm } = self;
-        let names = ["mask", "depth", "robot", "object", "camera", "arm"];
-        let others = [mask, depth, robot, object, camera, arm];
+        let Self { picture: _, mask, depth, landmarks, robot, object, camera, arm } = self;
+        let names = ["mask", "depth", "landmarks", "robot", "object", "camera", "arm"];
+        let others = [mask, depth, landmarks, robot, object, camera, arm];
         names.into_iter().zip(others).filter_map(|(name, part)| Some((name, part.as_deref()?)))
     }
 

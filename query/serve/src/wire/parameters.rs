@@ -90,12 +90,12 @@ pub struct PictureParameters {
     /// NEAR..FAR: what of the depth picture is hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<String>,
-    /// Say what this robot hand does to grasp alike: barrett, parallel-gripper, or `described` by
-    /// the form's part `robot`.
+    /// Say what this robot hand does to grasp alike: allegro, barrett, franka-hand,
+    /// parallel-gripper, robotiq-2f-85, or `described` by the form's part `robot`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// Say by which joint angles this arm carries the hand: kuka-kr6-r700, or `described` by the
-    /// form's part `arm`.
+    /// Say by which joint angles this arm carries the hand: franka-panda, kuka-kr6-r700, ur5e, or
+    /// `described` by the form's part `arm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arm: Option<String>,
     /// Add how long each step took.
