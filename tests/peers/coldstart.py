@@ -1,4 +1,4 @@
-"""`coldstart.py faiss|hnswlib|usearch INDEX QUERY.npy K`: opens a saved index, answers one query, prints the time.
+"""`coldstart.py faiss|grasp|hnswlib|usearch INDEX QUERY.npy K`: opens an index, answers a query, prints the time.
 
 Each library in the way that starts fastest: mapped where it can map, nothing imported that is not needed.
 """
@@ -19,6 +19,11 @@ def main() -> None:
         started = time.perf_counter_ns()
         index = faiss.read_index(path, faiss.IO_FLAG_MMAP)
         ids = index.search(query, k)[1]
+    elif library == "grasp":
+        import grasp
+
+        started = time.perf_counter_ns()
+        ids = grasp.Index(path).search(query, k, threads=1)[0]
     elif library == "hnswlib":
         import hnswlib
 

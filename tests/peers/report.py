@@ -77,9 +77,9 @@ def notes(entries: list[Entry], plan: Plan, queries: int, eps: float) -> str:
         + (", one index in memory at a time." if plan.in_turn else "."),
         "- recall counts ties of the k-th distance; eps-success: the share of queries whose nearest answer is "
         f"within {1 + eps:g} of the true nearest distance. `-`: never reached.",
-        "- build: from the vectors in memory to the index on disk (grasp: the whole process). Memory: growth of "
-        "the process by loading. Cold start: whole process, files in the page cache; in brackets the part spent "
-        "opening and answering, without the interpreter.",
+        "- build: from the vectors in memory to the index on disk (grasp's programs: the whole process). Memory: "
+        "growth of the process by loading. Cold start: whole process, files in the page cache; in brackets "
+        "the part spent opening and answering, without the interpreter.",
         "- "
         + ", ".join(f"{name} {number}" for name, number in versions.items())
         + f", Python {platform.python_version()}.",

@@ -19,7 +19,13 @@ from .ours import FILE, program
 from .pool import HERE, THREAD_VARIABLES
 from .rounds import Entry
 
-SCRIPTS = {"faiss-ivf": "faiss", "faiss-hnsw": "faiss", "hnswlib": "hnswlib", "usearch": "usearch"}
+SCRIPTS = {
+    "faiss-ivf": "faiss",
+    "faiss-hnsw": "faiss",
+    "hnswlib": "hnswlib",
+    "usearch": "usearch",
+    "grasp-python": "grasp",
+}
 """The contenders (by the start of the name) that have a script, and what it is told."""
 
 
@@ -45,7 +51,7 @@ def measure(
             call = command(entry, run, query)
             if call:
                 calls[entry.contender.name] = call
-    own = {entry.contender.name for entry in entries if entry.contender.ours}
+    own = {name for name, call in calls.items() if call[0] != sys.executable}
     whole: dict[str, list[float]] = {name: [] for name in calls}
     inside: dict[str, list[float]] = {name: [] for name in calls}
     environment = {**os.environ, **{name: "1" for name in THREAD_VARIABLES}}
@@ -91,12 +97,9 @@ def time_all(
 def command(entry: Entry, run: Run, query: Path) -> list[str]:
     """The command line of a contender's cold start; empty where it has none."""
     name, folder = entry.contender.name, entry.built.folder
-    if entry.contender.ours:
-        index = str(folder / FILE)
-        return [program(run, "grasp-query"), "search", str(query), "--index", index, "--k", str(run.k)]
     for start, library in SCRIPTS.items():
         if name.startswith(start):
-            file = next(path for path in folder.iterdir() if path.suffix == ".index")
+            file = next(path for path in folder.iterdir() if path.suffix in (".index", ".idx"))
             return [
                 sys.executable,
                 "-s",
@@ -106,4 +109,7 @@ def command(entry: Entry, run: Run, query: Path) -> list[str]:
                 str(query),
                 str(run.k),
             ]
+    if entry.contender.ours:
+        index = str(folder / FILE)
+        return [program(run, "grasp-query"), "search", str(query), "--index", index, "--k", str(run.k)]
     return []

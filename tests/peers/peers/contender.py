@@ -48,7 +48,7 @@ class Contender:
     """Whether `load` needs the vectors beside what `build` saved; they then count as part of the index on disk."""
 
     ours = False
-    """Whether it is this project: programs of their own, without a version that tells one build from the next."""
+    """Whether it is this project, which has no version that tells one build from the next."""
 
     def parameters(self, run: Run) -> str:
         """How the index is built, for the table; indexes on disk are kept apart by it."""

@@ -7,7 +7,7 @@ from importlib import metadata
 from .contender import Contender
 from .faiss_peers import Flat, Hnsw, IvfFlat, IvfPqFastScan
 from .graphs import Glass, HnswLib, Svs, SymphonyQg, USearch
-from .ours import Grasp
+from .ours import Grasp, GraspPython
 from .trees import Annoy, ScaNN
 
 
@@ -15,6 +15,7 @@ def contenders() -> dict[str, Contender]:
     """Every contender by name. Two rows of one library differ in how the index is built."""
     table = [
         Grasp(),
+        GraspPython(),
         Flat(),
         IvfFlat(4),
         IvfPqFastScan(4, residuals=True),

@@ -1,4 +1,4 @@
-"""This project's own index, through its two programs, as a user calls them."""
+"""This project's own index: through its two programs, and from Python, as users call them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from .contender import Contender, Run, Setting
 
 FILE = "grasp.idx"
+RECALLS = (0.80, 0.85, 0.90, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98, 0.985, 0.99, 0.995, 0.998)
 
 
 class Grasp(Contender):
@@ -41,9 +42,8 @@ class Grasp(Contender):
         program(run, "grasp-query")
 
     def settings(self, run: Run) -> list[Setting]:
-        recalls = (0.80, 0.85, 0.90, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98, 0.985, 0.99, 0.995, 0.998)
         successes = (0.90, 0.95, 0.97, 0.99, 0.995)
-        return [{"recall": r} for r in recalls] + [{"eps": 0.05, "success": s} for s in successes]
+        return [{"recall": r} for r in RECALLS] + [{"eps": 0.05, "success": s} for s in successes]
 
     def time_search(
         self, run: Run, queries: np.ndarray, setting: Setting, repeats: int
@@ -59,6 +59,31 @@ class Grasp(Contender):
                 raise RuntimeError(f"grasp-query: status {done.returncode}: {done.stderr.strip()[-300:]}")
             answer = json.loads(done.stdout.splitlines()[-1])
             return float(answer["ns_per_query"]), np.load(out).astype(np.int64)
+
+
+class GraspPython(Contender):
+    """The Python package, in one process like its peers and timed like them. It is asked for recalls alone."""
+
+    name, title, package = "grasp-python", "grasp from Python (this project)", "grasp"
+    ours = True
+
+    def prepare(self) -> None:
+        import grasp
+
+        self.grasp = grasp
+
+    def build(self, run: Run, folder: Path) -> None:
+        path = folder / FILE
+        self.grasp.build(run.base_vectors(), path, seed=run.seed, threads=run.build_threads).close()
+
+    def load(self, run: Run, folder: Path) -> None:
+        self.index = self.grasp.Index(folder / FILE)
+
+    def settings(self, run: Run) -> list[Setting]:
+        return [{"recall": recall} for recall in RECALLS]
+
+    def search(self, queries: np.ndarray, k: int, setting: Setting) -> np.ndarray:
+        return self.index.search(queries, k, setting["recall"], threads=1)[0]
 
 
 def program(run: Run, name: str) -> str:
