@@ -279,6 +279,14 @@ pub struct SearchRecord {
 }
 
 impl Record {
+    /// The name of the input.
+    pub fn file(&self) -> &str {
+        match self {
+            Self::Answer(answer) => &answer.file,
+            Self::Failure(failure) => &failure.file,
+        }
+    }
+
     /// The record of an answer.
     ///
     /// # Errors

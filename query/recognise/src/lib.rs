@@ -26,6 +26,7 @@ pub mod sequence;
 mod side;
 mod source;
 mod timings;
+mod tracker;
 mod trust;
 mod warning;
 
@@ -39,5 +40,6 @@ pub use recognition::Recognition;
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared};
 pub use timings::Timings;
+pub use tracker::Tracker;
 pub use trust::{Logistic, Term, Trust, logistic, temper};
 pub use warning::Warning;

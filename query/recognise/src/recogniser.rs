@@ -9,10 +9,11 @@ use crate::error::RecogniseError;
 use crate::evidence::Evidence;
 use crate::hypothesis;
 use crate::options::RecogniseOptions;
-use crate::picture;
+use crate::picture::{self, DecodeWarning, Decoded};
 use crate::recognition::Recognition;
 use crate::source::{MaskSource, Prepared};
 use crate::timings::{self, Timings};
+use crate::tracker::Tracker;
 use crate::trust::{Trust, temper};
 use crate::warning::Warning;
 
@@ -46,10 +47,29 @@ impl<'a> Recogniser<'a> {
             |t| &mut t.segmentation_ms,
             || Prepared::new(decoded.picture, decoded.is_jpeg, source, &self.options.segment),
         )?;
-        let mut found = self.recognise_prepared(prepared, timings)?;
-        let odd = decoded.warnings.iter().map(|warning| Warning::Decoding(warning.to_string()));
-        found.warnings.splice(..0, odd);
-        Ok(found)
+        let found = self.recognise_prepared(prepared, timings)?;
+        Ok(with_oddities(found, &decoded.warnings))
+    }
+
+    /// Recognises the next frame of a video, which was decoded in `decode_ms`: the hand is looked
+    /// for first where `tracker` has it from the frame before, and what is found there is nearly
+    /// what a search of the frame by itself finds.
+    ///
+    /// # Errors
+    /// As [`Self::recognise`].
+    pub fn recognise_next(
+        &self,
+        decoded: Decoded,
+        decode_ms: f64,
+        tracker: &mut Tracker,
+    ) -> Result<Recognition, RecogniseError> {
+        let mut timings = Timings { decode_ms, ..Timings::default() };
+        let prepared = timings.time(
+            |t| &mut t.segmentation_ms,
+            || Prepared::next(decoded.picture, tracker, &self.options.segment),
+        )?;
+        let found = self.recognise_prepared(prepared, timings)?;
+        Ok(with_oddities(found, &decoded.warnings))
     }
 
     /// Recognises a hand whose mask is known.
@@ -91,4 +111,10 @@ impl<'a> Recogniser<'a> {
         found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
         Ok(found)
     }
+}
+
+/// With what is odd about the picture first among what is to be doubted.
+fn with_oddities(mut found: Recognition, odd: &[DecodeWarning]) -> Recognition {
+    found.warnings.splice(..0, odd.iter().map(|warning| Warning::Decoding(warning.to_string())));
+    found
 }

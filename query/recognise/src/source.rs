@@ -8,6 +8,7 @@ use crate::scene::{self, Found, Joints, Landmarks, Scene, SceneNetwork};
 use crate::segment::depth::{DepthRange, mask_from_depth};
 use crate::segment::{self, Finder, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
+use crate::tracker::Tracker;
 
 /// What tells the hand from the rest.
 #[derive(Clone, Debug, Default)]
@@ -129,6 +130,35 @@ impl Prepared {
         let picture = picture.shrunk_to(WORKING_SIDE);
         let mask = found.resized(picture.width(), picture.height());
         Ok(Self { picture, mask, skin: None, scene: None, quality: None })
+    }
+
+    /// Finds the hand in the next frame of a video, beginning where `tracker` has it from the frame
+    /// before; with [`Finder::Skin`] as in any picture.
+    ///
+    /// # Errors
+    /// [`RecogniseError::NoHand`].
+    pub fn next(
+        picture: Picture,
+        tracker: &mut Tracker,
+        params: &SegmentParams,
+    ) -> Result<Self, RecogniseError> {
+        if params.by == Finder::Skin {
+            return Self::new(picture, true, &MaskSource::Camera, params);
+        }
+        let picture = picture.shrunk_to(WORKING_SIDE);
+        let network = SceneNetwork::built_in();
+        let followed = tracker.follow(network, &picture);
+        let followed = followed.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
+        let prepared = match followed {
+            Some(prepared) => prepared,
+            None => {
+                let found = tracker.search(network, &picture).ok_or(RecogniseError::NoHand)?;
+                Self::of_found(picture, found, params)?
+            }
+        };
+        let size = (prepared.picture.width(), prepared.picture.height());
+        tracker.keep(prepared.scene.as_ref(), size);
+        Ok(prepared)
     }
 
     /// Finds the hand by the colour of skin, and by where its joints are if that is known.

@@ -181,3 +181,27 @@ proptest! {
         let _ = decode(&bytes[..(bytes.len() as f64 * keep) as usize]);
     }
 }
+
+/// A JPEG without the segments of this marker.
+fn without(jpeg: &[u8], marker: u8) -> Vec<u8> {
+    let mut kept = jpeg[..2].to_vec();
+    let mut at = 2;
+    while jpeg[at + 1] != 0xDA {
+        let end = at + 2 + usize::from(u16::from_be_bytes([jpeg[at + 2], jpeg[at + 3]]));
+        if jpeg[at + 1] != marker {
+            kept.extend(&jpeg[at..end]);
+        }
+        at = end;
+    }
+    kept.extend(&jpeg[at..]);
+    kept
+}
+
+#[test]
+fn a_cameras_jpeg_without_huffman_tables_is_read_by_the_usual_ones() {
+    // The encoder writes the usual tables, as cameras would.
+    let whole = encoded(picture(64, 48), ImageFormat::Jpeg);
+    let bare = without(&whole, 0xC4);
+    assert!(bare.len() + 400 < whole.len(), "tables of 420 bytes are left out");
+    assert_eq!(decode(&bare).unwrap(), decode(&whole).unwrap());
+}

@@ -3,8 +3,8 @@
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 
-use super::canvas::{Canvas, LINE, colour};
 use super::measures::{GAP, MARGIN, WIDTH};
+use crate::canvas::{Canvas, LINE, colour};
 use crate::lettering::Font;
 
 /// Side of a panel's finest level in pixels.

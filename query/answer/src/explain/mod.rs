@@ -2,23 +2,24 @@
 //! picture, the hand in it, the hand image, the vote, the descriptor as the paper's Figure 4 and
 //! the nearest neighbours as its Figure 5.
 
-mod canvas;
 mod descriptor;
 mod file;
 mod measures;
 
 use grasp_index::Index;
 use image::{Rgb, RgbImage};
-use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::canvas::{Canvas, HEADLINE, LINE, colour};
+use crate::drawn::{axes, in_words, legend, percent};
 use crate::lettering::Font;
 use crate::record::Answer;
-use canvas::{Canvas, HEADLINE, LINE, colour};
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};
 use grasp_recognise::{Recognition, Side};
 use measures::{GAP, LARGE, MARGIN, WIDTH};
 
+/// Pixels of a hand's axis in the picture.
+const AXIS: f64 = 80.0;
 /// Above a part's title.
 const APART: u32 = 22;
 /// Width of a line of text.
@@ -147,7 +148,7 @@ fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
 
     title(canvas, 1, "2  The hand in it");
     let placed = canvas.picture((column(1), top + LINE), LARGE, &pixels(&masked), colour::PAPER);
-    axes(canvas, placed, found);
+    axes(canvas, placed, AXIS, found);
     let mut swatches = vec![([70, 190, 70], "hand")];
     if has_forearm {
         swatches.push(([200, 60, 60], "forearm, cut off"));
@@ -169,40 +170,6 @@ fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
     }
     how.push_str(&turned(found.best.roll_deg));
     note(canvas, 2, &how);
-}
-
-/// Where the fingers point and where the back of the hand looks, from the hand's middle in its
-/// picture.
-fn axes(canvas: &mut Canvas, ([left, top], scale): ([f64; 2], f64), found: &Recognition) {
-    const LENGTH: f64 = 80.0;
-    let mask = &found.prepared.mask;
-    let (mut sum, mut count) = ([0.0; 2], 0.0_f64);
-    for y in 0..found.prepared.picture.height() {
-        for x in (0..found.prepared.picture.width()).filter(|&x| mask.get(x, y)) {
-            sum = [sum[0] + x as f64 + 0.5, sum[1] + y as f64 + 0.5];
-            count += 1.0;
-        }
-    }
-    if count == 0.0 {
-        return;
-    }
-    let middle = [left + scale * sum[0] / count, top + scale * sum[1] / count];
-    let rotation: UnitQuaternion<f64> = found.best.vote.orientation.rotation;
-    for (axis, ink) in [(Vector3::z(), colour::BACK), (Vector3::x(), colour::FINGERS)] {
-        let along = rotation * axis;
-        let end = [middle[0] + LENGTH * along.x, middle[1] + LENGTH * along.y];
-        canvas.arrow(middle, end, ink);
-    }
-}
-
-/// Colours and what they mean, in a row; returns where it ends.
-fn legend(canvas: &mut Canvas, (mut x, y): (u32, u32), entries: &[([u8; 3], &str)]) -> u32 {
-    for (ink, text) in entries {
-        canvas.fill((x, y + 2), (12, 12), *ink);
-        canvas.text((x + 18, y), LARGE, Font::BODY, text, colour::FAINT);
-        x += 18 + Font::BODY.width_of(text) + 16;
-    }
-    x
 }
 
 /// The classes' probabilities as bars.
@@ -287,22 +254,9 @@ fn turned(clockwise_deg: f64) -> String {
     }
 }
 
-fn in_words(name: &str) -> String {
-    name.replace('-', " ")
-}
-
 fn capitalised(text: &str) -> String {
     let mut characters = text.chars();
     characters.next().map(|first| first.to_uppercase().chain(characters).collect()).unwrap_or_default()
-}
-
-/// A share in percent; what is neither nothing nor all does not look so.
-fn percent(share: f64) -> String {
-    match share {
-        share if share > 0.0 && share < 0.005 => "< 1 %".into(),
-        share if (0.995..1.0).contains(&share) => "> 99 %".into(),
-        share => format!("{:.0} %", 100.0 * share),
-    }
 }
 
 /// A count with its thousands apart.

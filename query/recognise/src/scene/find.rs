@@ -36,6 +36,12 @@ const TURNS: usize = 6;
 /// area of 1; and the most that it counts.
 const FOREARM: f64 = 25.0;
 const MOST_FOREARM: f64 = 8.0;
+/// How much the turn of the frame before counts where a hand is followed, beside what the network
+/// says now, which counts 1, and the forearm.
+const INERTIA: f64 = 1.0;
+/// A hand whose area is less than this share of that of the frame before, or more than its inverse,
+/// is another, or is lost.
+const SAME: f64 = 0.5;
 /// One pixel in so many, along each side, is asked about.
 const AGREE_STEP: usize = 3;
 /// Log-odds of the masks beyond this say no more.
@@ -70,6 +76,35 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Fo
     Found { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
 }
 
+/// The hand that was found in the frame before this one, where it is still about there; `None` where
+/// it is not, or another is larger by now: [`find`] has to look for it then.
+///
+/// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
+/// needs at most: where the arm comes from is known, and only how it has turned since is looked at.
+pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Found) -> Option<Found> {
+    let mut eye = Eye::new(network, picture);
+    let (square, area) = (before.masks.square, before.masks.hand_area());
+    let whole = Masks::of_square(&mut eye, Square::around(picture));
+    if let Some(largest) = largest_patch(whole.part(Part::Hand), whole.side).filter(|p| p.area > LEAST) {
+        let place = square.from_picture().of(whole.square.to_picture().of(largest.centre));
+        if !place.iter().all(|share| (0.0..1.0).contains(share)) {
+            return None;
+        }
+    }
+    let heads = eye.look(&square, false);
+    let mut direction = Direction::default();
+    direction.add(square.turn, INERTIA);
+    direction.add(square.turn + FRAC_PI_2 - heads.arm(), 1.0);
+    let seen = Masks::new(square, heads.masks, eye.network.mask_side());
+    if let Some((turn, share)) = turn_of_forearm(&seen) {
+        direction.add(turn, share);
+    }
+    let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
+    let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
+    let masks = Masks::of_square(&mut eye, Square { turn: direction.turn(), ..fitted });
+    is_still_there(&masks).then_some(Found { masks, joints: None })
+}
+
 /// What is seen in a square once it fits the hand in it.
 fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
     let mut masks = Masks::of_square(eye, square);
@@ -88,27 +123,43 @@ fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
 /// which counts the more the nearer to upright it is said at, and of where the forearm lies.
 fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
     let side = eye.network.mask_side();
-    let mut sum = [0.0; 2];
-    let mut add = |turn: f64, weight: f64| {
-        let (sin, cos) = libm::sincos(turn);
-        sum = [sum[0] + weight * cos, sum[1] + weight * sin];
-    };
+    let mut direction = Direction::default();
     for step in 0..TURNS {
         let turn = TAU * step as f64 / TURNS as f64;
         let turned = Square { turn, ..*square };
         let heads = eye.look(&turned, false);
         let arm = heads.arm();
         let upright = (0.5 + 0.5 * libm::cos(arm - FRAC_PI_2)).powi(2);
-        add(turn + FRAC_PI_2 - arm, upright);
-        let masks = Masks::new(turned, heads.masks, side);
-        let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| largest_patch(masks.part(part), side));
-        if let (Some(hand), Some(forearm)) = (hand, forearm) {
-            let [x, y] = [0, 1].map(|i| forearm.centre[i] - hand.centre[i]);
-            let share = (FOREARM * forearm.area / hand.area).min(MOST_FOREARM) / TURNS as f64;
-            add(turn + FRAC_PI_2 - libm::atan2(y, x), share);
+        direction.add(turn + FRAC_PI_2 - arm, upright);
+        if let Some((turn, share)) = turn_of_forearm(&Masks::new(turned, heads.masks, side)) {
+            direction.add(turn, share / TURNS as f64);
         }
     }
-    libm::atan2(sum[1], sum[0])
+    direction.turn()
+}
+
+/// The turn by which the forearm that is seen comes from below, and how much that counts.
+fn turn_of_forearm(masks: &Masks) -> Option<(f64, f64)> {
+    let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| largest_patch(masks.part(part), masks.side));
+    let (hand, forearm) = (hand?, forearm?);
+    let [x, y] = [0, 1].map(|i| forearm.centre[i] - hand.centre[i]);
+    let share = (FOREARM * forearm.area / hand.area).min(MOST_FOREARM);
+    Some((masks.square.turn + FRAC_PI_2 - libm::atan2(y, x), share))
+}
+
+/// A mean of turns.
+#[derive(Default)]
+struct Direction([f64; 2]);
+
+impl Direction {
+    fn add(&mut self, turn: f64, weight: f64) {
+        let (sin, cos) = libm::sincos(turn);
+        self.0 = [self.0[0] + weight * cos, self.0[1] + weight * sin];
+    }
+
+    fn turn(&self) -> f64 {
+        libm::atan2(self.0[1], self.0[0])
+    }
 }
 
 /// The largest patch of a hand in the whole picture, or in that part of it in which most of one is

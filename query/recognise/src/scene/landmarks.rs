@@ -64,10 +64,49 @@ pub enum LandmarkUnit {
 /// The places of a hand's 21 joints in a picture: wrist, four of the thumb from its root to its
 /// tip, four of each finger from its knuckle to its tip, index finger first. The order is that of
 /// MediaPipe's hand landmarks and of OpenPose's hands.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// They are read from a file `{"unit": "pixel" or "share", "landmarks": [...]}`, whose 21 places
+/// are each `[x, y]`, `[x, y, z]` or `{"x": .., "y": ..}`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "File")]
 pub struct Landmarks {
     places: Box<[[f64; 2]; 21]>,
     unit: LandmarkUnit,
+}
+
+/// The same as a file has them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    unit: LandmarkUnit,
+    landmarks: Vec<Place>,
+}
+
+/// What else a tracker says of a place is left alone.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Place {
+    List([f64; 2]),
+    Deep([f64; 3]),
+    Named { x: f64, y: f64 },
+}
+
+impl Place {
+    fn xy(&self) -> [f64; 2] {
+        match *self {
+            Self::List(place) => place,
+            Self::Deep([x, y, _]) | Self::Named { x, y } => [x, y],
+        }
+    }
+}
+
+impl TryFrom<File> for Landmarks {
+    type Error = LandmarksError;
+
+    fn try_from(file: File) -> Result<Self, LandmarksError> {
+        let places: Vec<[f64; 2]> = file.landmarks.iter().map(Place::xy).collect();
+        Self::new(&places, file.unit)
+    }
 }
 
 /// The same in pixels of a picture that they were checked to be in.

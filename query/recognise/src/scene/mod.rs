@@ -17,7 +17,7 @@ mod name;
 mod network;
 mod square;
 
-pub use find::{Found, find, find_at};
+pub use find::{Found, find, find_at, follow};
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};

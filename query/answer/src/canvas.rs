@@ -6,38 +6,62 @@ use image::{Rgb, RgbImage};
 use crate::lettering::{self, Font};
 
 /// Pixels from one line of text to the next.
-pub(super) const LINE: u32 = 20;
+pub(crate) const LINE: u32 = 20;
 /// The same for a headline.
-pub(super) const HEADLINE: u32 = 32;
+pub(crate) const HEADLINE: u32 = 32;
 
 /// Colours of the drawing.
-pub(super) mod colour {
-    pub(in crate::explain) const PAPER: [u8; 3] = [24, 24, 28];
-    pub(in crate::explain) const INK: [u8; 3] = [236, 236, 236];
-    pub(in crate::explain) const FAINT: [u8; 3] = [164, 164, 170];
-    pub(in crate::explain) const FRAME: [u8; 3] = [64, 64, 72];
-    pub(in crate::explain) const GOOD: [u8; 3] = [110, 210, 130];
-    pub(in crate::explain) const OTHER: [u8; 3] = [240, 160, 105];
-    pub(in crate::explain) const FINGERS: [u8; 3] = [90, 190, 255];
-    pub(in crate::explain) const BACK: [u8; 3] = [255, 190, 70];
+pub(crate) mod colour {
+    pub(crate) const PAPER: [u8; 3] = [24, 24, 28];
+    pub(crate) const INK: [u8; 3] = [236, 236, 236];
+    pub(crate) const FAINT: [u8; 3] = [164, 164, 170];
+    pub(crate) const FRAME: [u8; 3] = [64, 64, 72];
+    pub(crate) const GOOD: [u8; 3] = [110, 210, 130];
+    pub(crate) const OTHER: [u8; 3] = [240, 160, 105];
+    pub(crate) const FINGERS: [u8; 3] = [90, 190, 255];
+    pub(crate) const BACK: [u8; 3] = [255, 190, 70];
+    pub(crate) const ROBOT: [u8; 3] = [235, 120, 220];
 }
 
 /// A drawing; all that falls outside is left out.
 #[derive(Debug)]
-pub(super) struct Canvas {
+pub(crate) struct Canvas {
     image: RgbImage,
 }
 
 impl Canvas {
-    pub(super) fn new(width: u32, height: u32) -> Self {
+    pub(crate) fn new(width: u32, height: u32) -> Self {
         Self { image: RgbImage::from_pixel(width, height, Rgb(colour::PAPER)) }
     }
 
-    pub(super) fn into_image(self) -> RgbImage {
+    /// Puts a picture with its top left corner at `(x, y)`, scaled to this size.
+    pub(crate) fn put_sized(&mut self, (x, y): (u32, u32), size: [u32; 2], picture: &RgbImage) {
+        let [width, height] = size;
+        if (width, height) == picture.dimensions() {
+            return imageops::replace(&mut self.image, picture, i64::from(x), i64::from(y));
+        }
+        if picture.width() > 0 && picture.height() > 0 {
+            let scaled = imageops::resize(picture, width, height, FilterType::Triangle);
+            imageops::replace(&mut self.image, &scaled, i64::from(x), i64::from(y));
+        }
+    }
+
+    /// Makes what lies behind text dark.
+    pub(crate) fn darken(&mut self, (x, y): (u32, u32), (width, height): (u32, u32)) {
+        for dy in 0..height {
+            for dx in 0..width {
+                if let Some(Rgb(pixel)) = self.image.get_pixel_mut_checked(x + dx, y + dy) {
+                    *pixel = pixel.map(|value| value / 3);
+                }
+            }
+        }
+    }
+
+    pub(crate) fn into_image(self) -> RgbImage {
         self.image
     }
 
-    pub(super) fn fill(&mut self, (x, y): (u32, u32), (width, height): (u32, u32), colour: [u8; 3]) {
+    pub(crate) fn fill(&mut self, (x, y): (u32, u32), (width, height): (u32, u32), colour: [u8; 3]) {
         for dy in 0..height {
             for dx in 0..width {
                 if let Some(pixel) = self.image.get_pixel_mut_checked(x + dx, y + dy) {
@@ -47,8 +71,9 @@ impl Canvas {
         }
     }
 
-    /// Writes a line with its top left corner at `(x, y)`, cut to `width` pixels.
-    pub(super) fn text(&mut self, (x, y): (u32, u32), width: u32, font: Font, text: &str, colour: [u8; 3]) {
+    /// Writes a line with its top left corner at `(x, y)`, cut to `width` pixels: of what is longer
+    /// the end is shown.
+    pub(crate) fn text(&mut self, (x, y): (u32, u32), width: u32, font: Font, text: &str, colour: [u8; 3]) {
         let room = font.room(width);
         let shown: String = if text.chars().count() > room {
             // The end of a path says more than its beginning.
@@ -60,8 +85,18 @@ impl Canvas {
         lettering::write(&mut self.image, (x, y), font, &shown, colour);
     }
 
+    /// The same for a sentence: of what is longer the beginning is shown.
+    pub(crate) fn line_of(&mut self, at: (u32, u32), width: u32, font: Font, text: &str, colour: [u8; 3]) {
+        let room = font.room(width);
+        let shown: String = match text.chars().count() > room {
+            true => text.chars().take(room.saturating_sub(1)).chain(std::iter::once('~')).collect(),
+            false => text.to_owned(),
+        };
+        lettering::write(&mut self.image, at, font, &shown, colour);
+    }
+
     /// A straight line of this thickness with round ends, its edges smooth.
-    pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], thickness: f64, colour: [u8; 3]) {
+    pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], thickness: f64, colour: [u8; 3]) {
         let along = [to[0] - from[0], to[1] - from[1]];
         let length_squared = (along[0] * along[0] + along[1] * along[1]).max(f64::MIN_POSITIVE);
         let reach = thickness / 2.0 + 1.0;
@@ -81,7 +116,7 @@ impl Canvas {
     }
 
     /// A line that ends in an arrowhead. Where it is too short to have a direction, a dot.
-    pub(super) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: [u8; 3]) {
+    pub(crate) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], colour: [u8; 3]) {
         const THICKNESS: f64 = 4.0;
         const HEAD: f64 = 13.0;
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
@@ -100,7 +135,7 @@ impl Canvas {
     /// Draws a picture into a square of `side` pixels, its proportions kept and centred, framed;
     /// what it does not fill is `ground`. Returns where its top left corner lies and by how much it
     /// was scaled.
-    pub(super) fn picture(
+    pub(crate) fn picture(
         &mut self,
         (x, y): (u32, u32),
         side: u32,

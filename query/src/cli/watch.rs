@@ -1,0 +1,306 @@
+//! `grasp-query watch`.
+
+mod output;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use anyhow::{Context as _, bail};
+use grasp_answer::annotate::{Annotator, Seen};
+use grasp_answer::human;
+use grasp_answer::record::{Record, SingleRecord};
+use grasp_recognise::picture::{self, DecodeWarning, Decoded};
+use grasp_recognise::sequence::Filter;
+use grasp_recognise::{Recogniser, Recognition, Tracker};
+use grasp_robot::Setting;
+use grasp_terminal::text::counted;
+
+use super::index_file::IndexFile;
+use super::options::{FrameArguments, RecogniseArguments};
+use super::overwriting::refuse_overwriting;
+use super::robot::RobotArguments;
+use super::status::{INTERRUPTED, SUCCESS};
+use crate::live::camera::{self, Camera};
+use crate::live::{Ahead, Frame, Keep, Pace, Source};
+use output::Output;
+
+const EXAMPLES: &str = "\
+Examples:
+  grasp-query watch tests/pictures/camera --out seen.mjpg --json
+  grasp-query watch tests/pictures/camera/01-large-diameter.jpg --out seen.mjpg --robot barrett \\
+    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml
+  grasp-query watch --camera 0 --out seen.mjpg           a camera, until Ctrl-C
+  ffmpeg -i VIDEO.mp4 -f mjpeg -q:v 3 - | grasp-query watch - --out - | ffmpeg -f mjpeg -i - OUT.mp4
+                                                         a video, and a video of it
+  grasp-query watch --camera 0 --out - | ffplay -f mjpeg -
+                                                         a camera, in a window";
+
+/// Draw the answers into the frames of a video or of a camera: the hand's outline and axes, the
+/// grasp, and how probable each was over time.
+///
+/// The frames are those of one hand, in their order: each is answered by all so far, as `recognise
+/// --sequence` does, and the hand is looked for first where it was in the frame before.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Watch {
+    /// The frames: streams as `recognise` reads them (JPEG, PNG or PNM one behind the other, HTTP
+    /// multipart MJPEG, YUV4MPEG2) in files, or `-` for standard input; pictures; a folder stands
+    /// for the pictures in it; or a camera's number or device.
+    #[arg(required_unless_present = "cameras", value_name = "SOURCE")]
+    sources: Vec<PathBuf>,
+    /// Write the frames that were drawn into this file, JPEG behind JPEG, or `-` for standard
+    /// output.
+    #[arg(long, value_name = "OUT.mjpg")]
+    out: PathBuf,
+    /// Print JSON Lines, one record a frame, or write them into a file (--json=FILE).
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    json: Option<PathBuf>,
+    /// The frames cannot wait: while one is looked at, only the newest of those that come is kept.
+    /// So it always is with a camera's device.
+    #[arg(long)]
+    live: bool,
+    /// Say at the end how long a frame took, and in each record how long each step took.
+    #[arg(long)]
+    timings: bool,
+    #[command(flatten)]
+    index: IndexFile,
+    #[command(flatten)]
+    robot: RobotArguments,
+    #[command(flatten)]
+    recognise: RecogniseArguments,
+    #[command(flatten)]
+    frames: FrameArguments,
+}
+
+/// Set by the first SIGINT or SIGTERM.
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// What is known from frame to frame, and what every frame is answered with.
+struct Watching<'a> {
+    recogniser: Recogniser<'a>,
+    robot: Option<Setting>,
+    tracker: Tracker,
+    filter: Filter,
+    annotator: Annotator,
+    pace: Pace,
+    /// What records call the source of the frame at hand.
+    name: String,
+    timings: bool,
+}
+
+impl Watch {
+    pub(super) fn run(&self) -> anyhow::Result<u8> {
+        let (source, keep) = self.source()?;
+        self.refuse_overwriting()?;
+        let robot = self.robot.read()?;
+        let index = self.index.open_for_pictures()?;
+        let mut watching = Watching {
+            recogniser: Recogniser::new(&index, self.recognise.options()),
+            robot,
+            tracker: Tracker::default(),
+            filter: Filter::new(self.frames.params(), None),
+            annotator: Annotator::new(&index),
+            pace: Pace::default(),
+            name: self.named(),
+            timings: self.timings,
+        };
+        let mut output = Output::new(&self.out, self.json.as_deref())?;
+        // The frames so far are kept; a second signal ends the program at once.
+        ctrlc::set_handler(|| {
+            if STOPPED.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+        })
+        .context("cannot listen for Ctrl-C")?;
+        let ahead = Ahead::start(source, keep).context("cannot read frames")?;
+        let mut status = SUCCESS;
+        while let Some(frame) = ahead.next_frame(&STOPPED) {
+            let (record, drawing) = watching.frame(frame)?;
+            self.index.check(&index)?;
+            status = status.max(record.status());
+            if let Err(error) = output.write(&record, &drawing) {
+                // Who closes the window that shows the frames keeps their records.
+                output.keep_records()?;
+                return Err(error);
+            }
+        }
+        let was_stopped = STOPPED.load(Ordering::Relaxed);
+        if watching.pace.frames() == 0 && !was_stopped {
+            bail!("{} holds no frame: give pictures, or a stream of them", self.named());
+        }
+        output.finish()?;
+        self.sum_up(&watching, ahead.dropped());
+        // Who watches a camera ends that by Ctrl-C.
+        Ok(if was_stopped && keep == Keep::All { INTERRUPTED } else { status })
+    }
+
+    /// The source as messages call it.
+    fn named(&self) -> String {
+        match (self.sources.as_slice(), self.robot.device()) {
+            ([only], _) => only.display().to_string(),
+            ([first, others @ ..], _) => format!("{} and {} more", first.display(), others.len()),
+            ([], Ok(Some(device))) => device.display().to_string(),
+            ([], _) => "nothing".to_owned(),
+        }
+    }
+
+    /// What gives the frames, and whether it can wait.
+    fn source(&self) -> anyhow::Result<(Source, Keep)> {
+        let by_option = self.robot.device()?.map(Path::to_owned);
+        let by_name = match self.sources.as_slice() {
+            [only] if !only.exists() || is_device(only) => only.to_str().and_then(camera::device),
+            _ => None,
+        };
+        if let (Some(device), [_, ..]) = (&by_option, self.sources.as_slice()) {
+            bail!("the frames are those of the camera {}: leave out SOURCE", device.display());
+        }
+        if let Some(device) = by_option.or(by_name) {
+            return Ok((Source::Camera(Camera::open(&device)?), Keep::Newest));
+        }
+        if self.sources.is_empty() {
+            bail!("name a video, or a camera by its number, as in --camera 0");
+        }
+        let mut files = Vec::new();
+        for path in &self.sources {
+            if !path.is_dir() {
+                files.push(path.clone());
+                continue;
+            }
+            let found = picture::pictures_in(path)
+                .with_context(|| format!("cannot read the folder {}", path.display()))?;
+            if found.is_empty() {
+                bail!("the folder {} holds no picture: name one that does", path.display());
+            }
+            files.extend(found);
+        }
+        files.iter().try_for_each(|file| Source::check(file))?;
+        let keep = if self.live { Keep::Newest } else { Keep::All };
+        Ok((Source::streams(files), keep))
+    }
+
+    fn refuse_overwriting(&self) -> anyhow::Result<()> {
+        let index = self.index.path();
+        for out in [Some(&self.out), self.json.as_ref()].into_iter().flatten() {
+            refuse_overwriting(out, self.sources.iter().map(PathBuf::as_path).chain([index.as_path()]))?;
+        }
+        Ok(())
+    }
+
+    fn sum_up(&self, watching: &Watching<'_>, dropped: u64) {
+        if dropped > 0 {
+            let frames = counted(dropped, ["frame", "frames"]);
+            let subject = self.named();
+            tracing::warn!(subject, dropped, "{frames} came faster than they were drawn, and were dropped");
+        }
+        if self.timings {
+            let frames = counted(watching.pace.frames(), ["frame", "frames"]);
+            let searches = counted(watching.tracker.searches(), ["time", "times"]);
+            tracing::info!("{frames}; {}", watching.pace);
+            tracing::info!("the hand was looked for in the whole picture {searches}");
+        }
+    }
+}
+
+/// Whether a path is a device, as cameras are.
+fn is_device(path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt as _;
+        path.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = path;
+        false
+    }
+}
+
+impl Watching<'_> {
+    /// Answers a frame and draws it, as a JPEG.
+    fn frame(&mut self, frame: Frame) -> anyhow::Result<(Record, Vec<u8>)> {
+        let number = frame.number;
+        if let Ok(given) = &frame.given {
+            self.name = given.name.display().to_string();
+        }
+        let started = Instant::now();
+        let decoded = self.decoded(frame);
+        let decode = started.elapsed();
+        let shown = decoded.as_ref().ok().map(|decoded| decoded.picture.clone());
+        let found = decoded.and_then(|decoded| {
+            let found =
+                self.recogniser.recognise_next(decoded, 1e3 * decode.as_secs_f64(), &mut self.tracker);
+            found.map_err(|error| Record::not_recognised(self.name.clone(), Some(number), &error))
+        });
+        let answered = self.record(number, found);
+        let recognised = started.elapsed();
+        let (record, drawing) = match answered {
+            Ok((record, found)) => {
+                let drawing = match &record {
+                    Record::Answer(answer) => {
+                        let approach = self.robot.as_ref().zip(answer.strategy.as_ref());
+                        let approach =
+                            approach.map(|(setting, strategy)| setting.approach_in_camera(strategy));
+                        let seen = Seen::Hand { found: &found, answer, approach };
+                        self.annotator.draw(number, shown, seen)
+                    }
+                    Record::Failure(failure) => {
+                        self.annotator.draw(number, shown, Seen::Nothing(&failure.error.message))
+                    }
+                };
+                (record, drawing)
+            }
+            Err(record) => {
+                // Time goes by all the same.
+                self.filter.skip();
+                let why = match &record {
+                    Record::Failure(failure) => failure.error.message.clone(),
+                    Record::Answer(_) => String::new(),
+                };
+                (record, self.annotator.draw(number, shown, Seen::Nothing(&why)))
+            }
+        };
+        let drawn = started.elapsed();
+        let bytes = output::encoded(&drawing)?;
+        let done = started.elapsed();
+        self.pace.add([decode, recognised - decode, drawn - recognised, done - drawn]);
+        Ok((record, bytes))
+    }
+
+    /// The frame's pixels, or the record of why there are none.
+    fn decoded(&self, frame: Frame) -> Result<Decoded, Record> {
+        let number = Some(frame.number);
+        let given = frame
+            .given
+            .map_err(|error| Record::failed(self.name.clone(), number, error.kind(), error.to_string()))?;
+        if given.skipped > 0 {
+            let warning = DecodeWarning::Skipped { bytes: given.skipped };
+            let name = human::name(&self.name, number);
+            tracing::warn!(subject = name, "warning: {warning}");
+        }
+        picture::decode(&given.bytes)
+            .map_err(|error| Record::not_recognised(self.name.clone(), number, &error.into()))
+    }
+
+    /// The record of what was found, by all frames so far.
+    fn record(
+        &mut self,
+        number: u64,
+        found: Result<Recognition, Record>,
+    ) -> Result<(Record, Recognition), Record> {
+        let mut found = found?;
+        let single = SingleRecord::new(&found);
+        self.recogniser.follow(&mut found, &mut self.filter);
+        let index = self.recogniser.index();
+        let (name, number) = (self.name.clone(), Some(number));
+        let mut record = Record::answer(name.clone(), number, &found, index, self.timings)
+            .map_err(|error| Record::failed(name, number, "index", error.to_string()))?;
+        if let Record::Answer(answer) = &mut record {
+            answer.single = Some(single);
+            if let Some(setting) = &self.robot {
+                answer.imitate(&found, setting);
+            }
+        }
+        Ok((record, found))
+    }
+}

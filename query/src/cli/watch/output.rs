@@ -1,0 +1,137 @@
+//! Where frames and records go.
+
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use grasp_answer::human;
+use grasp_answer::record::Record;
+use grasp_index::AtomicFile;
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+
+/// JPEG's quality: that of a video that is looked at, and written in time.
+const QUALITY: u8 = 85;
+/// What stands for standard output.
+const STANDARD_OUTPUT: &str = "-";
+
+/// A frame as a JPEG.
+pub(super) fn encoded(drawing: &RgbImage) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(128 * 1024);
+    drawing
+        .write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, QUALITY))
+        .context("a frame cannot be encoded")?;
+    Ok(bytes)
+}
+
+/// Where something goes.
+enum Sink {
+    /// Standard output, which others read as it comes.
+    Standard(io::Stdout),
+    /// A file that is there once it is whole.
+    File(BufWriter<AtomicFile>),
+}
+
+impl Sink {
+    fn new(path: &Path) -> anyhow::Result<Self> {
+        Ok(match path == Path::new(STANDARD_OUTPUT) {
+            true => Self::Standard(io::stdout()),
+            false => Self::File(BufWriter::new(AtomicFile::create(path)?)),
+        })
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Standard(out) => out.write_all(bytes).and_then(|()| out.flush()),
+            Self::File(out) => out.write_all(bytes),
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        if let Self::File(out) = self {
+            out.into_inner().map_err(io::IntoInnerError::into_error)?.commit()?;
+        }
+        Ok(())
+    }
+}
+
+/// Where frames and records go.
+pub(super) struct Output {
+    frames: Sink,
+    /// Records as JSON Lines.
+    records: Option<Sink>,
+    /// What was last told of in text, where there is neither JSON nor a video on standard output:
+    /// the grasp, or why there is none.
+    told: Option<String>,
+}
+
+impl Output {
+    /// Begins to write.
+    pub(super) fn new(frames: &Path, records: Option<&Path>) -> anyhow::Result<Self> {
+        if records == Some(frames) {
+            bail!(
+                "frames and records cannot both go to {}: name a file for one, as in --json=FILE",
+                frames.display()
+            );
+        }
+        let frames_sink = Sink::new(frames)?;
+        Ok(Self { frames: frames_sink, records: records.map(Sink::new).transpose()?, told: None })
+    }
+
+    /// Writes a frame and its record.
+    pub(super) fn write(&mut self, record: &Record, frame: &[u8]) -> anyhow::Result<()> {
+        self.frames.write(frame)?;
+        match &mut self.records {
+            Some(records) => {
+                let mut line = serde_json::to_vec(record).map_err(io::Error::from)?;
+                line.push(b'\n');
+                records.write(&line)?;
+            }
+            None => self.tell(record)?,
+        }
+        Ok(())
+    }
+
+    /// Tells a person of a frame whose grasp is not that of the frame before.
+    fn tell(&mut self, record: &Record) -> io::Result<()> {
+        let (what, of) = match record {
+            Record::Answer(answer) => (answer.grasp.clone(), human::name(&answer.file, answer.frame)),
+            Record::Failure(failure) => {
+                (failure.error.message.clone(), human::name(&failure.file, failure.frame))
+            }
+        };
+        if self.told.as_ref() == Some(&what) {
+            return Ok(());
+        }
+        let probability = match record {
+            Record::Answer(answer) if answer.cutkosky.is_some() => format!(", {:.2}", answer.probability),
+            _ => String::new(),
+        };
+        let line = grasp_terminal::text::printable_lines(&format!("{of}: {what}{probability}\n"));
+        self.told = Some(what);
+        // Standard output is the video where that goes there.
+        match &self.frames {
+            Sink::Standard(_) => io::stderr().write_all(line.as_bytes()).or(Ok(())),
+            Sink::File(_) => {
+                let mut out = io::stdout();
+                out.write_all(line.as_bytes()).and_then(|()| out.flush())
+            }
+        }
+    }
+
+    /// Puts the records' file in its place where the frames went to standard output, as far as those
+    /// were written.
+    pub(super) fn keep_records(self) -> anyhow::Result<()> {
+        match (self.frames, self.records) {
+            (Sink::Standard(_), Some(records)) => records.finish(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts the files in their place.
+    pub(super) fn finish(self) -> anyhow::Result<()> {
+        self.frames.finish()?;
+        self.records.map(Sink::finish).transpose()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,208 @@
+//! Where frames come from.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::vec::IntoIter;
+
+use grasp_recognise::picture::{Frame, Frames, StreamError};
+
+use super::camera::{Camera, CameraError};
+
+/// Standard input, as a path.
+const STANDARD_INPUT: &str = "-";
+
+/// Why there is no next frame, or not this one.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// A stream cannot be split.
+    #[error("{}: {error}", name.display())]
+    Stream {
+        /// The file, `-` for standard input.
+        name: PathBuf,
+        /// What is wrong.
+        error: StreamError,
+    },
+    /// A file cannot be opened.
+    #[error("cannot read {}: {error}", name.display())]
+    Open {
+        /// The file.
+        name: PathBuf,
+        /// What the operating system says.
+        error: io::Error,
+    },
+    /// A file that pictures cannot be found in without a decoder of videos.
+    #[error(
+        "{file} is a video in a container, which is not read: let ffmpeg read it, `ffmpeg -i {file} -f mjpeg -q:v 3 - | grasp-query watch - --out OUT.mjpg`",
+        file = .0.display()
+    )]
+    Container(PathBuf),
+    /// The camera gives no more.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+}
+
+impl SourceError {
+    /// A short, stable name for JSON records.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Camera(_) => "camera",
+            Self::Stream { .. } | Self::Open { .. } | Self::Container(_) => "stream",
+        }
+    }
+}
+
+/// An encoded frame of a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Given {
+    /// The file that it is from, `-` for standard input, or the camera's device.
+    pub name: PathBuf,
+    /// The encoded picture.
+    pub bytes: Vec<u8>,
+    /// How many bytes before it belong to no picture, and were skipped.
+    pub skipped: u64,
+}
+
+/// Where frames come from.
+#[derive(Debug)]
+pub enum Source {
+    /// A camera.
+    Camera(Camera),
+    /// Pictures and streams of pictures in files, one file behind the other; `-` is standard input.
+    Streams(Streams),
+}
+
+impl Source {
+    /// The frames of these files, `-` being standard input.
+    pub fn streams(files: Vec<PathBuf>) -> Self {
+        Self::Streams(Streams { files: files.into_iter(), current: None })
+    }
+
+    /// Whether a file can be opened, and is none that only a decoder of videos reads. What is no
+    /// regular file is not looked into: what is read of a pipe is gone.
+    ///
+    /// # Errors
+    /// [`SourceError`], as reading the stream would give it.
+    pub fn check(file: &Path) -> Result<(), SourceError> {
+        let is_other = file == Path::new(STANDARD_INPUT) || file.metadata().is_ok_and(|data| !data.is_file());
+        if is_other { Ok(()) } else { Input::open(file).map(drop) }
+    }
+
+    /// The next frame; `None` at the end. After an error of a camera there is none.
+    pub fn next_frame(&mut self) -> Option<Result<Given, SourceError>> {
+        match self {
+            Self::Camera(camera) => {
+                let bytes = camera.next_frame()?;
+                let given = |bytes| Given { name: camera.path().to_owned(), bytes, skipped: 0 };
+                Some(bytes.map(given).map_err(SourceError::from))
+            }
+            Self::Streams(streams) => streams.next_frame(),
+        }
+    }
+}
+
+/// Files, one behind the other.
+#[derive(Debug)]
+pub struct Streams {
+    files: IntoIter<PathBuf>,
+    current: Option<(PathBuf, Frames<Input>)>,
+}
+
+impl Streams {
+    fn next_frame(&mut self) -> Option<Result<Given, SourceError>> {
+        loop {
+            if let Some((name, frames)) = &mut self.current {
+                let name = name.clone();
+                match frames.next() {
+                    Some(Ok(Frame { bytes, skipped })) => return Some(Ok(Given { name, bytes, skipped })),
+                    Some(Err(error)) => return Some(Err(SourceError::Stream { name, error })),
+                    None => self.current = None,
+                }
+            }
+            let name = self.files.next()?;
+            match Input::open(&name) {
+                Ok(input) => self.current = Some((name, Frames::new(input))),
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }
+}
+
+/// What a stream is read from.
+enum Input {
+    Standard(io::Stdin),
+    /// What was read of a file to see what it is, and the file.
+    File(io::Chain<io::Cursor<Vec<u8>>, File>),
+}
+
+impl std::fmt::Debug for Input {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Standard(_) => "standard input",
+            Self::File(_) => "a file",
+        })
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Standard(stdin) => stdin.read(buffer),
+            Self::File(file) => file.read(buffer),
+        }
+    }
+}
+
+impl Input {
+    fn open(name: &Path) -> Result<Self, SourceError> {
+        if name == Path::new(STANDARD_INPUT) {
+            return Ok(Self::Standard(io::stdin()));
+        }
+        let failed = |error| SourceError::Open { name: name.to_owned(), error };
+        let mut file = File::open(name).map_err(failed)?;
+        let mut start = Vec::new();
+        Read::by_ref(&mut file).take(12).read_to_end(&mut start).map_err(failed)?;
+        if is_container(&start) {
+            return Err(SourceError::Container(name.to_owned()));
+        }
+        Ok(Self::File(io::Cursor::new(start).chain(file)))
+    }
+}
+
+/// Whether a file begins as MP4 and QuickTime, Matroska and WebM, or AVI do.
+fn is_container(start: &[u8]) -> bool {
+    let at = |from: usize, bytes: &[u8]| start.get(from..).is_some_and(|rest| rest.starts_with(bytes));
+    at(4, b"ftyp") || at(0, &[0x1A, 0x45, 0xDF, 0xA3]) || (at(0, b"RIFF") && at(8, b"AVI "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PNM: &[u8] = b"P5 1 1 255\n.";
+
+    fn all(source: &mut Source) -> Vec<Result<Given, String>> {
+        std::iter::from_fn(|| source.next_frame())
+            .take(20)
+            .map(|frame| frame.map_err(|error| error.to_string().replace('\\', "/")))
+            .collect()
+    }
+
+    #[test]
+    fn files_give_their_frames_one_behind_the_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("one.pgm"), PNM).unwrap();
+        std::fs::write(path("two.bin"), [PNM, b"..", PNM].concat()).unwrap();
+        std::fs::write(path("clip.mp4"), b"\0\0\0\x20ftypisom").unwrap();
+        let files = ["two.bin", "none.mjpg", "clip.mp4", "one.pgm"].map(path).to_vec();
+        let frames = all(&mut Source::streams(files));
+        let frame = |name: &str, skipped| Ok(Given { name: path(name), bytes: PNM.to_vec(), skipped });
+        assert_eq!(frames.len(), 5, "{frames:?}");
+        assert_eq!(frames[..2], [frame("two.bin", 0), frame("two.bin", 2)]);
+        assert_eq!(frames[4], frame("one.pgm", 0));
+        let told = |at: usize| frames[at].as_ref().unwrap_err();
+        assert!(told(2).contains("cannot read ") && told(2).contains("none.mjpg"), "{}", told(2));
+        assert!(told(3).contains("clip.mp4 is a video in a container"), "{}", told(3));
+    }
+}
