@@ -35,7 +35,7 @@ fn bash_completes_below_subcommands_and_behind_options() {
         ("grasp-builder experiment shapes --preset s", "standard"),
         ("grasp-builder --threads 2 verify --no-p", "--no-progress"),
         ("grasp-query recognise --rob", "--robot"),
-        ("grasp-query recognise --robot ", "barrett parallel-gripper"),
+        ("grasp-query recognise --robot ", "allegro barrett franka-hand parallel-gripper robotiq-2f-85"),
         ("grasp-query recognize --arm k", "kuka-kr6-r700"),
         ("grasp-query recognise --hand ", "auto left right"),
         ("grasp-query simulate --object b", "box block"),

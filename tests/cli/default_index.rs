@@ -24,8 +24,15 @@ fn an_index_among_the_users_data_is_found_and_one_at_hand_comes_first() {
     fs::create_dir_all(&work).unwrap();
     let missing = recognise(&work, &data);
     assert_eq!(missing.status, 2);
-    assert!(missing.stderr.contains("no index at grasp.idx"), "{}", missing.stderr);
-    fs::copy(small_index(), data.join("grasp/grasp.idx")).unwrap();
+    assert!(
+        missing.stderr.contains("no index at grasp.idx: put a release's grasp.idx at"),
+        "{}",
+        missing.stderr
+    );
+    let users = data.join("grasp/grasp.idx");
+    assert!(missing.stderr.contains(users.to_str().unwrap()), "{}", missing.stderr);
+    assert!(missing.stderr.contains("`grasp-builder build --out grasp.idx`"), "{}", missing.stderr);
+    fs::copy(small_index(), users).unwrap();
     let found = recognise(&work, &data);
     assert!(found.status < 2, "{}", found.stderr);
     fs::write(work.join("grasp.idx"), "no index").unwrap();

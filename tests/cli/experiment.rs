@@ -71,6 +71,13 @@ fn sizes_are_measured_once_and_drawn() {
     }
     let svg = fs::read_to_string(results.join("scale.svg")).unwrap();
     assert_eq!(svg.matches("<circle").count(), 2 * 6 * rows.len());
+    fs::remove_file(results.join("scale.svg")).unwrap();
+    let mut redraw = program("grasp-builder");
+    redraw.args(["experiment", "scale", "--redraw", "--out"]).arg(&results);
+    let redrawn = run(&mut redraw);
+    assert_eq!((redrawn.status, &*redrawn.stderr), (0, ""));
+    assert!(redrawn.stdout.contains("candidates grow with N^"), "{}", redrawn.stdout);
+    assert_eq!(fs::read_to_string(results.join("scale.svg")).unwrap(), svg);
     let mut left: Vec<_> = fs::read_dir(&results).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     left.sort();
     assert_eq!(left, ["scale.csv", "scale.svg"]);

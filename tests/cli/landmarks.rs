@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use grasp_tests::service::{Service, request};
 use grasp_tests::{Outcome, pictures, program, run, small_index};
 use serde_json::{Value, json};
 
@@ -55,4 +56,39 @@ fn files_that_name_no_hand_are_rejected_with_what_would_be_right() {
     insta::assert_snapshot!(refuse(&all(-5.0)));
     insta::assert_snapshot!(refuse(&all(7.0)));
     insta::assert_snapshot!(refuse("nothing"));
+}
+
+#[test]
+fn a_service_takes_them_beside_the_picture() {
+    let service = Service::start(|command| {
+        command.arg("--index").arg(small_index());
+    });
+    let file = pictures().join("landmarks/09-pinch.json");
+    let own = recognise(&file, &["--json"]);
+    let server = format!("http://{}", service.address());
+    let other = run(program("grasp-query")
+        .args(["recognise", "--json", "--server", &server])
+        .arg(pictures().join("camera/09-pinch.jpg"))
+        .arg("--landmarks-json")
+        .arg(&file));
+    assert_eq!((own.stdout, own.status), (other.stdout, other.status), "{}", other.stderr);
+
+    let form = |landmarks: &str| {
+        let picture = fs::read(pictures().join("camera/09-pinch.jpg")).unwrap();
+        let part = |name: &str, content: &[u8]| {
+            let head = format!("--x\r\nContent-Disposition: form-data; name=\"{name}\"\r\n\r\n");
+            [head.as_bytes(), content, b"\r\n"].concat()
+        };
+        let body =
+            [part("picture", &picture), part("landmarks", landmarks.as_bytes()), b"--x--\r\n".to_vec()];
+        let kind = "Content-Type: multipart/form-data; boundary=x\r\n";
+        let answer = service.send(&request("POST", "/v1/recognise", kind, &body.concat()));
+        (answer.status, answer.text())
+    };
+    assert_eq!(form(&fs::read_to_string(&file).unwrap()).0, 200);
+    let (status, told) = form(r#"{"unit": "pixel", "landmarks": [[1, 2], [3, 4]]}"#);
+    assert!(status == 400 && told.contains("cannot use the landmarks: 2 landmarks, 21 expected"), "{told}");
+    let away = json!({ "unit": "pixel", "landmarks": vec![[-5.0, -9.0]; 21] }).to_string();
+    let (status, told) = form(&away);
+    assert!(status == 400 && told.contains("no landmark lies in the picture of 640 x 480 pixels"), "{told}");
 }

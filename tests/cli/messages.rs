@@ -21,13 +21,14 @@ fn help_texts() {
     insta::assert_snapshot!("builder_experiment_scale", help("grasp-builder", &["experiment", "scale"]));
     insta::assert_snapshot!("query", help("grasp-query", &[]));
     insta::assert_snapshot!("query_recognise", help("grasp-query", &["recognise"]));
+    insta::assert_snapshot!("query_watch", help("grasp-query", &["watch"]));
     insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
     insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
     insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));
-    for name in ["trust", "robustness", "imitation"] {
+    for name in ["trust", "robustness", "imitation", "report"] {
         insta::assert_snapshot!(
             format!("query_experiment_{name}"),
             help("grasp-query", &["experiment", name])

@@ -246,6 +246,11 @@ fn a_robot_is_told_the_same() {
             compare(&server, &[form, &picture, &robot].concat(), b"");
         }
     }
+    // A URDF is sent as the description that it makes with the file beside it.
+    let urdf = workspace().join("query/robot/tests/urdf/slider.urdf");
+    let (urdf, block) = (urdf.to_str().unwrap(), path("objects/handle.toml"));
+    let robot = ["--robot", urdf, "--object", &block, "--camera", &camera];
+    compare(&server, &[&["--json"], picture.as_slice(), &robot].concat(), b"");
     // What no robot should try is refused by both in the same words.
     let folder = tempfile::tempdir().unwrap();
     let astray = folder.path().join("astray.toml");

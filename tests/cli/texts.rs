@@ -286,8 +286,8 @@ impl Files {
 
     /// Whether a word names a file or, where one is expected, a folder.
     fn is_file(word: &str, before: &str, program: &str, subcommand: &str) -> bool {
-        const ENDINGS: [&str; 11] =
-            ["jpg", "png", "toml", "npy", "csv", "idx", "glb", "mp4", "parquet", "shard", "txt"];
+        const ENDINGS: [&str; 12] =
+            ["jpg", "png", "toml", "npy", "csv", "idx", "glb", "mp4", "parquet", "shard", "txt", "urdf"];
         if word.starts_with('-') || word.contains("://") || word.starts_with("/dev/") || word.contains('=') {
             return false;
         }
@@ -296,7 +296,7 @@ impl Files {
             return false;
         }
         let is_positional = !before.starts_with('-') || Self::FLAGS.contains(&before);
-        let takes_folders = ["build", "merge", "add", "compact", "recognise"].contains(&subcommand);
+        let takes_folders = ["build", "merge", "add", "compact", "recognise", "watch"].contains(&subcommand);
         let is_folder = program.starts_with("grasp-") && takes_folders && is_positional && word != subcommand;
         ENDINGS.contains(&ending) || is_folder
     }
@@ -359,7 +359,9 @@ fn every_option_of_an_example_exists() {
         let help =
             helps.entry((program_name.clone(), path.clone())).or_insert_with(|| help(program_name, &path));
         for option in rest.iter().filter(|word| word.starts_with("--") && word.len() > 2) {
-            assert!(help.contains(option.as_str()), "{option} in {words:?}");
+            // An option may have its value with it.
+            let name = option.split('=').next().unwrap_or_default();
+            assert!(help.contains(name), "{option} in {words:?}");
         }
     }
 }
@@ -414,9 +416,10 @@ fn the_readme_fits_and_its_lines_do() {
 /// nor a camera, nor a file of the reader's own, nor an index that a longer command makes.
 #[cfg(unix)]
 fn is_quick(line: &str, folder: &Path) -> bool {
-    const QUICK: [&str; 9] = [
+    const QUICK: [&str; 10] = [
         "recognise",
         "recognize",
+        "watch",
         "evaluate",
         "search",
         "simulate",
@@ -429,12 +432,15 @@ fn is_quick(line: &str, folder: &Path) -> bool {
     let subcommand =
         words.iter().position(|word| word.starts_with("grasp-")).and_then(|at| words.get(at + 1));
     let subcommand = subcommand.copied().unwrap_or_default();
-    let is_known = QUICK.contains(&subcommand) || (subcommand == "build" && words.contains(&"--descriptors"));
+    let is_known = QUICK.contains(&subcommand)
+        || (subcommand == "build" && words.contains(&"--descriptors"))
+        || (subcommand == "experiment" && words.contains(&"report"));
     let mut before = "";
     let is_ready = words.iter().all(|word| {
         let is_there = !word.ends_with(".idx") || before == "--out" || folder.join(word).exists();
+        let is_camera = before == "--camera" && (word.starts_with("/dev/") || word.parse::<u32>().is_ok());
         before = word;
-        is_there && !is_placeholder(word)
+        is_there && !is_camera && !is_placeholder(word)
     });
     is_known && is_ready && !["ffmpeg", "curl", "jq", "--server"].iter().any(|needed| words.contains(needed))
 }
@@ -442,7 +448,11 @@ fn is_quick(line: &str, folder: &Path) -> bool {
 #[cfg(unix)]
 #[test]
 fn what_the_documents_show_runs() {
-    let path = format!("{}:{}", grasp_tests::programs(false).display(), std::env::var("PATH").unwrap());
+    let path = format!(
+        "{}:{}",
+        grasp_tests::programs(grasp_tests::Build::Debug).display(),
+        std::env::var("PATH").unwrap()
+    );
     let home = tempfile::tempdir().unwrap();
     let index = home.path().join("grasp.idx");
     let few = ["build", "--hands", "1", "--views", "6", "--out"];

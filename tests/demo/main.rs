@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use grasp_tests::{pictures, programs, workspace};
+use grasp_tests::{Build, pictures, programs, workspace};
 
 /// The index that the demo makes.
 const INDEX: &str = "target/demo/grasp.idx";
@@ -26,8 +26,8 @@ fn main() -> ExitCode {
 }
 
 fn demo() -> Result<(), String> {
-    eprintln!("Compiling grasp-builder and grasp-query (the first time this takes a minute or two) ...");
-    let steps = Steps { programs: programs(true) };
+    eprintln!("Compiling grasp-builder and grasp-query (the first time this takes two minutes) ...");
+    let steps = Steps { programs: programs(Build::Trial) };
     // Relative paths keep what is printed short, and let a reader repeat it from the checkout's
     // root.
     std::env::set_current_dir(workspace()).map_err(|error| format!("cannot enter the checkout: {error}"))?;
@@ -52,7 +52,7 @@ fn demo() -> Result<(), String> {
     println!("\nDone in {:.0} s. Look at", started.elapsed().as_secs_f64());
     println!("  target/demo/explained/{}.png", SHOWN.replace('/', "_"));
     println!("and try");
-    println!("  target/release/grasp-query recognise {SHOWN} --index {INDEX} --json");
+    println!("  target/trial/grasp-query recognise {SHOWN} --index {INDEX} --json");
     Ok(())
 }
 

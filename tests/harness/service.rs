@@ -4,7 +4,7 @@ use std::io::{BufRead as _, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::sync::Mutex;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use crate::program;
@@ -100,7 +100,11 @@ impl Service {
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the service starts");
         let lines = read_lines(child.stderr.take().expect("standard error is a pipe"));
         let mut service = Self { child, address: String::new(), lines: Mutex::new(lines) };
-        let line = service.line();
+        // A service that logs its phases says that it begins before it says where.
+        let mut line = service.line();
+        while line.contains("\"began\"") {
+            line = service.line();
+        }
         let rest = line.split("http://").nth(1).unwrap_or_else(|| panic!("no address in: {line}"));
         service.address = rest.split('/').next().unwrap_or_default().to_owned();
         service
@@ -125,6 +129,19 @@ impl Service {
     pub fn line(&mut self) -> String {
         let lines = self.lines.get_mut().expect("no other test panicked with it");
         lines.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("the service says nothing more"))
+    }
+
+    /// The next line that it says; `None` where it has ended and nothing is left.
+    ///
+    /// # Panics
+    /// If none comes, and it does not end.
+    pub fn next_line(&mut self) -> Option<String> {
+        let lines = self.lines.get_mut().expect("no other test panicked with it");
+        match lines.recv_timeout(PATIENCE) {
+            Ok(line) => Some(line),
+            Err(RecvTimeoutError::Disconnected) => None,
+            Err(RecvTimeoutError::Timeout) => panic!("the service neither ends nor says anything more"),
+        }
     }
 
     /// Connects.

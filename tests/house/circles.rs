@@ -8,11 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 15] = [
+const CRATES: [&str; 18] = [
     "builder",
     "builder/train",
     "index",
+    "index/about",
     "index/canonical",
+    "index/log",
     "index/network",
     "index/picture",
     "index/plot",
@@ -22,6 +24,7 @@ const CRATES: [&str; 15] = [
     "query/python",
     "query/recognise",
     "query/robot",
+    "query/ros",
     "query/serve",
     "renders",
 ];

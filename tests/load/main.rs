@@ -9,7 +9,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use grasp_tests::service::Service;
-use grasp_tests::{pictures, programs};
+use grasp_tests::{Build, pictures, programs};
 
 type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -20,10 +20,10 @@ fn main() -> Outcome<()> {
     let seconds: u64 = std::env::args().nth(1).map_or(Ok(20), |text| text.parse())?;
     let folder = tempfile::tempdir()?;
     let (index, queries) = (folder.path().join("grasp.idx"), folder.path().join("q.npy"));
-    let builder = || Command::new(programs(true).join("grasp-builder"));
+    let builder = || Command::new(programs(Build::Release).join("grasp-builder"));
     run(builder().args(["build", "--no-progress", "--out"]).arg(&index))?;
     run(builder().args(["queries", "--no-progress", "--count", "100", "--out"]).arg(&queries))?;
-    let mut serve = Command::new(programs(true).join("grasp-query"));
+    let mut serve = Command::new(programs(Build::Release).join("grasp-query"));
     let service = Service::of(serve.args(["serve", "--listen", "127.0.0.1:0", "--index"]).arg(&index));
 
     let camera = std::fs::read(pictures().join("camera/09-pinch.jpg"))?;

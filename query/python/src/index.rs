@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use grasp_about::IndexInfo;
 use grasp_index::{Effort, Neighbour, SearchError, SearchOptions, guard_against_truncation};
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
@@ -11,7 +12,6 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::Rows;
 use crate::error::{self, parameter};
-use crate::info::info;
 use crate::parallel::in_parts;
 
 /// Neighbours that can be asked for.
@@ -231,11 +231,13 @@ impl Index {
     /// dict
     ///     Under the keys of `grasp-builder inspect --json`: among others `file`,
     ///     `entries`, `bytes`, `descriptor` (`name`, `dim`), `classes`, `hash`, `seed`,
-    ///     `provenance`, and `measured`, whose `curve` says what recall each effort has;
-    ///     and `recognises`, whether it can tell what a picture shows.
+    ///     `provenance`, `measured`, whose `curve` says what recall each effort has, and
+    ///     `recognises`, whether it can tell what a picture shows.
     fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let index = self.get()?;
-        let text = py.detach(|| info(&self.named.display().to_string(), &index).to_string());
+        let named = self.named.display().to_string();
+        let text = py.detach(|| serde_json::to_string(&IndexInfo::new(named, &index)));
+        let text = text.map_err(|cause| error::failure(&cause))?;
         index.check_unchanged().map_err(|cause| error::changed(&self.named, cause))?;
         py.import("json")?.call_method1("loads", (text,))
     }

@@ -14,7 +14,6 @@ mod building;
 mod error;
 mod found;
 mod index;
-mod info;
 mod mask;
 mod parallel;
 mod picture;

@@ -1,18 +1,19 @@
 //! `grasp-query experiment`.
 
-use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Subcommand;
 use grasp_index::Index;
 use rayon::prelude::*;
+use tracing::warn;
 
 use super::figures::print;
 use super::global::Global;
 use super::index_file::{self, IndexFile};
 use super::options::{FrameArguments, RecogniseArguments, SegmentBy, parse_share};
 use super::overwriting::refuse_overwriting;
+use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
@@ -43,6 +44,7 @@ enum Name {
     #[cfg(feature = "simulate")]
     Imitation(ImitationArguments),
     Sequence(SequenceArguments),
+    Report(ReportArguments),
 }
 
 /// The paper's Section VII: accuracy, confusion and orientation on X, X' and X'', beside what it
@@ -223,6 +225,7 @@ impl Experiment {
             #[cfg(feature = "simulate")]
             Name::Imitation(imitation) => imitation.run(global),
             Name::Sequence(sequence) => sequence.run(global),
+            Name::Report(report) => report.run(global),
         }
     }
 }
@@ -343,7 +346,7 @@ impl TrustArguments {
                     Ok(found) => samples.extend(found),
                     Err(message) => {
                         status = ERROR;
-                        let _ = writeln!(io::stderr(), "{message}");
+                        warn!("{message}");
                     }
                 }
             }

@@ -1,5 +1,6 @@
 //! Options that every subcommand understands.
 
+use grasp_log::{LogForm, LogOptions};
 use grasp_terminal::Progress;
 
 /// Options that every subcommand understands.
@@ -12,11 +13,16 @@ pub(super) struct Global {
     /// elsewhere.
     #[arg(long, global = true)]
     no_progress: bool,
+    #[command(flatten)]
+    pub(super) log: LogOptions,
 }
 
 impl Global {
     /// How far long work has come.
     pub(super) fn progress(&self) -> Progress {
-        Progress::new("grasp-query", !self.no_progress)
+        if self.no_progress {
+            return Progress::hidden();
+        }
+        Progress::new(env!("CARGO_PKG_NAME"), self.log.form() == LogForm::Text)
     }
 }

@@ -1,13 +1,13 @@
 //! Which index to use, and opening it.
 
 use std::ffi::OsString;
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use etcetera::base_strategy::{BaseStrategy as _, choose_native_strategy};
 use grasp_index::{Index, Segments};
 use grasp_terminal::error::message;
+use tracing::warn;
 
 /// What an index is called when neither an option nor the environment names one.
 const DEFAULT: &str = "grasp.idx";
@@ -18,11 +18,15 @@ const FOLDER: &str = "grasp";
 /// (`$XDG_DATA_HOME/grasp/grasp.idx` on Linux), or beside this program, whichever is there first;
 /// where none is, the first is where one is missed.
 fn default_path() -> PathBuf {
-    let folders = choose_native_strategy().ok();
-    let data = folders.map(|folders| folders.data_dir().join(FOLDER).join(DEFAULT));
     let program = std::env::current_exe().ok().map(|program| program.with_file_name(DEFAULT));
-    let places = [Some(PathBuf::from(DEFAULT)), data, program];
+    let places = [Some(PathBuf::from(DEFAULT)), users_path(), program];
     places.into_iter().flatten().find(|path| path.exists()).unwrap_or_else(|| DEFAULT.into())
+}
+
+/// The index among the user's data, whether it is there or not; `None` for who has no home.
+fn users_path() -> Option<PathBuf> {
+    let folders = choose_native_strategy().ok();
+    folders.map(|folders| folders.data_dir().join(FOLDER).join(DEFAULT))
 }
 
 /// The index to search.
@@ -112,17 +116,16 @@ impl IndexFiles {
             match open(path, self.no_mmap) {
                 Ok(index) => indexes.push(index),
                 Err(error) if self.allow_missing && paths.len() > 1 => {
-                    let _ = writeln!(io::stderr(), "grasp-query: left out: {}", message(error.chain()));
+                    warn!(subject = env!("CARGO_PKG_NAME"), "left out: {}", message(error.chain()));
                 }
                 Err(error) => return Err(error),
             }
         }
         if indexes.len() < paths.len() {
-            let _ = writeln!(
-                io::stderr(),
-                "grasp-query: {} of {} indexes are searched",
-                indexes.len(),
-                paths.len()
+            let (searched, named) = (indexes.len(), paths.len());
+            warn!(
+                subject = env!("CARGO_PKG_NAME"),
+                searched, named, "{searched} of {named} indexes are searched"
             );
         }
         Ok((Segments::new(indexes)?, paths.len()))
@@ -143,9 +146,11 @@ pub(super) fn check(path: &Path, index: &Index) -> anyhow::Result<()> {
 
 fn open(path: &Path, no_mmap: bool) -> anyhow::Result<Index> {
     if !path.exists() {
+        let users = users_path().unwrap_or_else(|| DEFAULT.into());
         bail!(
-            "no index at {}: build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",
-            path.display()
+            "no index at {}: put a release's {DEFAULT} at {}, build one with `grasp-builder build --out grasp.idx`, or name one with --index or GRASP_INDEX",
+            path.display(),
+            users.display()
         );
     }
     let opened = if no_mmap { Index::read(path) } else { Index::open(path) };

@@ -14,6 +14,7 @@ mod overwriting;
 #[cfg(feature = "serve")]
 mod quiz;
 mod recognise;
+mod report;
 mod robot;
 #[cfg(feature = "simulate")]
 mod robot_experiment;
@@ -26,17 +27,21 @@ mod simulate;
 mod status;
 #[cfg(feature = "serve")]
 mod token;
+mod watch;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use grasp_terminal::error::message;
 use grasp_terminal::text::printable_lines;
 
 use global::Global;
 use status::{ERROR, SUCCESS};
+
+/// Name and version.
+const PROGRAM: [&str; 2] = [env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")];
 
 /// Recognises which of six grasps a hand in a picture makes, and how the hand is turned toward the
 /// camera.
@@ -62,6 +67,8 @@ Examples:
                                                          how a robot hand grasps alike
   cat tests/pictures/camera/*.jpg | grasp-query recognise -
                                                          every frame of a stream
+  grasp-query watch tests/pictures/camera --out seen.mjpg
+                                                         answers drawn into the frames of a video or a camera
   grasp-query simulate --grasp wrap                      does a robot hand hold it? A trial in a physics engine
   grasp-query evaluate tests/pictures/labels.csv         score labelled pictures
   grasp-query experiment paper tests/pictures/labels.csv --out results
@@ -79,6 +86,7 @@ Exit status: 0 all recognised, 1 in some picture no hand was found or the grasp 
 enum Command {
     #[command(visible_alias = "recognize")]
     Recognise(Box<recognise::Recognise>),
+    Watch(Box<watch::Watch>),
     Evaluate(evaluate::Evaluate),
     Experiment(experiment::Experiment),
     #[cfg(feature = "serve")]
@@ -95,8 +103,8 @@ enum Command {
 /// Parses the command line, runs it and turns the outcome into an exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    let (arguments, command) = match parse() {
+        Ok(parsed) => parsed,
         Err(message) => {
             // `--help` and `--version` come this way too, with exit code 0.
             let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
@@ -107,15 +115,22 @@ pub fn main() -> ExitCode {
             };
         }
     };
-    match run(&arguments) {
-        Ok(status) => ExitCode::from(status),
-        Err(error) if is_closed_pipe(&error) => ExitCode::from(SUCCESS),
+    let status = grasp_log::run(&arguments.global.log, PROGRAM, &command, || match run(&arguments) {
+        Ok(status) => status,
+        Err(error) if is_closed_pipe(&error) => SUCCESS,
         Err(error) => {
-            // Standard error may be closed as well; nobody is left to read it then.
-            let _ = writeln!(io::stderr(), "grasp-query: {}", message(error.chain()));
-            ExitCode::from(ERROR)
+            tracing::error!(subject = PROGRAM[0], "{}", message(error.chain()));
+            ERROR
         }
-    }
+    });
+    ExitCode::from(status)
+}
+
+/// The command line, and the name of its command.
+fn parse() -> clap::error::Result<(Arguments, String)> {
+    let matches = Arguments::command().try_get_matches()?;
+    let command = matches.subcommand_name().unwrap_or_default().to_owned();
+    Ok((Arguments::from_arg_matches(&matches)?, command))
 }
 
 /// Prints a usage error, or the help that was asked for. An argument with control characters, such
@@ -135,6 +150,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Recognise(command) => command.run(),
+        Command::Watch(command) => command.run(),
         Command::Evaluate(command) => command.run(&arguments.global),
         Command::Experiment(command) => command.run(&arguments.global),
         #[cfg(feature = "serve")]

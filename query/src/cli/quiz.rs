@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use grasp_terminal::text::{counted, printable, shown};
 use tokio::net::TcpListener;
+use tracing::{info, warn};
 
 use super::index_file::IndexFile;
 use super::options::RecogniseArguments;
@@ -76,8 +77,8 @@ impl Quizzing {
         let index = self.index.open_if_there()?;
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
         let recogniser = index.as_ref().map(|index| Recogniser::new(index, self.recognise.options()));
-        let means = Means { seed: self.seed, limit, labelled_masks: self.labelled_masks, recogniser };
-        let (quiz, errors) = make(&self.selection, &self.out, &means)?;
+        let options = QuizOptions { seed: self.seed, limit, labelled_masks: self.labelled_masks, recogniser };
+        let (quiz, errors) = make(&self.selection, &self.out, &options)?;
         let table = Table::new(quiz);
         self.serve(&table)?;
 
@@ -107,10 +108,9 @@ impl Quizzing {
                 .with_context(|| format!("cannot listen at {}: name another with --listen", self.listen))?;
             let address = listener.local_addr()?;
             let state = table.quiz().state();
-            let _ = writeln!(
-                io::stderr(),
-                "{}, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; \
-                 Ctrl-C ends the quiz",
+            info!(
+                "{}, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; Ctrl-C \
+                 ends the quiz",
                 counted(state.total, ["picture", "pictures"]),
                 state.answered,
                 state.seed,
@@ -122,7 +122,7 @@ impl Quizzing {
 }
 
 /// How a quiz is made.
-pub(super) struct Means<'a> {
+pub(super) struct QuizOptions<'a> {
     /// What the order comes from.
     pub(super) seed: u64,
     /// The most pictures.
@@ -135,36 +135,38 @@ pub(super) struct Means<'a> {
 
 /// The quiz over the selected pictures, and how many rows and pictures of them could not be used,
 /// each reported on standard error.
-pub(super) fn make(selection: &Selection, out: &Path, means: &Means<'_>) -> anyhow::Result<(Quiz, usize)> {
+pub(super) fn make(
+    selection: &Selection,
+    out: &Path,
+    options: &QuizOptions<'_>,
+) -> anyhow::Result<(Quiz, usize)> {
     let classes: Vec<String> = CHOICES.iter().map(|choice| choice.grasp.to_owned()).collect();
     let Selected { mut labels, broken, folder } = selection.read(&classes)?;
     labels.retain(|label| label.grasp != OTHER);
-    let labels = pictures::shuffled(labels, means.seed, means.limit);
+    let labels = pictures::shuffled(labels, options.seed, options.limit);
     // Before the pictures: a table that cannot be written should not be found out after the work.
     let (answers, before) = AnswerFile::open(out)?;
     let mut errors = broken.len();
-    let mut stderr = io::stderr();
-    // Nobody may be there to be told; the quiz goes on.
     for row in &broken {
-        let _ = writeln!(stderr, "line {}: {}", row.line, printable(&row.message));
+        warn!(line = row.line, "line {}: {}", row.line, printable(&row.fault.to_string()));
     }
     let mut shown: Vec<Shown> = Vec::new();
-    for made in pictures::make(&labels, &folder, means.labelled_masks, means.recogniser.as_ref()) {
+    for made in pictures::make(&labels, &folder, options.labelled_masks, options.recogniser.as_ref()) {
         match made {
             Ok(picture) => shown.push(picture),
             Err((file, miss)) => {
                 errors += usize::from(!miss.is_rejection);
-                let _ = writeln!(stderr, "{} is left out: {}", printable(&file), printable(&miss.message));
+                warn!(file, "{} is left out: {}", printable(&file), printable(&miss.message));
             }
         }
     }
-    if let Some(recogniser) = &means.recogniser {
+    if let Some(recogniser) = &options.recogniser {
         recogniser.index().check_unchanged().context("cannot use the index")?;
     }
     if shown.is_empty() {
         bail!("no picture of {} can be shown", selection.path().display());
     }
-    Ok((Quiz::new(shown, answers, &before, means.seed), errors))
+    Ok((Quiz::new(shown, answers, &before, options.seed), errors))
 }
 
 /// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the

@@ -1,6 +1,7 @@
 //! `grasp-query recognise`.
 
 mod drawings;
+mod feed;
 mod landmarks;
 #[cfg(feature = "serve")]
 mod remote;
@@ -12,24 +13,24 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
 use grasp_terminal::error::message;
-use grasp_terminal::text::printable;
 use rayon::prelude::*;
 
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::overwriting::refuse_overwriting;
-use super::robot::RobotArguments;
+use super::robot::{MessageArguments, RobotArguments};
 use super::status::{ERROR, SUCCESS};
 use drawings::Drawings;
+use feed::{Feed, STANDARD_INPUT};
 use grasp_answer::explain;
 use grasp_answer::record::{Record, SingleRecord};
 use grasp_answer::{human, moveit};
-use grasp_recognise::picture::{self, DecodeWarning, Frames};
+use grasp_recognise::picture;
 use grasp_recognise::prior::Priors;
 use grasp_recognise::segment::Mask;
 use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::sequence::Filter;
-use grasp_recognise::{MaskSource, RecogniseError, Recogniser, Recognition};
+use grasp_recognise::{MaskSource, Recogniser, Recognition};
 use grasp_robot::Setting;
 #[cfg(feature = "serve")]
 use grasp_serve::client::Address;
@@ -51,7 +52,8 @@ Examples:
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
     --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml --arm kuka-kr6-r700
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --server http://127.0.0.1:8750
-  ffmpeg -f v4l2 -i /dev/video0 -f image2pipe -c:v mjpeg - | grasp-query recognise --json -";
+  grasp-query recognise --camera 0 --sequence --json     the frames of a camera, as they come
+  ffmpeg -i VIDEO.mp4 -f mjpeg - | grasp-query recognise --json -";
 
 /// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
@@ -60,7 +62,7 @@ pub(super) struct Recognise {
     /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads
     /// a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or
     /// YUV4MPEG2.
-    #[arg(required = true, value_name = "IMAGE")]
+    #[arg(required_unless_present = "cameras", value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
     index: IndexFile,
@@ -106,7 +108,7 @@ pub(super) struct Recognise {
     holding: Option<String>,
     #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
-    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior", "landmarks_json"])]
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
     server: Option<Address>,
     #[cfg(feature = "serve")]
     /// Show the service the token in this file.
@@ -114,6 +116,8 @@ pub(super) struct Recognise {
     token_file: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArguments,
+    #[command(flatten)]
+    message: MessageArguments,
     #[command(flatten)]
     recognise: RecogniseArguments,
     #[command(flatten)]
@@ -124,7 +128,7 @@ pub(super) struct Recognise {
 }
 
 /// What every picture is answered with.
-struct Means<'a> {
+struct Setup<'a> {
     recogniser: Recogniser<'a>,
     source: MaskSource,
     robot: Option<Setting>,
@@ -133,21 +137,25 @@ struct Means<'a> {
     drawings: Option<Drawings>,
 }
 
-/// The name of standard input, among the pictures and in records.
-const STANDARD_INPUT: &str = "-";
-
 /// A picture and what was found in it.
 type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
         let images = self.pictures()?;
+        let camera = self.robot.device()?;
+        match (camera, images.as_slice()) {
+            (Some(camera), [_, ..]) => {
+                bail!("the frames are those of the camera {}: leave out the pictures", camera.display())
+            }
+            (None, []) => bail!("name pictures, or a camera by its number, as in --camera 0"),
+            _ => {}
+        }
         let is_of_one = self.mask.is_some() || self.depth.is_some() || self.landmarks_json.is_some();
-        if images.len() > 1 && is_of_one {
-            bail!(
-                "--mask, --depth and --landmarks-json are for a single picture, but {} are given",
-                images.len()
-            );
+        if is_of_one && (images.len() > 1 || camera.is_some()) {
+            let given =
+                if camera.is_some() { "a camera's are".into() } else { format!("{} are", images.len()) };
+            bail!("--mask, --depth and --landmarks-json are for a single picture, but {given} given");
         }
         let drawings = self.drawings(&images)?;
         #[cfg(feature = "serve")]
@@ -157,24 +165,27 @@ impl Recognise {
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, self.recognise.options());
-        let means = Means { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
-        let mut filter = self.sequence.then(|| self.filter(means.prior.clone()));
+        let setup = Setup { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
+        let mut filter = self.sequence.then(|| self.filter(setup.prior.clone()));
 
         let mut output = Output { form: self.form(), status: SUCCESS, out: io::stdout().lock() };
+        if let Some(camera) = camera {
+            self.run_feed(Feed::camera(camera)?, &setup, &mut filter, &mut output)?;
+        }
         // As many at a time as are answered soon: their pictures are all in memory at once.
         let at_once = 4 * rayon::current_num_threads();
         for group in groups(&images) {
             if group == [Path::new(STANDARD_INPUT)] {
-                self.run_stream(&means, &mut filter, &mut output)?;
+                self.run_feed(Feed::StandardInput, &setup, &mut filter, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
                 if let Some(filter) = &mut filter {
                     let found: Vec<Found> =
-                        batch.par_iter().map(|path| self.find_in_file(&means, path)).collect();
+                        batch.par_iter().map(|path| self.find_in_file(&setup, path)).collect();
                     for (path, found) in batch.iter().zip(found) {
                         let name = path.display().to_string();
-                        let record = self.finish(&means, name, None, found, Some(filter));
+                        let record = self.finish(&setup, name, None, found, Some(filter));
                         self.index.check(&index)?;
                         output.write(&record)?;
                     }
@@ -182,10 +193,10 @@ impl Recognise {
                 }
                 let answer = |path: &PathBuf| {
                     self.finish(
-                        &means,
+                        &setup,
                         path.display().to_string(),
                         None,
-                        self.find_in_file(&means, path),
+                        self.find_in_file(&setup, path),
                         None,
                     )
                 };
@@ -221,7 +232,7 @@ impl Recognise {
     }
 
     fn form(&self) -> Form {
-        match (self.json, self.robot.is_moveit()) {
+        match (self.json, self.message.is_moveit()) {
             (true, _) => Form::Json,
             (false, true) => Form::Moveit,
             (false, false) => Form::Text,
@@ -253,44 +264,45 @@ impl Recognise {
         if self.undrawn.load(Ordering::Relaxed) { ERROR } else { output.status }
     }
 
-    fn run_stream(
+    fn run_feed(
         &self,
-        means: &Means<'_>,
+        feed: Feed,
+        setup: &Setup<'_>,
         filter: &mut Option<Filter>,
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
-        each_frame(|frame, bytes| {
-            let name = || STANDARD_INPUT.to_owned();
-            let found = bytes.and_then(|bytes| self.find(means, name(), frame, &bytes));
-            let record = self.finish(means, name(), frame, found, filter.as_mut());
-            self.index.check(means.recogniser.index())?;
+        let name = feed.name();
+        feed.each_frame(|frame, bytes| {
+            let found = bytes.and_then(|bytes| self.find(setup, name.clone(), frame, &bytes));
+            let record = self.finish(setup, name.clone(), frame, found, filter.as_mut());
+            self.index.check(setup.recogniser.index())?;
             output.write(&record)
         })
     }
 
-    fn find_in_file(&self, means: &Means<'_>, path: &Path) -> Found {
+    fn find_in_file(&self, setup: &Setup<'_>, path: &Path) -> Found {
         let name = path.display().to_string();
         match picture::read(path) {
-            Ok(bytes) => self.find(means, name, None, &bytes),
+            Ok(bytes) => self.find(setup, name, None, &bytes),
             Err(error) => Err(Record::not_recognised(name, None, &error.into())),
         }
     }
 
-    fn find(&self, means: &Means<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Found {
-        let found = means.recogniser.recognise(bytes, &means.source);
+    fn find(&self, setup: &Setup<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Found {
+        let found = setup.recogniser.recognise(bytes, &setup.source);
         found.map_err(|error| Record::not_recognised(name, frame, &error))
     }
 
     /// The record of what was found, after the frames before it where there is a filter.
     fn finish(
         &self,
-        means: &Means<'_>,
+        setup: &Setup<'_>,
         name: String,
         frame: Option<u64>,
         found: Found,
         filter: Option<&mut Filter>,
     ) -> Record {
-        let index = means.recogniser.index();
+        let index = setup.recogniser.index();
         let mut found = match (found, &filter) {
             (Ok(found), _) => found,
             (Err(record), None) => return record,
@@ -301,12 +313,12 @@ impl Recognise {
             }
         };
         let mut single = None;
-        match (filter, &means.prior) {
+        match (filter, &setup.prior) {
             (Some(filter), _) => {
                 single = Some(SingleRecord::new(&found));
-                means.recogniser.follow(&mut found, filter);
+                setup.recogniser.follow(&mut found, filter);
             }
-            (None, Some(prior)) => means.recogniser.weigh(&mut found, prior),
+            (None, Some(prior)) => setup.recogniser.weigh(&mut found, prior),
             (None, None) => {}
         }
         let mut record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
@@ -315,11 +327,11 @@ impl Recognise {
         };
         if let Record::Answer(answer) = &mut record {
             answer.single = single;
-            if let Some(setting) = &means.robot {
+            if let Some(setting) = &setup.robot {
                 answer.imitate(&found, setting);
             }
         }
-        if let (Some(drawings), Record::Answer(answer)) = (&means.drawings, &record) {
+        if let (Some(drawings), Record::Answer(answer)) = (&setup.drawings, &record) {
             let drawing = explain::draw(&found, answer, index);
             // What an index says that has changed is no answer: its record will not be written
             // either.
@@ -346,7 +358,7 @@ impl Recognise {
         if let Err(error) = outcome {
             // Of a stream's many frames, the first one's failure says enough.
             if !self.undrawn.swap(true, Ordering::Relaxed) || frame.is_none() {
-                let _ = writeln!(io::stderr(), "{}: {}", printable(name), message(error.chain()));
+                tracing::warn!(subject = name, "{}", message(error.chain()));
             }
         }
     }
@@ -390,43 +402,6 @@ fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
     images.chunk_by(move |a, b| a != stdin && b != stdin)
 }
 
-/// Standard input, frame by frame: each is answered as soon as it has come, and the next is awaited
-/// only then. `answer` is given a frame's number and its bytes, or the record of why there are
-/// none.
-fn each_frame(
-    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
-    let mut frames = Frames::new(io::stdin().lock());
-    let name = || STANDARD_INPUT.to_owned();
-    let mut next = 0;
-    for frame in frames.by_ref() {
-        // A picture alone is frame 0: whether another follows is not known yet.
-        let number = Some(next);
-        next += 1;
-        let bytes = frame.map(|frame| {
-            if frame.skipped > 0 {
-                warn_of(&name(), number, &DecodeWarning::Skipped { bytes: frame.skipped });
-            }
-            frame.bytes
-        });
-        answer(number, bytes.map_err(|error| Record::failed(name(), number, "stream", error.to_string())))?;
-    }
-    let skipped = frames.skipped_at_end();
-    if next > 0 && skipped > 0 {
-        let _ = writeln!(io::stderr(), "-: warning: {skipped} bytes behind the last frame are no picture");
-    }
-    if next == 0 {
-        let empty = RecogniseError::Decode(picture::DecodeError::Empty);
-        return answer(None, Err(Record::not_recognised(name(), None, &empty)));
-    }
-    Ok(())
-}
-
-/// Reports what is odd about a frame that was found all the same.
-fn warn_of(name: &str, frame: Option<u64>, warning: &DecodeWarning) {
-    warn(&format!("{}: warning: {warning}\n", human::name(name, frame)));
-}
-
 /// What a record is written as.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Form {
@@ -453,12 +428,12 @@ impl<W: Write> Output<W> {
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
                 match moveit::message(answer) {
                     Some(yaml) => self.write_message(&human::name(&answer.file, answer.frame), &yaml)?,
-                    None => warn(&moveit::refusal(answer).unwrap_or_default()),
+                    None => warn(&answer.file, &moveit::refusal(answer).unwrap_or_default()),
                 }
             }
             (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
             // Standard output is answers; why there is none belongs beside it.
-            (Form::Text | Form::Moveit, _) => warn(&human::text(record)),
+            (Form::Text | Form::Moveit, _) => warn(record.file(), &human::text(record)),
         }
         self.out.flush()?;
         Ok(())
@@ -468,13 +443,13 @@ impl<W: Write> Output<W> {
     /// comments.
     fn write_message(&mut self, name: &str, yaml: &str) -> io::Result<()> {
         for warning in grasp_robot::moveit::warnings(yaml) {
-            warn(&format!("{name}: warning: {warning}\n"));
+            tracing::warn!(subject = name, "warning: {warning}");
         }
         self.out.write_all(yaml.as_bytes())
     }
 }
 
-/// Writes lines to standard error, whether or not anybody reads it.
-fn warn(lines: &str) {
-    let _ = io::stderr().write_all(lines.as_bytes());
+/// Says why an input has no answer on standard output, in lines that name it.
+fn warn(file: &str, lines: &str) {
+    tracing::warn!(file, "{}", lines.trim_end());
 }

@@ -13,6 +13,7 @@ use grasp_index::npy::{NpyError, NpyHeader, NpyType};
 use grasp_index::{AtomicFile, Neighbour, SearchOptions};
 use grasp_terminal::text::{counted, percent, printable};
 use serde::Serialize;
+use tracing::info;
 
 use super::effort::EffortArguments;
 use super::global::Global;
@@ -255,9 +256,8 @@ impl Search {
                 format!("{:.0} candidates a query, {share} of the index", cost.candidates)
             };
             let recall = cost.predicted_recall.map(|recall| format!(", recall@10 predicted {recall:.3}"));
-            // Standard error may be closed; the answers are what counts.
-            let _ = writeln!(
-                io::stderr(),
+            info!(
+                ns_per_query,
                 "{}, {} each: {:.2} us a query (rounds: {}, threads: {threads}), index opened in {:.2} ms; {touched}{}",
                 counted(*queries, ["query", "queries"]),
                 counted(*k, ["neighbour", "neighbours"]),
@@ -377,7 +377,7 @@ fn show<'f, 'n>(
     if count > SHOWN {
         let more = count - SHOWN;
         let queries = counted(more, ["more query", "more queries"]);
-        let _ = writeln!(io::stderr(), "and {queries}: --out IDS.npy writes all, --neighbours prints all");
+        info!("and {queries}: --out IDS.npy writes all, --neighbours prints all");
     }
     Ok(())
 }

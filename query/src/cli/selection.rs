@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use rayon::prelude::*;
 
 use super::global::Global;
-use crate::evaluate::labels::{self, Label, OTHER, Part, RowError};
+use crate::evaluate::labels::{self, Label, OTHER, Part, RowError, RowFault};
 use crate::evaluate::{Outcome, folder_of, score};
 use grasp_recognise::Recogniser;
 
@@ -60,11 +60,7 @@ impl Selection {
                 Ok(label) if label.grasp == OTHER || classes.contains(&label.grasp) => selected.push(label),
                 Ok(label) => broken.push(RowError {
                     line: label.line,
-                    message: format!(
-                        "`{}` is not one of the classes {}; `{OTHER}` stands for a hand in none of them",
-                        label.grasp,
-                        classes.join(", ")
-                    ),
+                    fault: RowFault::Grasp { grasp: label.grasp, classes: classes.join(", ") },
                 }),
                 Err(error) => broken.push(error),
             }
@@ -72,7 +68,7 @@ impl Selection {
         let Some(first) = selected.first() else {
             let name = self.labels.display();
             match broken.first() {
-                Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.message),
+                Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.fault),
                 None => {
                     bail!("no row of {name} meets all of --where and --part together: leave one of them out")
                 }

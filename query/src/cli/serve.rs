@@ -1,6 +1,5 @@
 //! `grasp-query serve`.
 
-use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,11 +9,12 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use grasp_terminal::text::{counted, printable};
 use tokio::net::TcpListener;
+use tracing::{info, warn};
 
 use super::global::Global;
 use super::index_file::IndexFile;
 use super::overwriting::refuse_overwriting;
-use super::quiz::{Means, make};
+use super::quiz::{QuizOptions, make};
 use super::selection::Selection;
 use super::status::{ERROR, SUCCESS};
 use crate::quiz::server::{Table, router};
@@ -167,32 +167,37 @@ impl Serve {
         let index = self.index.path();
         let name = index.display().to_string();
         let tell = move |event: Event| {
-            let line = match event {
-                Event::Serving(1) => format!("{name} at {}; Ctrl-C ends the service", names.join(" and ")),
-                Event::Serving(generation) => format!("{name} was replaced: generation {generation}"),
-                Event::StillTheOld(problem) => format!("{problem}; the one before goes on"),
-                Event::Lost => format!(
-                    "{name} was overwritten or cut short in place: requests are turned away until it is whole; `mv` a new \
+            let index = printable(&name);
+            match event {
+                Event::Serving(1) => {
+                    let addresses = printable(&names.join(" and ")).into_owned();
+                    info!(%index, addresses, generation = 1, "{index} at {addresses}; Ctrl-C ends the service");
+                }
+                Event::Serving(generation) => {
+                    info!(%index, generation, "{index} was replaced: generation {generation}");
+                }
+                Event::StillTheOld(problem) => {
+                    warn!(%index, "{}; the one before goes on", printable(&problem.to_string()));
+                }
+                Event::Lost => warn!(
+                    %index,
+                    "{index} was overwritten or cut short in place: requests are turned away until it is whole; `mv` a new \
                      index over the old one, and none is"
                 ),
-                Event::StillNone(problem) => format!("{problem}; requests are turned away"),
-            };
-            // Nobody may be there to be told; the service goes on.
-            let _ = writeln!(io::stderr(), "{}", printable(&line));
+                Event::StillNone(problem) => {
+                    warn!(%index, "{}; requests are turned away", printable(&problem.to_string()));
+                }
+            }
         };
         if !index.exists() {
             // With the advice on how to build one.
             self.index.open()?;
         }
-        let ended = service.run(listeners, quiz.map(router), stop, tell).await.map_err(anyhow::Error::msg)?;
+        let ended = service.run(listeners, quiz.map(router), stop, tell).await?;
         Ok(match ended {
             Ended::CutShort(count) => {
-                let _ = writeln!(
-                    io::stderr(),
-                    "{} cut short after {} s",
-                    counted(count, ["request was", "requests were"]),
-                    self.drain
-                );
+                let requests = counted(count, ["request was", "requests were"]);
+                warn!(count, "{requests} cut short after {} s", self.drain);
                 ERROR
             }
             Ended::Drained if interrupted.load(Ordering::SeqCst) => INTERRUPTED,
@@ -206,8 +211,9 @@ impl Serve {
         refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Some(Recogniser::new(&index, RecogniseOptions::default()));
-        let means = Means { seed: DEFAULT_SEED, limit: usize::MAX, labelled_masks: false, recogniser };
-        let (quiz, _) = make(&Selection::all(labels), &self.quiz_out, &means)?;
+        let options =
+            QuizOptions { seed: DEFAULT_SEED, limit: usize::MAX, labelled_masks: false, recogniser };
+        let (quiz, _) = make(&Selection::all(labels), &self.quiz_out, &options)?;
         Ok(Table::new(quiz))
     }
 

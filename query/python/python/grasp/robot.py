@@ -28,14 +28,16 @@ def strategy(
     answer : Answer
         What was recognised. What is unknown is not imitated.
     robot : str, default "barrett"
-        The robot hand: ``barrett``, ``parallel-gripper``, or a file that describes another
-        (HAND.toml).
+        The robot hand: ``allegro``, ``barrett``, ``franka-hand``, ``parallel-gripper``,
+        ``robotiq-2f-85``, or a file that describes another (HAND.toml, or HAND.urdf with a
+        HAND.toml beside it).
     object : str or os.PathLike
         The object's file: its shape, size and pose (OBJECT.toml).
     camera : str or os.PathLike
         The camera's file: its pose, and where it saw the hand (CAMERA.toml).
     arm : str, optional
-        The arm that carries the hand: ``kuka-kr6-r700``, or a file (ARM.toml).
+        The arm that carries the hand: ``franka-panda``, ``kuka-kr6-r700``, ``ur5e``, or a file
+        (ARM.toml).
 
     Returns
     -------

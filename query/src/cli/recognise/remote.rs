@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::{Drawings, Form, Output, Recognise, STANDARD_INPUT, each_frame};
+use super::{Drawings, Feed, Form, Output, Recognise, STANDARD_INPUT};
 use grasp_answer::explain;
 use grasp_answer::human;
 use grasp_answer::record::Record;
@@ -37,10 +37,13 @@ impl Recognise {
         let client = Client::new(address.clone(), token);
         let mut output =
             Output { form: self.form(), status: crate::cli::status::SUCCESS, out: io::stdout().lock() };
+        if let Some(camera) = self.robot.device()? {
+            self.feed_remote(Feed::camera(camera)?, &client, drawings, &mut output)?;
+        }
         let at_once = 4 * rayon::current_num_threads();
         for group in super::groups(images) {
             if group == [Path::new(STANDARD_INPUT)] {
-                self.stream_remote(&client, drawings, &mut output)?;
+                self.feed_remote(Feed::StandardInput, &client, drawings, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
@@ -63,15 +66,17 @@ impl Recognise {
         Ok(self.status_of(&output))
     }
 
-    fn stream_remote(
+    fn feed_remote(
         &self,
+        feed: Feed,
         client: &Client,
         drawings: Option<&Drawings>,
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
-        each_frame(|frame, bytes| {
+        let name = feed.name();
+        feed.each_frame(|frame, bytes| {
             let told = match bytes {
-                Ok(bytes) => self.ask(client, drawings, STANDARD_INPUT.to_owned(), frame, bytes)?,
+                Ok(bytes) => self.ask(client, drawings, name.clone(), frame, bytes)?,
                 Err(record) => Told::Own(record),
             };
             output.write_told(&told)
@@ -87,14 +92,16 @@ impl Recognise {
         bytes: Vec<u8>,
     ) -> anyhow::Result<Told> {
         let read = |path: &Path| picture::read(path);
-        let (robot, [described, object, camera]) =
-            self.robot.files().map_or((None, [None; 3]), |(name, files)| (Some(name), files));
+        let (robot, described) = self.robot.hand()?.unzip();
+        let described = described.flatten();
+        let [object, camera] = self.robot.files();
         let (arm, arm_file) = self.robot.arm().map_or((None, None), |(name, file)| (Some(name), file));
         let parts = Parts {
             picture: bytes,
             mask: self.mask.as_deref().map(read).transpose()?,
             depth: self.depth.as_deref().map(read).transpose()?,
-            robot: described.map(read).transpose()?,
+            landmarks: self.landmarks_json.as_deref().map(read).transpose()?,
+            robot: described.clone().map(String::into_bytes),
             object: object.map(read).transpose()?,
             camera: camera.map(read).transpose()?,
             arm: arm_file.map(read).transpose()?,
@@ -148,7 +155,7 @@ impl<W: Write> Output<W> {
         } else if self.form == Form::Json || answer.is_answer {
             self.out.write_all(&answer.body)?;
         } else {
-            let _ = io::stderr().write_all(&answer.body);
+            super::warn(name, &String::from_utf8_lossy(&answer.body));
         }
         Ok(self.out.flush()?)
     }

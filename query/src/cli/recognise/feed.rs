@@ -1,0 +1,114 @@
+//! What gives frame after frame: standard input, or a camera.
+
+use std::io;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context as _;
+use grasp_answer::human;
+use grasp_answer::record::Record;
+use grasp_recognise::RecogniseError;
+use grasp_recognise::picture::{DecodeError, DecodeWarning, Frames, StreamError};
+use grasp_terminal::text::counted;
+
+use crate::live::camera::Camera;
+use crate::live::{Ahead, Keep, Source, SourceError};
+
+/// The name of standard input, among the pictures and in records.
+pub(super) const STANDARD_INPUT: &str = "-";
+
+/// What gives frame after frame.
+pub(super) enum Feed {
+    StandardInput,
+    Camera(Camera),
+}
+
+/// Reports what is odd about a frame that was found all the same.
+fn warn_of(name: &str, frame: Option<u64>, warning: &DecodeWarning) {
+    tracing::warn!(subject = human::name(name, frame), "warning: {warning}");
+}
+
+impl Feed {
+    /// The camera behind a device.
+    pub(super) fn camera(device: &Path) -> anyhow::Result<Self> {
+        Ok(Self::Camera(Camera::open(device)?))
+    }
+
+    /// What records call it.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::StandardInput => STANDARD_INPUT.to_owned(),
+            Self::Camera(camera) => camera.path().display().to_string(),
+        }
+    }
+
+    /// Gives `answer` each frame's number and its bytes, or the record of why there are none.
+    pub(super) fn each_frame(
+        self,
+        answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let name = self.name();
+        match self {
+            Self::StandardInput => of_standard_input(&name, answer),
+            Self::Camera(camera) => of_camera(&name, camera, answer),
+        }
+    }
+}
+
+/// Standard input: each frame is answered as soon as it has come, and the next is awaited only
+/// then.
+fn of_standard_input(
+    name: &str,
+    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut frames = Frames::new(io::stdin().lock());
+    let mut next = 0;
+    for frame in frames.by_ref() {
+        // A picture alone is frame 0: whether another follows is not known yet.
+        let number = Some(next);
+        next += 1;
+        let bytes = frame.map(|frame| {
+            if frame.skipped > 0 {
+                warn_of(name, number, &DecodeWarning::Skipped { bytes: frame.skipped });
+            }
+            frame.bytes
+        });
+        let failed = |error: StreamError| Record::failed(name.into(), number, "stream", error.to_string());
+        answer(number, bytes.map_err(failed))?;
+    }
+    let skipped = frames.skipped_at_end();
+    if next > 0 && skipped > 0 {
+        tracing::warn!(
+            subject = "-",
+            skipped,
+            "warning: {skipped} bytes behind the last frame are no picture"
+        );
+    }
+    if next == 0 {
+        let empty = RecogniseError::Decode(DecodeError::Empty);
+        return answer(None, Err(Record::not_recognised(name.into(), None, &empty)));
+    }
+    Ok(())
+}
+
+/// A camera: the newest frame is answered, and those that came meanwhile are dropped.
+fn of_camera(
+    name: &str,
+    camera: Camera,
+    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let ahead = Ahead::start(Source::Camera(camera), Keep::Newest).context("cannot read the camera")?;
+    // Ctrl-C ends the program: each answer is written by then.
+    let never = AtomicBool::new(false);
+    while let Some(frame) = ahead.next_frame(&never) {
+        let number = Some(frame.number);
+        let failed =
+            |error: SourceError| Record::failed(name.into(), number, error.kind(), error.to_string());
+        answer(number, frame.given.map(|given| given.bytes).map_err(failed))?;
+    }
+    if ahead.dropped() > 0 {
+        let frames = counted(ahead.dropped(), ["frame", "frames"]);
+        tracing::warn!(subject = name, "{frames} came faster than they were answered, and were dropped");
+    }
+    Ok(())
+}
