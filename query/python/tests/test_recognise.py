@@ -163,7 +163,7 @@ def test_a_strategy_is_the_program_s(index_path, program):
             assert str(raised.value) == expected["error"]["message"]
         else:
             assert grasp.strategy(answer, **files, arm=(arm or [None])[-1]) == expected["strategy"]
-    with pytest.raises(grasp.GraspError, match="there is no robot hand `claw`: use barrett"):
+    with pytest.raises(grasp.GraspError, match="there is no robot hand `claw`: use allegro, barrett, "):
         grasp.strategy(answer, "claw", **files)
     with pytest.raises(grasp.GraspError, match="cannot read "):
         grasp.strategy(answer, object="none.toml", camera=files["camera"])
