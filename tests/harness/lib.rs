@@ -24,8 +24,8 @@ pub enum Build {
     Debug,
     /// As they are installed.
     Release,
-    /// To be tried on a fresh clone: nearly as fast, compiled in half the time, without the service,
-    /// the physics engine and Parquet.
+    /// To be tried on a fresh clone: compiled in two thirds of the time, without the service, the
+    /// physics engine and Parquet.
     Trial,
 }
 

@@ -3,8 +3,8 @@
 //!
 //! The keys are an interface: they may be added to, never renamed.
 //!
-//! [`IndexInfo`] is all of it; [`EffortInfo`] and [`HashInfo`] are parts that the service tells by
-//! themselves.
+//! [`IndexInfo`] is all of it; [`EffortInfo`] and [`HashInfo`] are parts that the service
+//! reports by themselves.
 
 mod index;
 mod search;

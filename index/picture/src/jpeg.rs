@@ -91,8 +91,8 @@ pub(crate) fn missing(image: &DynamicImage) -> Result<DecodeWarning, DecodeError
     }
 }
 
-/// What tells a decoder that the usual Huffman tables are left out, as in Motion JPEG: many cameras
-/// leave them out, and not all say so.
+/// What says to a decoder that the usual Huffman tables are left out, as in Motion JPEG: many
+/// cameras leave them out, and not all say so.
 const USUAL_CODES: &[u8] = b"\xFF\xE0\x00\x07AVI1\0";
 
 /// The first and the last of the frame headers, between which the Huffman tables lie.

@@ -1,7 +1,7 @@
 //! Answers as programs and people get them: a [`record`] of an input, or [`found`] entries of raw
 //! descriptors, as JSON; the same as text by [`human`], as a message for MoveIt by [`moveit`], and
-//! as a drawing of how it came about by [`explain`]. [`annotate`] draws answers into the frames of a
-//! video, and [`lettering`] puts text on pictures.
+//! as a drawing of how it came about by [`explain`]. [`annotate`] draws answers into the frames of
+//! a video, and [`lettering`] puts text on pictures.
 //!
 //! The program and the service print the same, and so the records stand below both. The feature
 //! `schema` describes them for OpenAPI; it is off by default.

@@ -72,7 +72,7 @@ impl Segment {
 
     /// What is wrong with its description.
     pub(super) fn fault(&self) -> Option<DescriptionFault> {
-        // Written so that what is not a number is refused as well.
+        // Written so that what is not a number is rejected as well.
         let is_sound = self.at.iter().all(|metres| metres.abs() <= LONGEST)
             && self.rpy.iter().all(|radians| radians.abs() <= std::f64::consts::TAU)
             && (self.factor.abs() <= 100.0 && self.plus.abs() <= 100.0);

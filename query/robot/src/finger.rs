@@ -100,7 +100,7 @@ impl Finger {
         let lengths = self.links.iter().map(|link| link.length);
         let lengths = lengths.chain(self.at).chain([self.offset]);
         let angles = self.links.iter().map(|link| link.rest).chain([self.outward]);
-        // Written so that what is not a number is refused as well.
+        // Written so that what is not a number is rejected as well.
         let is_sound = lengths.into_iter().all(|metres| metres.abs() <= LONGEST)
             && angles.into_iter().all(|radians| radians.abs() <= std::f64::consts::TAU);
         (!is_sound).then_some(DescriptionFault::Finger { longest: LONGEST })

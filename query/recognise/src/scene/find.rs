@@ -76,8 +76,8 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Fo
     Found { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
 }
 
-/// The hand that was found in the frame before this one, where it is still about there; `None` where
-/// it is not, or another is larger by now: [`find`] has to look for it then.
+/// The hand that was found in the frame before this one, where it is still about there; `None`
+/// where it is not, or another is larger by now: [`find`] has to look for it then.
 ///
 /// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
 /// needs at most: where the arm comes from is known, and only how it has turned since is looked at.

@@ -165,7 +165,7 @@ impl Tree {
                     return Err(source.error(UrdfFault::Kind(leader.name.clone()).into()));
                 }
             };
-            // Written so that what is not a number is refused as well.
+            // Written so that what is not a number is rejected as well.
             if !(low < high && low.is_finite() && high.is_finite()) {
                 let joint = leader.name.clone();
                 return Err(source.error(UrdfFault::Limits { joint, low, high }.into()));

@@ -119,8 +119,8 @@ impl Output {
         }
     }
 
-    /// Puts the records' file in its place where the frames went to standard output, as far as those
-    /// were written.
+    /// Puts the records' file in its place where the frames went to standard output, as far as
+    /// those were written.
     pub(super) fn keep_records(self) -> anyhow::Result<()> {
         match (self.frames, self.records) {
             (Sink::Standard(_), Some(records)) => records.finish(),
