@@ -1,8 +1,10 @@
-"""Times this project's index against other libraries on the same vectors. See README.md."""
+"""Times this project's index against other libraries on the same vectors: those of an index, or two arrays. See
+README.md."""
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import os
 import signal
 import sys
@@ -14,6 +16,7 @@ import numpy as np
 
 import report
 import truth
+import vectors
 from peers import cold, rounds
 from peers.contender import Run
 from peers.libraries import contenders
@@ -41,8 +44,19 @@ def shares(text: str) -> list[float]:
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("base", metavar="BASE.npy", help="the vectors to index, float32, N x D")
-    parser.add_argument("queries", metavar="QUERIES.npy", help="the queries, float32, Q x D")
+    parser.add_argument(
+        "data",
+        nargs="+",
+        metavar="GRASP.idx | BASE.npy QUERIES.npy",
+        help="an index of this project, whose entries are indexed; or the vectors to index and the queries, float32",
+    )
+    parser.add_argument(
+        "--pictures",
+        type=Path,
+        default=vectors.SAMPLES,
+        metavar="LABELS.csv",
+        help="with an index: the pictures that are searched for beside renders; default: the sample pictures",
+    )
     parser.add_argument("--work", type=Path, required=True, help="folder that keeps truth and built indexes")
     parser.add_argument("--only", type=names, help="comma-separated contenders, or beginnings of their names")
     parser.add_argument("--skip", type=names, default=[], help="likewise")
@@ -67,7 +81,10 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--csv", type=Path, help="every measured point goes here")
-    return parser.parse_args()
+    given = parser.parse_args()
+    if len(given.data) > 2 or (len(given.data) == 1 and given.data[0].endswith(".npy")):
+        parser.error("name one index, or two arrays")
+    return given
 
 
 def checked_shape(path: str) -> tuple[int, int]:
@@ -92,38 +109,49 @@ def say(text: str) -> None:
     print(f"{time.strftime('%H:%M:%S')} {text}", file=sys.stderr, flush=True)
 
 
+def data(given: argparse.Namespace, work: Path) -> vectors.Vectors:
+    """What is compared on."""
+    if len(given.data) == 1:
+        return vectors.of_index(given.data[0], given.pictures, work, given.binaries)
+    base, queries = (str(Path(path).resolve()) for path in given.data)
+    dim = checked_shape(base)[1]
+    return vectors.Vectors(base, {given.data[1]: queries}, held_out="", descriptor=f"D = {dim}")
+
+
 def main() -> int:
     given = arguments()
+    given.binaries = given.binaries and str(Path(given.binaries).resolve())
+    given.work.mkdir(parents=True, exist_ok=True)
+    work = given.work.resolve()
     try:
-        (n, dim), (q, query_dim) = checked_shape(given.base), checked_shape(given.queries)
-        if dim != query_dim or q == 0 or n < given.k:
-            raise ValueError(
-                f"{n} x {dim} vectors and {q} x {query_dim} queries do not fit, or are fewer than k"
-            )
+        say("vectors")
+        compared = data(given, work)
+        n, dim = checked_shape(compared.base)
+        for queries in compared.queries.values():
+            q, query_dim = checked_shape(queries)
+            if dim != query_dim or q == 0 or n < given.k:
+                raise ValueError(
+                    f"{n} x {dim} vectors and {q} x {query_dim} queries do not fit, or are fewer than k"
+                )
     except (OSError, ValueError) as error:
         print(f"bench: {error}", file=sys.stderr)
         return 2
     cores = sorted(os.sched_getaffinity(0))
     run = Run(
-        base=str(Path(given.base).resolve()),
-        queries=str(Path(given.queries).resolve()),
+        base=compared.base,
+        queries="",
         n=n,
         dim=dim,
         k=given.k,
         seed=given.seed,
         build_threads=given.build_threads or len(cores),
-        binaries=given.binaries and str(Path(given.binaries).resolve()),
-    )
-    given.work.mkdir(parents=True, exist_ok=True)
-    work = given.work.resolve()
-    say("truth")
-    judge = truth.Judge(
-        run.base, run.queries, truth.true_distances(run.base, run.queries, run.k, work), given.eps
+        binaries=given.binaries,
+        held_out=compared.held_out,
     )
     store = Store(work, run, truth.file_hash(run.base))
     chosen = [one for one in contenders().values() if one.name in (given.only or contenders())]
-    entries = [rounds.Entry(one) for one in chosen if one.name not in given.skip]
-    for entry in entries:
+    built = [rounds.Entry(one) for one in chosen if one.name not in given.skip]
+    for entry in built:
         say(f"index: {entry.contender.name}")
         try:
             entry.built = store.built(entry.contender, given.time_limit, given.rebuild)
@@ -132,28 +160,40 @@ def main() -> int:
             say(f"{entry.contender.name} did not run: {error}")
     levels = [("recall", level) for level in given.recall_levels]
     levels += [("eps_success", level) for level in given.success_levels]
-    with tempfile.TemporaryDirectory() as scratch:
-        plan = rounds.Plan(
-            run=run,
-            levels=levels,
-            rounds=given.rounds,
-            repeats=given.repeats,
-            core=cores[-1] if given.core is None else given.core,
-            limit=given.time_limit,
-            in_turn=given.in_turn or memory_is_short(n, dim, len(entries)),
-            scratch=Path(scratch),
+    written: list[tuple[str, list[rounds.Entry]]] = []
+    starts: dict[str, cold.Cold] = {}
+    for title, queries in compared.queries.items():
+        run = dataclasses.replace(run, queries=queries)
+        say(f"truth: {title}")
+        judge = truth.Judge(
+            run.base, run.queries, truth.true_distances(run.base, run.queries, run.k, work), given.eps
         )
-        rounds.hold(entries, plan, store, judge, say)
-        starts = {}
-        if given.cold_rounds:
-            starts = cold.measure(entries, run, plan.core, given.cold_rounds, plan.scratch, say)
-    print(report.table(entries, levels, starts, run))
-    print()
-    print(report.notes(entries, plan, q, given.eps))
+        entries = [rounds.Entry(one.contender, one.built, failed=one.failed) for one in built]
+        with tempfile.TemporaryDirectory() as scratch:
+            plan = rounds.Plan(
+                run=run,
+                levels=levels,
+                rounds=given.rounds,
+                repeats=given.repeats,
+                core=cores[-1] if given.core is None else given.core,
+                limit=given.time_limit,
+                in_turn=given.in_turn or memory_is_short(n, dim, len(entries)),
+                scratch=Path(scratch),
+            )
+            rounds.hold(entries, plan, store, judge, say)
+            if given.cold_rounds and not written:
+                starts = cold.measure(entries, run, plan.core, given.cold_rounds, plan.scratch, say)
+        if written:
+            print()
+        print(f"**{n:,} entries, {compared.descriptor}; queries: {title}**\n")
+        print(report.table(entries, levels, starts, run))
+        print()
+        print(report.notes(entries, plan, checked_shape(queries)[0], given.eps))
+        written.append((title, entries))
     if given.csv:
         with open(given.csv, "w", newline="") as stream:
-            report.write_csv(entries, stream)
-    return 1 if any(entry.failed for entry in entries) else 0
+            report.write_csv(written, stream)
+    return 1 if any(entry.failed for _, entries in written for entry in entries) else 0
 
 
 def interrupt(*_: object) -> None:

@@ -7,7 +7,7 @@ import json
 import platform
 import time
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from peers.cold import Cold
 from peers.contender import Run
@@ -85,6 +85,10 @@ def notes(entries: list[Entry], plan: Plan, queries: int, eps: float) -> str:
         + f", Python {platform.python_version()}.",
     ]
     for entry in entries:
+        said = [point for point in entry.points if point.predicted is not None]
+        if said:
+            pairs = ", ".join(f"{point.predicted:.3f} {point.score.recall:.3f}" for point in said)
+            lines.append(f"- recall@{run.k} that {entry.contender.name} predicted, and that it found: {pairs}.")
         if entry.refused:
             lines.append(
                 f"- {entry.contender.name} refused {len(entry.refused)} settings, the first: {entry.refused[0]}"
@@ -112,11 +116,12 @@ def machine() -> str:
     return f"{facts.get('model name', platform.processor())} ({wide}), {cores} cores, {', '.join(caches)}"
 
 
-def write_csv(entries: list[Entry], stream: TextIO) -> None:
-    """Every point, one a row."""
+def write_csv(tables: list[tuple[str, list[Entry]]], stream: TextIO) -> None:
+    """Every point, one a row, of all tables, each with what its queries are."""
     writer = csv.writer(stream)
     writer.writerow(
         [
+            "queries",
             "contender",
             "version",
             "setting",
@@ -132,15 +137,18 @@ def write_csv(entries: list[Entry], stream: TextIO) -> None:
             "error",
         ]
     )
-    for entry in entries:
-        head = [entry.contender.name, version(entry.contender)]
-        tail = (
-            [entry.built.seconds, entry.memory_bytes, entry.built.disk_bytes] if entry.built else ["", "", ""]
-        )
-        for point in entry.points:
-            us = [value / 1000 for value in point.ns]
-            middle = [json.dumps(point.setting), point.score.recall, point.score.eps_success]
-            figures = [round(value, 3) for value in (point.median_us, min(us), max(us))]
-            writer.writerow([*head, *middle, *figures, len(us), *tail, ""])
-        if entry.failed:
-            writer.writerow([*head, "", "", "", "", "", "", 0, *tail, entry.failed])
+    for title, entries in tables:
+        for entry in entries:
+            write_points(title, entry, writer)
+
+
+def write_points(title: str, entry: Entry, writer: Any) -> None:
+    head = [title, entry.contender.name, version(entry.contender)]
+    tail = [entry.built.seconds, entry.memory_bytes, entry.built.disk_bytes] if entry.built else ["", "", ""]
+    for point in entry.points:
+        us = [value / 1000 for value in point.ns]
+        middle = [json.dumps(point.setting), point.score.recall, point.score.eps_success]
+        figures = [round(value, 3) for value in (point.median_us, min(us), max(us))]
+        writer.writerow([*head, *middle, *figures, len(us), *tail, ""])
+    if entry.failed:
+        writer.writerow([*head, "", "", "", "", "", "", 0, *tail, entry.failed])

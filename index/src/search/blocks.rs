@@ -20,6 +20,8 @@ pub(crate) const CODE_ZERO: i32 = 128;
 /// The largest code, and the largest value of a quantised query.
 pub(crate) const MAX_CODE: i32 = 127;
 const MAX_VALUE: i32 = (1 << 14) - 1;
+/// What the high half of a query's value counts.
+const HALF: i32 = 128;
 
 /// A run of blocks.
 #[derive(Clone, Copy, Debug)]
@@ -172,16 +174,34 @@ fn round(value: f32) -> i32 {
     (value + (MAX_VALUE as f32 + 1.5)) as i32 - (MAX_VALUE + 1)
 }
 
-/// A query in the axes' frame: 15 bits a value, in the forms that the paths of [`super::simd`]
-/// take.
+/// A value whose low half is 0.
+#[inline]
+fn high_half(high: i8) -> i16 {
+    i16::from(high) * HALF as i16
+}
+
+/// How exactly the values of a query are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Precision {
+    /// 8 bits: no coarser than the codes, and half the work. For what is measured again.
+    Coarse,
+    /// 15 bits.
+    #[default]
+    Fine,
+}
+
+/// A query in the axes' frame: 8 or 15 bits a value, in the forms that the paths of
+/// [`super::simd`] take.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuantisedQuery {
     /// The values in units of `step`, zeros up to a multiple of 4.
     pub(crate) values: Vec<i16>,
     /// Four values as 16-bit numbers.
     pub(crate) quads: Vec<i64>,
-    /// Four values as bytes, split into `128 * high + low`: high ones, low ones.
+    /// Four values as bytes, split into `HALF * high + low`: high ones, low ones.
     pub(crate) halves: Vec<[i32; 2]>,
+    /// Where it is coarse, all low halves are 0.
+    pub(crate) precision: Precision,
     /// What [`CODE_ZERO`] adds to every dot product with codes.
     pub(crate) bias: i32,
     /// The length of a unit.
@@ -190,7 +210,7 @@ pub(crate) struct QuantisedQuery {
 
 impl QuantisedQuery {
     /// Takes the coordinates of a query.
-    pub(crate) fn set(&mut self, coordinates: &[f32]) {
+    pub(crate) fn set(&mut self, coordinates: &[f32], precision: Precision) {
         // Sixteen side by side: one need not wait for the one before it.
         let mut lanes = [0.0f32; LANES];
         let (sixteens, rest) = coordinates.as_chunks::<LANES>();
@@ -200,18 +220,32 @@ impl QuantisedQuery {
             }
         }
         let largest = lanes.iter().chain(rest).fold(0.0f32, |largest, value| largest.max(value.abs()));
-        let step = largest.max(f32::MIN_POSITIVE * 1e6) / MAX_VALUE as f32;
-        let per_step = 1.0 / step;
-        self.set_values(coordinates.iter().map(|value| round(value * per_step) as i16), step);
+        let largest = largest.max(f32::MIN_POSITIVE * 1e6);
+        match precision {
+            Precision::Fine => {
+                let step = largest / MAX_VALUE as f32;
+                let per_step = 1.0 / step;
+                let values = coordinates.iter().map(|value| round(value * per_step) as i16);
+                self.set_values(values, step, precision);
+            }
+            Precision::Coarse => {
+                let step = largest / MAX_CODE as f32;
+                let per_step = 1.0 / step;
+                let values = coordinates.iter().map(|value| high_half(round(value * per_step) as i8));
+                self.set_values(values, step / HALF as f32, precision);
+            }
+        }
     }
 
     /// Takes codes: a vector of the index as a query.
     pub(crate) fn set_codes(&mut self, codes: &[i8], step: f32) {
-        self.set_values(codes.iter().map(|&code| i16::from(code)), step);
+        let values = codes.iter().map(|&code| high_half(code));
+        self.set_values(values, step / HALF as f32, Precision::Coarse);
     }
 
-    fn set_values(&mut self, values: impl Iterator<Item = i16>, step: f32) {
+    fn set_values(&mut self, values: impl Iterator<Item = i16>, step: f32, precision: Precision) {
         self.step = step;
+        self.precision = precision;
         self.values.clear();
         self.values.extend(values);
         self.values.resize(self.values.len().next_multiple_of(4), 0);

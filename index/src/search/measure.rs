@@ -45,9 +45,10 @@ fn curve<E>(
     Ok(curve)
 }
 
-/// 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, ... and last `most`.
+/// 1, 2, 3, ... 15, 16, 18, 20, ... 30, 32, 36, ... and last `most`: a search is asked for a recall,
+/// and makes at most an eighth more effort than gives it.
 fn ladder(most: u32) -> impl Iterator<Item = u32> {
-    let steps = (0..).flat_map(|octave: u32| (4..8).map(move |quarter| (quarter << octave) / 4));
+    let steps = (0..).flat_map(|octave: u32| (8..16).map(move |eighth| (eighth << octave) / 8));
     let mut last = 0;
     let steps = steps
         .take_while(move |&step| step < most)
@@ -120,6 +121,7 @@ mod tests {
         let ladder = |most| ladder(most).collect::<Vec<_>>();
         assert_eq!(ladder(1), [1]);
         assert_eq!(ladder(3), [1, 2, 3]);
-        assert_eq!(ladder(21), [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 21]);
+        assert_eq!(ladder(21), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 18, 20, 21]);
+        assert!(ladder(500).windows(2).all(|steps| steps[0] < 8 || 8 * (steps[1] - steps[0]) <= steps[0]));
     }
 }

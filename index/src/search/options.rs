@@ -38,6 +38,11 @@ pub enum Effort {
     Exact,
 }
 
+impl Effort {
+    /// The success that an eps alone asks for, as in the paper.
+    pub const DEFAULT_SUCCESS: f64 = 0.95;
+}
+
 /// A query that cannot be searched for.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]

@@ -95,7 +95,15 @@ impl<'a> Stored<'a> {
                     }
                 });
             }
-            Values::F16(_) | Values::Several(_) => {
+            Values::F16(values) => {
+                let known = ids.iter().map(|&id| row_of(values, self.dim, id).unwrap_or(&[]));
+                simd.distances_of_halves(query, known, row, |at, squared| {
+                    if let Some(&id) = ids.get(at).filter(|&&id| (id as usize) < self.entries) {
+                        nearest.offer(id, squared);
+                    }
+                });
+            }
+            Values::Several(_) => {
                 for &id in ids {
                     if let Some(row) = self.row(id, row) {
                         simd.distances(query, [row].into_iter(), |_, squared| nearest.offer(id, squared));

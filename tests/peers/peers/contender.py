@@ -27,6 +27,8 @@ class Run:
     build_threads: int = 1
     binaries: str = ""
     """Folder of grasp-builder and grasp-query; empty: the PATH."""
+    held_out: str = ""
+    """Path of queries that our own index measures its search by; empty: by its own rows."""
 
     def base_vectors(self) -> np.ndarray:
         return np.load(self.base)
@@ -49,6 +51,9 @@ class Contender:
 
     ours = False
     """Whether it is this project, which has no version that tells one build from the next."""
+
+    predicted: float | None = None
+    """The recall that the last search was said to find, of a contender that says so."""
 
     def parameters(self, run: Run) -> str:
         """How the index is built, for the table; indexes on disk are kept apart by it."""

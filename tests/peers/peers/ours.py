@@ -35,6 +35,10 @@ class Grasp(Contender):
             str(folder / FILE),
         ]
         call += ["--seed", str(run.seed), "--threads", str(run.build_threads)]
+        if run.held_out:
+            call += ["--held-out", run.held_out]
+        # As the default presets keep them.
+        call += ["--originals", "f16"]
         subprocess.run(call, check=True, stdin=subprocess.DEVNULL)
 
     def load(self, run: Run, folder: Path) -> None:
@@ -58,6 +62,8 @@ class Grasp(Contender):
             if done.returncode != 0:
                 raise RuntimeError(f"grasp-query: status {done.returncode}: {done.stderr.strip()[-300:]}")
             answer = json.loads(done.stdout.splitlines()[-1])
+            # Asked for a success, it is not recall that it promises.
+            self.predicted = answer.get("predicted_recall") if "recall" in setting else None
             return float(answer["ns_per_query"]), np.load(out).astype(np.int64)
 
 
@@ -88,7 +94,12 @@ class GraspPython(Contender):
 
 def program(run: Run, name: str) -> str:
     """The path of one of the two programs."""
-    found = shutil.which(name, path=run.binaries or None)
+    return tool(name, run.binaries)
+
+
+def tool(name: str, binaries: str) -> str:
+    """The path of one of the two programs, in the folder `binaries` or, where that is empty, on the PATH."""
+    found = shutil.which(name, path=binaries or None)
     if found is None:
         raise FileNotFoundError(
             f"{name} not found: build with `cargo build --release`, pass --binaries FOLDER"

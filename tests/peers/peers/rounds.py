@@ -27,6 +27,8 @@ class Point:
     score: Score
     ns: list[float] = field(default_factory=list)
     """Nanoseconds a query, one a round."""
+    predicted: float | None = None
+    """The recall that the contender said it would find, where it says any."""
 
     @property
     def median_us(self) -> float:
@@ -138,7 +140,7 @@ def sweep(entry: Entry, worker: Process, plan: Plan, judge: Judge, settings: lis
                 raise
             entry.refused.append(f"{setting}: {error}")
             continue
-        entry.points.append(Point(setting, judge.score(np.load(out)), [answer["ns"]]))
+        entry.points.append(Point(setting, judge.score(np.load(out)), [answer["ns"]], answer["predicted"]))
     if not entry.points:
         raise Failed(entry.refused[0] if entry.refused else "no settings")
 

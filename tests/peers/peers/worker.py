@@ -53,7 +53,7 @@ class Worker:
         nanoseconds, ids = timed
         if out:
             np.save(out, np.asarray(ids, dtype=np.int64))
-        return {"ns": nanoseconds}
+        return {"ns": nanoseconds, "predicted": self.contender.predicted}
 
     def measure(self, setting: dict[str, Any], repeats: int) -> tuple[float, np.ndarray]:
         """Median nanoseconds a query of `repeats` batches of all queries, and the ids of the last one."""

@@ -2,40 +2,96 @@
 //! multiplies them by four values of the query and adds the products up.
 
 use super::{avx2, portable};
-use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
+use crate::search::blocks::{Block, Blocks, LANES, Precision, QuantisedQuery};
 use crate::search::distance;
 use crate::search::smallest::Smallest;
+use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 use std::arch::x86_64::{
-    __m512i, _CMP_LE_OQ, _mm256_add_ps, _mm256_castpd_ps, _mm512_add_epi32, _mm512_add_ps, _mm512_castps_pd,
-    _mm512_castps512_ps256, _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_dpbusd_epi32,
-    _mm512_extractf64x4_pd, _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32,
-    _mm512_set1_ps, _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps,
-    _mm512_sub_epi32, _mm512_sub_ps,
+    __m256i, __m512, __m512i, _CMP_LE_OQ, _mm256_add_ps, _mm256_castpd_ps, _mm256_loadu_si256,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_castps_pd, _mm512_castps512_ps256, _mm512_cmp_ps_mask,
+    _mm512_cvtepi32_ps, _mm512_cvtph_ps, _mm512_dpbusd_epi32, _mm512_extractf64x4_pd, _mm512_loadu_ps,
+    _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_ps,
+    _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_sub_epi32, _mm512_sub_ps,
 };
 
-/// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
-/// low`.
+/// Several blocks go together: they have as many sums as the instruction takes steps, so that none
+/// waits for the one before it, and share the query's values.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
+    let mut blocks = run.iter();
+    match query.precision {
+        Precision::Fine => {
+            while let Some(first) = blocks.next() {
+                match blocks.next() {
+                    Some(second) => score::<2, true>([first, second], query, factor, base, into),
+                    None => score::<1, true>([first], query, factor, base, into),
+                }
+            }
+        }
+        Precision::Coarse => loop {
+            match [blocks.next(), blocks.next(), blocks.next(), blocks.next()] {
+                [Some(a), Some(b), Some(c), Some(d)] => {
+                    score::<4, false>([a, b, c, d], query, factor, base, into);
+                }
+                [Some(a), Some(b), Some(c), None] => {
+                    return score::<3, false>([a, b, c], query, factor, base, into);
+                }
+                [Some(a), Some(b), ..] => return score::<2, false>([a, b], query, factor, base, into),
+                [Some(a), ..] => return score::<1, false>([a], query, factor, base, into),
+                [None, ..] => return,
+            }
+        },
+    }
+}
+
+/// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
+/// low`; of a coarse query, without `LOW`, as its high half alone.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+fn score<const N: usize, const LOW: bool>(
+    blocks: [Block<'_>; N],
+    query: &QuantisedQuery,
+    factor: f32,
+    base: f32,
+    into: &mut Smallest,
+) {
+    let codes = blocks.map(|block| block.codes.as_chunks::<{ 4 * LANES }>().0);
+    let groups = codes.iter().fold(query.halves.len(), |groups, codes| groups.min(codes.len()));
+    let (pairs, last) = query.halves[..groups].as_chunks::<2>();
+    let codes = codes.map(|codes| {
+        let (pair_codes, last) = codes[..groups].as_chunks::<2>();
+        (&pair_codes[..pairs.len()], last)
+    });
+    // The high and the low half of each block's even and odd groups.
+    let mut sums = [[[_mm512_setzero_si512(); 2]; 2]; N];
+    for (at, pair) in pairs.iter().enumerate() {
+        for (odd, half) in pair.iter().enumerate() {
+            let (high, low) = (_mm512_set1_epi32(half[0]), _mm512_set1_epi32(half[1]));
+            for (sums, (codes, _)) in sums.iter_mut().zip(&codes) {
+                let codes = load(&codes[at][odd]);
+                sums[odd][0] = _mm512_dpbusd_epi32(sums[odd][0], codes, high);
+                if LOW {
+                    sums[odd][1] = _mm512_dpbusd_epi32(sums[odd][1], codes, low);
+                }
+            }
+        }
+    }
+    for half in last {
+        let (high, low) = (_mm512_set1_epi32(half[0]), _mm512_set1_epi32(half[1]));
+        for (sums, (_, codes)) in sums.iter_mut().zip(&codes) {
+            for codes in *codes {
+                let codes = load(codes);
+                sums[0][0] = _mm512_dpbusd_epi32(sums[0][0], codes, high);
+                if LOW {
+                    sums[0][1] = _mm512_dpbusd_epi32(sums[0][1], codes, low);
+                }
+            }
+        }
+    }
     let (factor, base) = (_mm512_set1_ps(factor), _mm512_set1_ps(base));
     let bias = _mm512_set1_epi32(query.bias);
-    let (halves, last_half) = query.halves.as_chunks::<2>();
-    for block in run.iter() {
-        let (groups, last) = block.codes.as_chunks::<{ 8 * LANES }>();
-        // Two sums of each half: one instruction need not wait for the one before it.
-        let mut sums = [[_mm512_setzero_si512(); 2]; 2];
-        for (codes, halves) in groups.iter().zip(halves) {
-            let (first, second) = (load(codes, 0), load(codes, 4 * LANES));
-            sums[0][0] = _mm512_dpbusd_epi32(sums[0][0], first, _mm512_set1_epi32(halves[0][0]));
-            sums[0][1] = _mm512_dpbusd_epi32(sums[0][1], first, _mm512_set1_epi32(halves[0][1]));
-            sums[1][0] = _mm512_dpbusd_epi32(sums[1][0], second, _mm512_set1_epi32(halves[1][0]));
-            sums[1][1] = _mm512_dpbusd_epi32(sums[1][1], second, _mm512_set1_epi32(halves[1][1]));
-        }
-        if let ([half], [_, ..]) = (last_half, last) {
-            let codes = load(last, 0);
-            sums[0][0] = _mm512_dpbusd_epi32(sums[0][0], codes, _mm512_set1_epi32(half[0]));
-            sums[0][1] = _mm512_dpbusd_epi32(sums[0][1], codes, _mm512_set1_epi32(half[1]));
-        }
+    for (block, sums) in blocks.iter().zip(sums) {
         let high = _mm512_slli_epi32::<7>(_mm512_add_epi32(sums[0][0], sums[1][0]));
         let low = _mm512_add_epi32(sums[0][1], sums[1][1]);
         let dots = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_add_epi32(high, low), bias));
@@ -47,16 +103,15 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
             let mut found = [0.0f32; LANES];
             // SAFETY: the array has room for sixteen f32; an unaligned store takes any address.
             unsafe { _mm512_storeu_ps(found.as_mut_ptr(), scores) };
-            into.offer(&block, &found, mask);
+            into.offer(block, &found, mask);
         }
     }
 }
 
 #[inline]
 #[target_feature(enable = "avx512f")]
-fn load(codes: &[u8], at: usize) -> __m512i {
-    let codes = &codes[at..at + 4 * LANES];
-    // SAFETY: the slice has the register's 64 bytes; an unaligned load takes any address.
+fn load(codes: &[u8; 4 * LANES]) -> __m512i {
+    // SAFETY: the array has the register's 64 bytes; an unaligned load takes any address.
     unsafe { _mm512_loadu_si512(codes.as_ptr().cast()) }
 }
 
@@ -84,35 +139,95 @@ fn squared(a: &[f32], b: &[f32]) -> f32 {
         let step = unsafe { _mm512_sub_ps(_mm512_loadu_ps(a.as_ptr()), _mm512_loadu_ps(b.as_ptr())) };
         lanes = _mm512_add_ps(lanes, _mm512_mul_ps(step, step));
     }
+    sum_up(lanes, rest_a, rest_b)
+}
+
+/// As [`distances`], of rows of 16 bits a value: what they widen to is exact.
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+pub(super) fn distances_of_halves<'a>(
+    query: &[f32],
+    rows: impl Iterator<Item = &'a [f16]>,
+    mut each: impl FnMut(usize, f32),
+) {
+    for (at, row) in rows.enumerate() {
+        let length = query.len().min(row.len());
+        let (whole, rest) = query[..length].as_chunks::<LANES>();
+        let (whole_row, rest_row) = row[..length].as_chunks::<LANES>();
+        let mut lanes = _mm512_setzero_ps();
+        for (query, row) in whole.iter().zip(whole_row) {
+            // SAFETY: the arrays have sixteen values of 32 and of 16 bits; unaligned loads take any
+            // address.
+            let (query, row) = unsafe {
+                (_mm512_loadu_ps(query.as_ptr()), _mm256_loadu_si256(row.as_ptr().cast::<__m256i>()))
+            };
+            let step = _mm512_sub_ps(query, _mm512_cvtph_ps(row));
+            lanes = _mm512_add_ps(lanes, _mm512_mul_ps(step, step));
+        }
+        let mut widened = [0.0; LANES];
+        let widened = &mut widened[..rest_row.len()];
+        rest_row.convert_to_f32_slice(widened);
+        each(at, sum_up(lanes, rest, widened));
+    }
+}
+
+/// The sum of sixteen lanes, and of the squared differences of what is left.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+fn sum_up(lanes: __m512, a: &[f32], b: &[f32]) -> f32 {
     let upper = _mm256_castpd_ps(_mm512_extractf64x4_pd::<1>(_mm512_castps_pd(lanes)));
-    avx2::sum_up(_mm256_add_ps(_mm512_castps512_ps256(lanes), upper), rest_a, rest_b)
+    avx2::sum_up(_mm256_add_ps(_mm512_castps512_ps256(lanes), upper), a, b)
 }
 
 /// As [`portable::project`], to the bit: products and sums are rounded one by one.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
-    const WIDTH: usize = 4 * LANES;
     let axes = out.len();
-    if axes == 0 || !axes.is_multiple_of(WIDTH) || offset.len() != axes {
+    if axes == 0 || !axes.is_multiple_of(LANES) || offset.len() != axes {
         return portable::project(matrix, offset, vector, out);
     }
-    for (start, out) in (0..).step_by(WIDTH).zip(out.as_chunks_mut::<WIDTH>().0) {
-        let mut sums = [_mm512_setzero_ps(); 4];
-        for (row, &value) in matrix.chunks_exact(axes).zip(vector) {
+    let mut start = 0;
+    while start < axes {
+        let columns = Columns { matrix, offset, vector, start };
+        start += match (axes - start) / LANES {
+            8.. => columns.project::<8>(out),
+            4.. => columns.project::<4>(out),
+            2.. => columns.project::<2>(out),
+            _ => columns.project::<1>(out),
+        };
+    }
+}
+
+/// Some columns of a matrix that a vector is multiplied by.
+struct Columns<'a> {
+    matrix: &'a [f32],
+    offset: &'a [f32],
+    vector: &'a [f32],
+    start: usize,
+}
+
+impl Columns<'_> {
+    /// Gives `N` times sixteen coordinates, and says how many.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+    fn project<const N: usize>(&self, out: &mut [f32]) -> usize {
+        let (axes, columns) = (out.len(), self.start..self.start + N * LANES);
+        let mut sums = [_mm512_setzero_ps(); N];
+        for (row, &value) in self.matrix.chunks_exact(axes).zip(self.vector) {
             let value = _mm512_set1_ps(value);
-            let row = row[start..start + WIDTH].as_chunks::<LANES>().0;
-            for (sum, row) in sums.iter_mut().zip(row) {
+            for (sum, row) in sums.iter_mut().zip(row[columns.clone()].as_chunks::<LANES>().0) {
                 // SAFETY: the array has sixteen f32; an unaligned load takes any address.
                 let row = unsafe { _mm512_loadu_ps(row.as_ptr()) };
                 *sum = _mm512_add_ps(*sum, _mm512_mul_ps(value, row));
             }
         }
-        let offsets = offset[start..start + WIDTH].as_chunks::<LANES>().0;
-        for ((out, sum), offset) in out.as_chunks_mut::<LANES>().0.iter_mut().zip(sums).zip(offsets) {
+        let offsets = self.offset[columns.clone()].as_chunks::<LANES>().0;
+        let outs = out[columns].as_chunks_mut::<LANES>().0;
+        for ((out, sum), offset) in outs.iter_mut().zip(sums).zip(offsets) {
             // SAFETY: both arrays have sixteen f32; unaligned loads and stores take any address.
             unsafe {
                 _mm512_storeu_ps(out.as_mut_ptr(), _mm512_add_ps(sum, _mm512_loadu_ps(offset.as_ptr())))
             };
         }
+        N * LANES
     }
 }

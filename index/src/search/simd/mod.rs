@@ -15,6 +15,8 @@ mod portable;
 
 use super::blocks::{Blocks, QuantisedQuery};
 use super::smallest::Smallest;
+use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 
 /// Which instructions are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +110,27 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2::distances(query, rows, each) },
             Level::Portable => portable::distances(query, rows, each),
+        }
+    }
+
+    /// As [`Self::distances`], of rows of 16 bits a value; `row` is where they are widened where the
+    /// processor does not do so on its way.
+    pub(crate) fn distances_of_halves<'a>(
+        self,
+        query: &[f32],
+        rows: impl Iterator<Item = &'a [f16]>,
+        row: &mut Vec<f32>,
+        mut each: impl FnMut(usize, f32),
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if self.0 == Level::Avx512 {
+            // SAFETY: as above.
+            return unsafe { avx512::distances_of_halves(query, rows, each) };
+        }
+        for (at, halves) in rows.enumerate() {
+            row.resize(halves.len(), 0.0);
+            halves.convert_to_f32_slice(row);
+            self.distances(query, [&row[..]].into_iter(), |_, squared| each(at, squared));
         }
     }
 

@@ -41,28 +41,46 @@ pub(super) fn distances<'a>(
 #[inline(always)]
 pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
     let axes = out.len();
-    for (start, out) in (0..).step_by(4 * LANES).zip(out.chunks_mut(4 * LANES)) {
+    let (fours, rest) = out.as_chunks_mut::<{ 4 * LANES }>();
+    for (start, out) in (0..).step_by(4 * LANES).zip(&mut *fours) {
         // Four registers of sixteen, or as many of smaller ones as make the same.
-        let mut sums = [[0.0f32; LANES]; 4];
-        if out.len() == 4 * LANES {
-            for (row, &value) in matrix.chunks_exact(axes).zip(vector) {
-                let Some(row) = row[start..].first_chunk::<{ 4 * LANES }>() else { break };
-                for (sum, row) in sums.iter_mut().zip(row.as_chunks::<LANES>().0) {
-                    for lane in 0..LANES {
-                        sum[lane] += value * row[lane];
-                    }
-                }
-            }
-        } else {
-            for (row, &value) in matrix.chunks_exact(axes).zip(vector) {
-                for (sum, factor) in sums.as_flattened_mut().iter_mut().zip(&row[start..]) {
-                    *sum += value * factor;
-                }
-            }
+        columns(matrix, axes, start, offset, vector, out);
+    }
+    let start = fours.len() * 4 * LANES;
+    let (sixteens, rest) = rest.as_chunks_mut::<LANES>();
+    for (start, out) in (start..).step_by(LANES).zip(&mut *sixteens) {
+        columns(matrix, axes, start, offset, vector, out);
+    }
+    let start = start + sixteens.len() * LANES;
+    let (fours, rest) = rest.as_chunks_mut::<4>();
+    for (start, out) in (start..).step_by(4).zip(&mut *fours) {
+        columns(matrix, axes, start, offset, vector, out);
+    }
+    let start = start + fours.len() * 4;
+    for (start, out) in (start..).zip(rest) {
+        columns(matrix, axes, start, offset, vector, std::array::from_mut(out));
+    }
+}
+
+/// The coordinates of `N` neighbouring columns of the matrix, from `start` on.
+#[inline(always)]
+fn columns<const N: usize>(
+    matrix: &[f32],
+    axes: usize,
+    start: usize,
+    offset: &[f32],
+    vector: &[f32],
+    out: &mut [f32; N],
+) {
+    let mut sums = [0.0f32; N];
+    for (row, &value) in matrix.chunks_exact(axes).zip(vector) {
+        let Some(row) = row[start..].first_chunk::<N>() else { break };
+        for (sum, factor) in sums.iter_mut().zip(row) {
+            *sum += value * factor;
         }
-        let offset = offset.get(start..).unwrap_or(&[]).iter().chain(std::iter::repeat(&0.0));
-        for ((out, sum), offset) in out.iter_mut().zip(sums.as_flattened()).zip(offset) {
-            *out = sum + offset;
-        }
+    }
+    let offset = offset.get(start..).unwrap_or(&[]).iter().chain(std::iter::repeat(&0.0));
+    for ((out, sum), offset) in out.iter_mut().zip(sums).zip(offset) {
+        *out = sum + offset;
     }
 }

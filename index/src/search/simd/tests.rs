@@ -1,7 +1,7 @@
 //! Every path against the plain loops, bit by bit, and those against the definition.
 
 use super::*;
-use crate::search::blocks::{self, LANES, MAX_CODE};
+use crate::search::blocks::{self, LANES, MAX_CODE, Precision};
 use crate::search::distance;
 use proptest::prelude::*;
 use rkyv::util::AlignedVec;
@@ -37,17 +37,17 @@ fn vectors() -> impl Strategy<Value = Vectors> {
     (1..40usize).prop_flat_map(|fours| {
         let axes = 4 * fours;
         let vector = (prop::collection::vec(-127..=127i8, axes), -2.0..2.0f32);
-        (Just(axes), prop::collection::vec(vector, 1..50), prop::collection::vec(-3.0..3.0f32, axes))
+        (Just(axes), prop::collection::vec(vector, 1..150), prop::collection::vec(-3.0..3.0f32, axes))
     })
 }
 
 proptest! {
     #[test]
-    fn every_path_gives_the_same_scores((axes, vectors, query) in vectors(), has_ids: bool, keep in 1..60usize, factor in 0.0..1e-3f32, base in -2.0..2.0f32) {
+    fn every_path_gives_the_same_scores((axes, vectors, query) in vectors(), has_ids: bool, coarse: bool, keep in 1..60usize, factor in 0.0..1e-3f32, base in -2.0..2.0f32) {
         let bytes = block_bytes(axes, &vectors, has_ids);
         let run = if has_ids { Blocks::of_entries(&bytes, axes) } else { Blocks::of_centres(&bytes, axes) };
         let mut quantised = QuantisedQuery::default();
-        quantised.set(&query);
+        quantised.set(&query, if coarse { Precision::Coarse } else { Precision::Fine });
         let by = |simd: Simd| {
             let mut smallest = Smallest::default();
             smallest.reset(keep);
@@ -79,7 +79,19 @@ proptest! {
     }
 
     #[test]
-    fn every_path_projects_alike(rows in 1..100usize, axes in prop_oneof![1..150usize, Just(64), Just(128)], seed: u64) {
+    fn every_path_measures_rows_of_halves_alike(query in prop::collection::vec(-1.0..1.0f32, 1..200), row in prop::collection::vec(-1.0..1.0f32, 200)) {
+        let halves: Vec<f16> = row[..query.len()].iter().copied().map(f16::from_f32).collect();
+        let expected = distance::squared(&query, &halves.to_f32_vec());
+        for simd in Simd::available() {
+            let mut widened = Vec::new();
+            simd.distances_of_halves(&query, [&halves[..], &[]].into_iter(), &mut widened, |at, squared| {
+                assert_eq!(squared, [expected, 0.0][at], "{}", simd.name());
+            });
+        }
+    }
+
+    #[test]
+    fn every_path_projects_alike(rows in 1..100usize, axes in prop_oneof![1..150usize, (1..12usize).prop_map(|sixteens| LANES * sixteens)], seed: u64) {
         let mut state = seed | 1;
         let mut draw = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -109,14 +121,16 @@ fn the_largest_sums_do_not_overflow() {
     let vectors = [codes(MAX_CODE as i8), codes(-MAX_CODE as i8)];
     let bytes = block_bytes(axes, &vectors, false);
     let mut query = QuantisedQuery::default();
-    query.set(&vec![1.0; axes]);
-    let value = f32::from(query.values[0]);
-    for simd in Simd::available() {
-        let mut smallest = Smallest::default();
-        smallest.reset(9);
-        simd.scan(Blocks::of_centres(&bytes, axes), &query, 1.0, 0.0, &mut smallest);
-        let largest = 127.0 * value * axes as f32;
-        assert_eq!(smallest.sorted().collect::<Vec<_>>(), [(-largest, 0), (largest, 1)], "{}", simd.name());
+    for precision in [Precision::Fine, Precision::Coarse] {
+        query.set(&vec![1.0; axes], precision);
+        let largest = 127.0 * f32::from(query.values[0]) * axes as f32;
+        for simd in Simd::available() {
+            let mut smallest = Smallest::default();
+            smallest.reset(9);
+            simd.scan(Blocks::of_centres(&bytes, axes), &query, 1.0, 0.0, &mut smallest);
+            let found: Vec<(f32, u32)> = smallest.sorted().collect();
+            assert_eq!(found, [(-largest, 0), (largest, 1)], "{}", simd.name());
+        }
     }
 }
 
@@ -124,18 +138,22 @@ fn the_largest_sums_do_not_overflow() {
 fn quantised_values_are_near_and_their_forms_agree() {
     let coordinates: Vec<f32> = (0..30).map(|at| ((at * 7919) % 101) as f32 / 50.0 - 1.0).collect();
     let mut query = QuantisedQuery::default();
-    query.set(&coordinates);
-    assert_eq!((query.values.len(), query.quads.len(), query.halves.len()), (32, 8, 8));
-    for (at, &value) in query.values.iter().enumerate() {
-        let coordinate = coordinates.get(at).copied().unwrap_or(0.0);
-        assert!((f32::from(value) * query.step - coordinate).abs() <= query.step * 0.6);
-        let byte = |half: i32| i32::from((half >> (8 * (at % 4))) as i8);
-        let [high, low] = query.halves[at / 4];
-        assert_eq!(128 * byte(high) + byte(low), i32::from(value));
-        assert_eq!((query.quads[at / 4] >> (16 * (at % 4))) as i16, value);
+    for (precision, bits) in [(Precision::Fine, 14), (Precision::Coarse, 7)] {
+        query.set(&coordinates, precision);
+        assert_eq!((query.values.len(), query.quads.len(), query.halves.len()), (32, 8, 8));
+        for (at, &value) in query.values.iter().enumerate() {
+            let coordinate = coordinates.get(at).copied().unwrap_or(0.0);
+            assert!((f32::from(value) * query.step - coordinate).abs() <= 0.6 / f32::from(1i16 << bits));
+            let byte = |half: i32| i32::from((half >> (8 * (at % 4))) as i8);
+            let [high, low] = query.halves[at / 4];
+            assert_eq!(128 * byte(high) + byte(low), i32::from(value));
+            assert!(precision == Precision::Fine || low == 0);
+            assert_eq!((query.quads[at / 4] >> (16 * (at % 4))) as i16, value);
+        }
     }
     // All zeros, and what no finite query holds: no panic, and no NaN among the units.
     for odd in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY, f32::NAN] {
-        query.set(&[odd; 5]);
+        query.set(&[odd; 5], Precision::Fine);
+        query.set(&[odd; 5], Precision::Coarse);
     }
 }
