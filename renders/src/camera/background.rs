@@ -6,6 +6,8 @@ use super::lattice::Lattice;
 use super::palette::{self, Rgb, mix, scale};
 use crate::random::{between, normal, unit};
 
+/// How often a ground is a pale wall or table.
+const WALLS: f64 = 0.2;
 /// The most things that lie about.
 const THINGS: usize = 9;
 
@@ -44,6 +46,8 @@ pub(super) struct Background {
     edge: [f32; 3],
     turn: [f32; 2],
     things: Vec<Thing>,
+    /// How much more light there is than on the hand: rooms are often brighter behind it.
+    light: f32,
 }
 
 impl Background {
@@ -53,7 +57,7 @@ impl Background {
             [sin as f32, cos as f32]
         };
         let ground = |rng: &mut ChaCha8Rng| {
-            let first = palette::muted(rng);
+            let first = if unit(rng) < WALLS { palette::wall(rng) } else { palette::muted(rng) };
             // Most surfaces are of one colour, lighter here and darker there.
             let second = match unit(rng) < 0.6 {
                 true => scale(first, between(rng, [0.45, 1.5]) as f32),
@@ -78,11 +82,16 @@ impl Background {
             size: between(rng, [2.0, 40.0]) as f32,
         };
         let things = (0..count).map(|_| thing(rng)).collect();
-        Self { grounds, edge: [cos, sin, far as f32], turn: turn(rng), things }
+        let light = libm::exp(0.25 + 0.6 * normal(rng)) as f32;
+        Self { grounds, edge: [cos, sin, far as f32], turn: turn(rng), things, light }
     }
 
-    /// The colour at a place of the picture, 0 to 1 right and down: linear RGB.
+    /// What is seen at a place of the picture, 0 to 1 right and down: linear RGB.
     pub(super) fn at(&self, u: f32, v: f32, field: &Lattice) -> Rgb {
+        scale(self.colour(u, v, field), self.light)
+    }
+
+    fn colour(&self, u: f32, v: f32, field: &Lattice) -> Rgb {
         for thing in &self.things {
             let [sin, cos] = thing.turn;
             let (x, y) = (u - thing.centre[0], v - thing.centre[1]);

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
+use super::border::Border;
 use super::marks::Mark;
 use super::scene::{CameraScene, FIRST_OBJECT};
 use super::shut::shut;
@@ -11,11 +12,13 @@ use crate::raster::{Projected, fill};
 use crate::view::View;
 
 /// Texels a side.
-const SIDE: usize = 128;
+pub(super) const SIDE: usize = 160;
 /// The share of them that the hand takes without its arm.
 const SHARE: f32 = 0.36;
 /// Where the hand ends and the forearm begins, in metres along x.
 const WRIST: f32 = -0.02;
+/// Steps of a depth in widths of a texel.
+const DEPTH: f32 = 1.0 / 16.0;
 /// Steps of a place in metres.
 const STEP: f32 = 0.0015;
 
@@ -32,6 +35,8 @@ pub(super) struct Texel {
     mark: [i8; 3],
     /// How much of what lies around is nearer to the camera, 0 to 255.
     shut: u8,
+    /// How far behind the hand's middle it lies, in [`DEPTH`] of a texel's width.
+    depth: i16,
 }
 
 impl Texel {
@@ -53,6 +58,11 @@ impl Texel {
     /// The share of light from all around that does not come in, 0 to 1.
     pub(super) fn shut(&self) -> f32 {
         f32::from(self.shut) / 255.0
+    }
+
+    /// How far behind the hand's middle it lies, in widths of a texel.
+    pub(super) fn depth(&self) -> f32 {
+        f32::from(self.depth) * DEPTH
     }
 
     pub(super) fn is_hand(&self) -> bool {
@@ -100,7 +110,8 @@ impl Layers {
     /// `distance` is in metres.
     fn draw(scene: &CameraScene, camera_from_hand: UnitQuaternion<f64>, distance: f64) -> Self {
         let turn: &Matrix3<f32> = &camera_from_hand.to_rotation_matrix().matrix().cast();
-        let projected = project(scene, turn, distance as f32);
+        let distance = distance as f32;
+        let (projected, texels_a_metre) = project(scene, turn, distance);
         let mut depth = vec![0f32; SIDE * SIDE];
         // Which triangle is seen, and the weights of its second and third corner.
         let mut seen = vec![(u32::MAX, 0f32, 0f32); SIDE * SIDE];
@@ -113,8 +124,10 @@ impl Layers {
             .iter()
             .map(|&(at, wb, wc)| texel(scene, turn, at as usize, [1.0 - wb - wc, wb, wc]))
             .collect();
-        for (texel, shut) in texels.iter_mut().zip(shut(&depth, SIDE)) {
+        for ((texel, shut), near) in texels.iter_mut().zip(shut(&depth, SIDE)).zip(&depth) {
             texel.shut = shut;
+            // Casting saturates: what is nowhere is far away.
+            texel.depth = ((near.recip() - distance) * texels_a_metre / DEPTH) as i16;
         }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
@@ -219,11 +232,13 @@ fn texel(scene: &CameraScene, turn: &Matrix3<f32>, at: usize, weights: [f32; 3])
             false => [0; 3],
         },
         shut: 0,
+        depth: 0,
     }
 }
 
-/// Every vertex in the frame that shows the hand, without its arm, in the middle.
-fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> Vec<Projected> {
+/// Every vertex in the frame that shows the hand, without its arm, in the middle; and how many
+/// texels wide a metre is there.
+fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> (Vec<Projected>, f32) {
     let hand = |at: usize| at < scene.hand_vertices && scene.places[at].x > WRIST;
     let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
     for (_, v) in scene.vertices.iter().enumerate().filter(|(at, _)| hand(*at)) {
@@ -250,7 +265,7 @@ fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> Vec<Proje
     for p in &mut out {
         (p.x, p.y) = (p.x * zoom + shift[0], p.y * zoom + shift[1]);
     }
-    out
+    (out, zoom / distance)
 }
 
 /// Which square of a view a picture shows.
@@ -262,6 +277,8 @@ pub struct Framing {
     pub(super) side: f32,
     /// By how many radians the picture's content is turned clockwise.
     pub turn: f64,
+    /// Where the picture ends that it is cut from.
+    pub(super) border: Border,
 }
 
 impl Framing {
@@ -287,7 +304,7 @@ impl Framing {
             true => std::f64::consts::TAU * unit(rng),
             false => Self::NEAR_TURN * normal(rng),
         };
-        Self::of(layers, Self::NEAR, Self::NEAR_OFF, turn, rng)
+        Self::of(layers, Self::NEAR, Self::NEAR_OFF, turn, Border::near(rng), rng)
     }
 
     /// A larger square with the hand anywhere in it, the arm from anywhere, but often from below.
@@ -296,17 +313,24 @@ impl Framing {
             true => between(rng, [-Self::BELOW, Self::BELOW]),
             false => std::f64::consts::TAU * unit(rng),
         };
-        Self::of(layers, Self::FAR, Self::FAR_OFF, turn, rng)
+        Self::of(layers, Self::FAR, Self::FAR_OFF, turn, Border::whole(rng), rng)
     }
 
     /// A square with a side of so many `sizes` of the hand; without `turn` the arm points down.
-    fn of(layers: &Layers, [low, high]: [f64; 2], off: f64, turn: f64, rng: &mut ChaCha8Rng) -> Self {
+    fn of(
+        layers: &Layers,
+        [low, high]: [f64; 2],
+        off: f64,
+        turn: f64,
+        border: Border,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
         let side = low * libm::pow(high / low, unit(rng)) * f64::from(layers.size());
         let off = [0; 2].map(|_| (off * normal(rng)).clamp(-0.36, 0.36));
         let arm = layers.camera_from_hand * -Vector3::x();
         let turn = std::f64::consts::FRAC_PI_2 - libm::atan2(arm.y, arm.x) + turn;
         let centre = [0, 1].map(|i| layers.centre[i] + (side * off[i]) as f32);
-        Self { centre, side: side as f32, turn }
+        Self { centre, side: side as f32, turn, border }
     }
 
     /// The map from places of the picture, 0 to 1 right and down, to texels of the view.

@@ -7,9 +7,11 @@
 //! optics: what a picture of a stranger's hand in a stranger's room may look like.
 
 mod background;
+mod border;
 mod dress;
 mod lattice;
 mod layers;
+mod light;
 mod marks;
 mod optics;
 mod paint;

@@ -4,6 +4,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::random::{between, grain, normal, unit};
 
+/// How often a camera sharpens what it has taken.
+const SHARPENED: f64 = 0.4;
+
 /// Turns a square of linear RGB values into those of a picture, 0 to 1, in place.
 pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
     if unit(rng) < 0.5 {
@@ -14,6 +17,9 @@ pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
         blur(rgb, side, between(rng, [0.8, 2.5]) as f32, [cos.abs() as f32, sin.abs() as f32]);
     }
     expose(rgb, rng);
+    if unit(rng) < SHARPENED {
+        sharpen(rgb, side, between(rng, [0.7, 1.3]) as f32, between(rng, [0.3, 1.3]) as f32);
+    }
     if unit(rng) < 0.5 {
         smear_colours(rgb, side, (1.0 + 3.0 * unit(rng)) as usize);
     }
@@ -26,12 +32,15 @@ pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
 /// Brightness, white balance, tone curve, contrast and saturation.
 fn expose(rgb: &mut [f32], rng: &mut ChaCha8Rng) {
     let mean = rgb.iter().sum::<f32>() / rgb.len().max(1) as f32;
-    // A camera brings the mean to about a fifth; not always.
+    // A camera brings the mean to about a sixth; not always.
     let gain =
-        libm::pow(0.2 / f64::from(mean.max(0.01)), between(rng, [0.3, 1.0])) * libm::exp(0.3 * normal(rng));
-    let white: [f32; 3] = [0; 3].map(|_| libm::exp(0.08 * normal(rng)) as f32 * gain as f32);
+        libm::pow(0.17 / f64::from(mean.max(0.01)), between(rng, [0.3, 1.0])) * libm::exp(0.45 * normal(rng));
+    // Too warm or too cold more often than too green.
+    let cold = 0.03 + 0.1 * normal(rng);
+    let white: [f32; 3] =
+        [-cold, 0.0, cold].map(|shift| (libm::exp(shift + 0.07 * normal(rng)) * gain) as f32);
     let gamma = (between(rng, [0.8, 1.25]) / 2.2) as f32;
-    let (contrast, saturation) = (between(rng, [0.75, 1.25]) as f32, between(rng, [0.5, 1.35]) as f32);
+    let (contrast, saturation) = (between(rng, [0.75, 1.6]) as f32, between(rng, [0.4, 1.3]) as f32);
     let black = 0.06 * unit(rng) as f32;
     let curve = Curve::power(gamma);
     for pixel in rgb.as_chunks_mut::<3>().0 {
@@ -89,6 +98,13 @@ fn smear_colours(rgb: &mut [f32], side: usize, cell: usize) {
     }
 }
 
+/// Adds so much of what a blur takes away.
+fn sharpen(rgb: &mut [f32], side: usize, sigma: f32, amount: f32) {
+    let mut blurred = rgb.to_vec();
+    blur(&mut blurred, side, sigma, [1.0, 1.0]);
+    rgb.iter_mut().zip(blurred).for_each(|(value, smooth)| *value += amount * (*value - smooth));
+}
+
 /// A Gaussian blur whose standard deviation, in pixels, has such shares right and down.
 fn blur(rgb: &mut [f32], side: usize, sigma: f32, shares: [f32; 2]) {
     for (share, [line, step]) in shares.into_iter().zip([[side, 1], [1, side]]) {
@@ -135,6 +151,17 @@ mod tests {
         dot[3 * (8 * 16 + 8)] = 1.0;
         blur(&mut dot, 16, 1.0, [1.0, 1.0]);
         assert!((dot.iter().sum::<f32>() - 1.0).abs() < 1e-4 && dot[3 * (8 * 16 + 9)] > 0.05);
+    }
+
+    #[test]
+    fn sharpening_steepens_an_edge_and_keeps_an_even_picture() {
+        let mut even = vec![0.4; 3 * 16 * 16];
+        sharpen(&mut even, 16, 1.0, 1.0);
+        assert!(even.iter().all(|v| (v - 0.4).abs() < 1e-5));
+        let mut edge: Vec<f32> = (0..3 * 16 * 16).map(|at| if at / 3 % 16 < 8 { 0.3 } else { 0.6 }).collect();
+        sharpen(&mut edge, 16, 1.0, 1.0);
+        let at = |x: usize| edge[3 * (8 * 16 + x)];
+        assert!(at(7) < 0.25 && at(8) > 0.65 && (at(1) - 0.3).abs() < 1e-4, "{} {}", at(7), at(8));
     }
 
     #[test]

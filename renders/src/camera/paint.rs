@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 use super::background::Background;
 use super::lattice::Lattice;
 use super::layers::{Framing, Layers, Texel};
+use super::light::Light;
 use super::optics::develop;
 use super::palette::{Rgb, scale};
 use super::scene::FIRST_OBJECT;
-use super::surface::{Light, Material, Skin};
+use super::surface::{Material, Skin};
 use crate::random::{between, normal, unit};
 
 /// Samples a pixel along each side.
@@ -80,7 +81,7 @@ impl Layers {
                 for sample in 0..SUPER * SUPER {
                     let place =
                         |at: usize, i: usize| (at as f32 + (i as f32 + 0.5) / SUPER as f32) / side as f32;
-                    let (u, v) = (place(x, sample % SUPER), place(y, sample / SUPER));
+                    let [u, v] = framing.border.within(place(x, sample % SUPER), place(y, sample / SUPER));
                     let [tx, ty] = map.place(u, v);
                     let texel = self.at(tx, ty);
                     let part = surfaces.part(texel);
@@ -89,7 +90,7 @@ impl Layers {
                         _ if texel.part == 0 => {
                             scale(background.at(u, v, &surfaces.field), shadow.at(self, tx, ty))
                         }
-                        _ => surfaces.seen(texel),
+                        _ => surfaces.seen(self, tx, ty),
                     };
                     seen = Some((texel.part, part, colour));
                     (0..3).for_each(|i| sum[i] += colour[i]);
@@ -143,14 +144,16 @@ impl Surfaces {
         sleeve.or_else(|| self.watch.filter(|[from, to]| (from..to).contains(&&back)).map(|_| &self.strap))
     }
 
-    fn seen(&self, texel: &Texel) -> Rgb {
+    fn seen(&self, layers: &Layers, x: f32, y: f32) -> Rgb {
+        let (texel, light, field) = (layers.at(x, y), &self.light, &self.field);
+        let shares = light.shares(layers, x, y);
         if texel.is_object() {
             let material = &self.things[usize::from(texel.part - FIRST_OBJECT) % self.things.len()];
-            return material.seen(texel, &self.light, &self.field);
+            return material.seen(texel, light, shares, field);
         }
         match self.cover(texel).filter(|_| texel.is_arm()) {
-            Some(material) => material.seen(texel, &self.light, &self.field),
-            None => self.skin.seen(texel, &self.light, &self.field),
+            Some(material) => material.seen(texel, light, shares, field),
+            None => self.skin.seen(texel, light, shares, field),
         }
     }
 }

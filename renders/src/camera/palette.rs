@@ -77,6 +77,12 @@ pub(super) fn muted(rng: &mut ChaCha8Rng) -> Rgb {
     mix(colour, [grey; 3], (0.75 * unit(rng)) as f32)
 }
 
+/// A wall's or a table's: pale and nearly grey.
+pub(super) fn wall(rng: &mut ChaCha8Rng) -> Rgb {
+    let (grey, warm) = (between(rng, [0.6, 0.95]), 0.04 * normal(rng));
+    linear([grey + warm, grey, grey - warm])
+}
+
 /// Hue, saturation and value, each 0 to 1, to linear RGB.
 fn hue(hue: f64, saturation: f64, value: f64) -> Rgb {
     linear(std::array::from_fn(|i| {

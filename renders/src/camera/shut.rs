@@ -3,7 +3,7 @@
 
 /// Lines through a texel that are looked along, and how far, in texels.
 const LINES: usize = 4;
-const FAR: [f32; 2] = [2.0, 4.5];
+const FAR: [f32; 2] = [2.5, 5.6];
 /// How much nearer, or farther, in metres, what lies at a line's end counts at most.
 const MOST: f32 = 0.03;
 /// A hollow so deep, in metres, is as dark as one can be.

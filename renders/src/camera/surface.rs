@@ -4,50 +4,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::lattice::Lattice;
 use super::layers::Texel;
+use super::light::{Light, Shares};
 use super::palette::{self, Rgb, mix, scale, times};
 use crate::random::{between, normal, unit};
-
-/// One far light, an even one, and what shines.
-#[derive(Debug, Clone)]
-pub(super) struct Light {
-    toward: [f32; 3],
-    colour: Rgb,
-    even: Rgb,
-    /// How dark hollows are, 0 to 1.
-    hollows: f32,
-}
-
-impl Light {
-    pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
-        // From the camera's side, mostly from above.
-        let toward = [normal(rng), normal(rng) - 0.7, -0.4 - unit(rng)].map(|v| v as f32);
-        let length = toward.iter().map(|v| v * v).sum::<f32>().sqrt();
-        let even = between(rng, [0.2, 0.8]) as f32;
-        let warm = 0.12 * normal(rng) as f32;
-        let tint = |warm: f32| [1.0 + warm, 1.0, 1.0 - warm];
-        Self {
-            toward: toward.map(|v| v / length),
-            colour: scale(tint(warm), 1.25 * (1.0 - even)),
-            even: scale(tint(-0.5 * warm), even),
-            hollows: between(rng, [0.0, 0.8]) as f32,
-        }
-    }
-
-    /// The light that a surface of a normal sends back, from which a share is kept away, and the
-    /// mirrored light.
-    fn on(&self, normal: [f32; 3], shut: f32, wrap: f32) -> (Rgb, f32) {
-        let dot: f32 = normal.iter().zip(&self.toward).map(|(a, b)| a * b).sum();
-        let lit = ((dot + wrap) / (1.0 + wrap)).max(0.0);
-        // Half way between the light and the camera, which looks along z.
-        let half = [self.toward[0], self.toward[1], self.toward[2] - 1.0];
-        let length = half.iter().map(|v| v * v).sum::<f32>().sqrt().max(1e-6);
-        let shine = normal.iter().zip(&half).map(|(a, b)| a * b).sum::<f32>() / length;
-        // Surfaces that face up are brighter where light comes from all around.
-        let open = 0.85 - 0.15 * normal[1] - 0.1 * normal[2];
-        let left = 1.0 - self.hollows * shut;
-        (std::array::from_fn(|i| left * (self.even[i] * open + self.colour[i] * lit)), shine.max(0.0))
-    }
-}
 
 /// What a material's colour follows.
 #[derive(Debug, Clone, Copy)]
@@ -156,10 +115,10 @@ impl Material {
         }
     }
 
-    /// As the camera sees it: linear RGB.
-    pub(super) fn seen(&self, texel: &Texel, light: &Light, field: &Lattice) -> Rgb {
+    /// As the camera sees it: linear RGB. `shares` of each lamp's light come in.
+    pub(super) fn seen(&self, texel: &Texel, light: &Light, shares: Shares, field: &Lattice) -> Rgb {
         let (place, normal) = (texel.place(), texel.normal());
-        let (lit, shine) = light.on(normal, texel.shut(), 0.0);
+        let (lit, shine) = light.on(texel, shares, 0.0);
         let colour = times(self.colour(place, field), lit);
         let glint = glint(self.gloss, shine, self.polish);
         // Metal mirrors a room of light and dark.
@@ -183,6 +142,9 @@ pub(super) struct Skin {
     red: Rgb,
     uneven: f32,
     size: f32,
+    /// How much brighter or darker furrows and spots are, and how many of them a metre has.
+    rough: f32,
+    grain: f32,
     gloss: f32,
     hairy: f32,
     /// The colour of the palm's side, of knuckles and of nails.
@@ -208,16 +170,18 @@ impl Skin {
             nail_gloss: (0.5 * unit(rng)) as f32,
             uneven: (0.9 * unit(rng)) as f32,
             size: between(rng, [25.0, 90.0]) as f32,
+            rough: (0.3 * unit(rng) * unit(rng)) as f32,
+            grain: between(rng, [60.0, 250.0]) as f32,
             gloss: (0.25 * unit(rng) * unit(rng)) as f32,
             hairy: if unit(rng) < 0.3 { (0.5 * unit(rng)) as f32 } else { 0.0 },
         }
     }
 
-    /// As the camera sees it: linear RGB.
-    pub(super) fn seen(&self, texel: &Texel, light: &Light, field: &Lattice) -> Rgb {
+    /// As the camera sees it: linear RGB. `shares` of each lamp's light come in.
+    pub(super) fn seen(&self, texel: &Texel, light: &Light, shares: Shares, field: &Lattice) -> Rgb {
         let (place, mark) = (texel.place(), texel.mark());
         // Light comes through a little: the shadow's edge is soft and red.
-        let (lit, shine) = light.on(texel.normal(), texel.shut(), 0.25);
+        let (lit, shine) = light.on(texel, shares, 0.25);
         let red = (field.at_place(place.map(|v| v * self.size)) - 0.3).max(0.0) * self.uneven;
         let palmar = (0.5 + mark.palmar).clamp(0.0, 1.0);
         let mut colour = mix(self.colour, self.palm, palmar);
@@ -225,6 +189,8 @@ impl Skin {
         if self.hairy > 0.0 && place[0] < 0.0 {
             colour = scale(colour, 1.0 - self.hairy * field.at_place(place.map(|v| v * 330.0)));
         }
+        let rough = 2.0 * field.at_place(place.map(|v| v * self.grain + 0.5)) - 1.0;
+        colour = scale(colour, 1.0 + self.rough * rough);
         colour = mix(colour, self.nail, mark.nail);
         let glint = glint(self.gloss + mark.nail * self.nail_gloss, shine, 9.0);
         times(colour, lit).map(|v| v + glint)

@@ -19,7 +19,7 @@ const NOTHING: f64 = 0.04;
 /// How much its class and stage count there.
 const WEIGHT_OF_FAR: f32 = 0.4;
 /// The least area that is seen of a hand, in texels.
-const LEAST: f32 = 150.0;
+const LEAST: f32 = 230.0;
 /// Pixels a side of a value of the masks.
 const CELL: usize = 2;
 

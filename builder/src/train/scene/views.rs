@@ -17,7 +17,7 @@ const EMPTY: f64 = 0.09;
 /// How often what is not yet held is there at all.
 const IN_SIGHT: f64 = 0.8;
 /// How often a thing is held up at the finger tips, in grasps that have such ways.
-const PRESENTED: f64 = 0.4;
+const PRESENTED: f64 = 0.36;
 /// Distances of the camera, in hand lengths.
 const DISTANCE: [f64; 2] = [2.0, 8.0];
 /// What the thing in the hand looks like is drawn by another seed than the hand.
