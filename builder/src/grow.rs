@@ -96,7 +96,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
         source.describe(&names, &recipe, &Known::nothing(), 0..source.pieces(), &mut take)?;
         drop(bar);
     }
-    let report = gathered.finish(&Known::nothing(), || recipe.asked(&names), progress)?;
+    let report = gathered.finish(&Known::nothing(), || recipe.held_out_rows(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
 }
 

@@ -191,7 +191,7 @@ impl Hands {
                     // Another light than that of the index's own views from the same direction.
                     seed: plan.seed.wrapping_add(FIRST_SEED),
                 };
-                let spec = people.of(spec);
+                let spec = people.vary(spec);
                 // So that they sum up to what is asked for.
                 let at = scenes.len();
                 let views = (at + 1) * self.views / count - at * self.views / count;

@@ -7,9 +7,6 @@ use anyhow::Context;
 /// Set by the first SIGINT or SIGTERM.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// The exit status of a program that a Ctrl-C ended, as shells count it (128 + SIGINT).
-pub const EXIT_STATUS: u8 = 130;
-
 /// The work was stopped by the user. What is kept of it, and how to go on, depends on the work.
 #[derive(Debug, thiserror::Error)]
 #[error("stopped")]
@@ -22,7 +19,7 @@ pub struct Interrupted;
 pub fn catch() -> anyhow::Result<()> {
     ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(EXIT_STATUS));
+            std::process::exit(i32::from(grasp_program::status::INTERRUPTED));
         }
     })
     .context("cannot listen for Ctrl-C")

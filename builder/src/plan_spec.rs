@@ -23,6 +23,8 @@ pub const ROLLS: RangeInclusive<u32> = 1..=360;
 pub const VIEWS: RangeInclusive<u32> = 1..=1_000_000;
 /// Which share of the scenes may be posed like examples.
 pub const EXAMPLES: RangeInclusive<f64> = 0.0..=1.0;
+/// Degrees between views. Only to list a grid that is finer would take minutes.
+pub const STEPS_DEG: RangeInclusive<f64> = 0.5..=180.0;
 
 /// A preset and what differs from it. `None` leaves a value as the preset has it.
 ///
@@ -133,7 +135,7 @@ impl FromStr for PlanSpec {
 impl PlanSpec {
     /// A preset as it is.
     #[must_use]
-    pub fn of(preset: Preset) -> Self {
+    pub fn of_preset(preset: Preset) -> Self {
         Self {
             version: Version,
             preset,
@@ -156,6 +158,7 @@ impl PlanSpec {
         let fits = [
             ("the number of rolls", self.rolls.is_none_or(|rolls| ROLLS.contains(&rolls))),
             ("the number of views", self.views.is_none_or(|views| VIEWS.contains(&views))),
+            ("the step between views", self.step_deg.is_none_or(|step| STEPS_DEG.contains(&step))),
             ("the share of examples", self.examples.is_none_or(|share| EXAMPLES.contains(&share))),
             ("the elevation", self.elevations_deg.is_none_or(are_elevations)),
             ("the number of stages", self.stages.len() <= MOST_STAGES),
@@ -178,7 +181,7 @@ fn from_options(text: &str) -> Result<PlanSpec, PlanSpecError> {
         Some(())
     }
     let mut preset = None;
-    let mut spec = PlanSpec::of(Preset::Paper);
+    let mut spec = PlanSpec::of_preset(Preset::Paper);
     for option in text.split(' ') {
         let parsed = option.split_once('=').and_then(|(name, value)| match name {
             "--preset" => set(&mut preset, value),
@@ -219,13 +222,14 @@ mod tests {
         let [old, new] = [OPTIONS, JSON].map(|text| text.parse::<PlanSpec>().unwrap());
         assert_eq!(old, new);
         assert_eq!(old.to_string(), JSON);
-        assert_eq!(PlanSpec::of(Preset::Standard).to_string(), r#"{"version":1,"preset":"standard"}"#);
+        assert_eq!(PlanSpec::of_preset(Preset::Standard).to_string(), r#"{"version":1,"preset":"standard"}"#);
     }
 
     #[test]
     fn numbers_read_back_exactly() {
         for bits in (0..2000).map(|i: u64| 0x3ff0_0000_0000_0000 + i * 0x0000_1234_5678_9abc) {
-            let spec = PlanSpec { distance: Some(f64::from_bits(bits)), ..PlanSpec::of(Preset::Paper) };
+            let spec =
+                PlanSpec { distance: Some(f64::from_bits(bits)), ..PlanSpec::of_preset(Preset::Paper) };
             assert_eq!(spec.to_string().parse::<PlanSpec>().unwrap(), spec);
         }
     }

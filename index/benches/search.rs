@@ -7,8 +7,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use grasp_index::{
-    DescriptorParams, Effort, HashParams, Index, IndexParams, IndexWriter, Kept, NewEntry, RandomParams,
-    SearchOptions,
+    DescriptorParams, Effort, HashParams, Index, IndexParams, IndexWriter, KeptFields, NewEntry,
+    RandomParams, SearchOptions,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +50,7 @@ fn rows(count: usize, seed: u64) -> Vec<f32> {
 fn index(hash: HashParams) -> (Index, Vec<f32>) {
     let params = IndexParams {
         descriptor: DescriptorParams::raw(DIM as u32),
-        kept: Kept::nothing(),
+        kept: KeptFields::nothing(),
         hash,
         held_out: rows(QUERIES, 4),
         ..IndexParams::default()

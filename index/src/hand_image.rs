@@ -209,27 +209,43 @@ impl HandImage {
     /// Linear interpolation between the pixels of the hand around `(x, y)`; `None` where less than
     /// half of the weight is hand.
     fn sample(&self, x: f64, y: f64) -> Option<u8> {
-        let (left, top) = (x.floor(), y.floor());
-        let (fx, fy) = (x - left, y - top);
-        let (left, top) = (left as i64, top as i64);
+        let (left, top) = (floor(x), floor(y));
+        let (fx, fy) = (x - left as f64, y - top as f64);
         let (mut inside, mut grey) = (0.0, 0.0);
-        for (dx, dy, weight) in [
-            (0, 0, (1.0 - fx) * (1.0 - fy)),
-            (1, 0, fx * (1.0 - fy)),
-            (0, 1, (1.0 - fx) * fy),
-            (1, 1, fx * fy),
-        ] {
-            let (px, py) = (left + dx, top + dy);
-            if px < 0 || py < 0 || px >= self.width as i64 || py >= self.height as i64 {
-                continue;
+        self.around([left, top], [fx, fy], |share, value, weight| {
+            inside += weight * f64::from(share);
+            grey += weight * f64::from(value);
+        });
+        (inside >= 0.5).then(|| (grey / inside).round() as u8)
+    }
+
+    /// What linear interpolation takes of the four pixels from column `left` and row `top` on: the
+    /// mask (0 or 1), the grey, which is 0 outside the mask, and the weight of each. `fractions`
+    /// are the place's own within the first pixel. Pixels beyond the picture are left out.
+    #[inline(always)]
+    pub(crate) fn around<T>(&self, [left, top]: [i64; 2], fractions: [T; 2], mut take: impl FnMut(u8, u8, T))
+    where
+        T: Copy + From<u8> + std::ops::Sub<Output = T> + std::ops::Mul<Output = T>,
+    {
+        let [fx, fy] = fractions;
+        let (gx, gy) = (T::from(1u8) - fx, T::from(1u8) - fy);
+        let weights = [gx * gy, fx * gy, gx * fy, fx * fy];
+        let (width, height) = (self.width as i64, self.height as i64);
+        let mut pixel = |at: usize, weight: T| take(self.mask[at], self.pixels[at], weight);
+        if (0..width - 1).contains(&left) && (0..height - 1).contains(&top) {
+            let at = (top * width + left) as usize;
+            let below = at + self.width;
+            for (at, weight) in [at, at + 1, below, below + 1].into_iter().zip(weights) {
+                pixel(at, weight);
             }
-            let at = py as usize * self.width + px as usize;
-            if self.mask[at] != 0 {
-                inside += weight;
-                grey += weight * f64::from(self.pixels[at]);
+            return;
+        }
+        for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
+            let (x, y) = (left + dx, top + dy);
+            if (0..width).contains(&x) && (0..height).contains(&y) {
+                pixel((y * width + x) as usize, weight);
             }
         }
-        (inside >= 0.5).then(|| (grey / inside).round() as u8)
     }
 
     /// The hand image shrunk so that its longer side is at most `side` pixels, never below
@@ -291,6 +307,13 @@ fn check_size(width: usize, height: usize, what: &'static str, found: usize) -> 
     } else {
         Err(HandImageError::SizeMismatch { width, height, what, found })
     }
+}
+
+/// The largest integer that is not above `value`. The same as `f64::floor`, which is a call on
+/// processors whose instructions are not known when the program is compiled.
+pub(crate) fn floor(value: f64) -> i64 {
+    let towards_zero = value as i64;
+    towards_zero.saturating_sub(i64::from(towards_zero as f64 > value))
 }
 
 fn to_floats(values: &[u8], row: &mut [f32]) {

@@ -72,8 +72,8 @@ mod segments;
 mod vote;
 
 pub use descriptor::{
-    Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, Opinion, PLANES_SIDE,
-    PLANES_SOURCE_SIDE, ParamsError, Placement, SHOWN_LENGTHS, Sampling, Tone, planes, shown,
+    Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, NetworkEstimate,
+    PLANES_SIDE, PLANES_SOURCE_SIDE, ParamsError, Placement, SHOWN_LENGTHS, Sampling, Tone, planes, shown,
 };
 pub use entry::{Entry, EntryError};
 pub use file::atomic::{AtomicFile, WriteError};
@@ -82,7 +82,7 @@ pub use file::corruption::Corruption;
 pub use file::error::{FileChanged, OpenError};
 pub use file::fault::guard_against_truncation;
 pub use file::input::{BuildError, EntryFault, IndexParams, NewEntry, Summary};
-pub use file::kept::{Kept, Originals};
+pub use file::kept::{KeptFields, Originals};
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;

@@ -4,7 +4,7 @@
 mod support;
 
 use grasp_index::{
-    Effort, Index, IndexParams, IndexWriter, Kept, NewEntry, OpenError, SearchOptions, VoteOptions,
+    Effort, Index, IndexParams, IndexWriter, KeptFields, NewEntry, OpenError, SearchOptions, VoteOptions,
 };
 
 fn small() -> Vec<u8> {
@@ -68,7 +68,7 @@ fn every_truncation_is_told() {
 /// The same vectors, and nothing that is known of them.
 fn vectors_alone() -> Vec<u8> {
     let params = IndexParams {
-        kept: Kept::nothing(),
+        kept: KeptFields::nothing(),
         classes: Vec::new(),
         thumbnail_side: 0,
         ..support::small_params()

@@ -4,8 +4,8 @@
 mod support;
 
 use grasp_index::{
-    CannotRecognise, ClassInfo, DescriptorParams, Effort, Index, IndexParams, IndexWriter, Kept, NewEntry,
-    SearchError, SearchOptions, SectionKind, VoteOptions,
+    CannotRecognise, ClassInfo, DescriptorParams, Effort, Index, IndexParams, IndexWriter, KeptFields,
+    NewEntry, SearchError, SearchOptions, SectionKind, VoteOptions,
 };
 use std::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ fn vector(n: usize) -> Vec<f32> {
     (0..DIM).map(|at| ((n * 31 + at * 17) % 101) as f32 / 10.0).collect()
 }
 
-fn built(kept: Kept) -> Index {
+fn built(kept: KeptFields) -> Index {
     let mut params =
         IndexParams { descriptor: DescriptorParams::raw(DIM as u32), kept, ..IndexParams::default() };
     if kept.labels {
@@ -45,7 +45,7 @@ fn exact() -> SearchOptions {
 
 #[test]
 fn vectors_alone_can_be_searched_and_tell_nothing_else() {
-    let index = built(Kept::nothing());
+    let index = built(KeptFields::nothing());
     assert!(index.verify().is_sound());
     assert_eq!((index.len(), index.dim()), (60, DIM));
     let found = index.search(&vector(17), &exact()).expect("the query fits");
@@ -70,7 +70,7 @@ fn vectors_alone_can_be_searched_and_tell_nothing_else() {
 
 #[test]
 fn true_neighbours_of_many_are_those_of_each_and_can_be_stopped() {
-    let index = built(Kept::nothing());
+    let index = built(KeptFields::nothing());
     let queries: Vec<f32> = (0..40).flat_map(|n| vector(n * 3 + 1)).collect();
     let mut one_by_one = Vec::new();
     for query in queries.chunks(DIM) {
@@ -91,7 +91,7 @@ fn true_neighbours_of_many_are_those_of_each_and_can_be_stopped() {
 
 #[test]
 fn labels_without_orientations_vote_on_the_class_alone() {
-    let index = built(Kept { labels: true, views: true, ..Kept::nothing() });
+    let index = built(KeptFields { labels: true, views: true, ..KeptFields::nothing() });
     assert!(index.verify().is_sound());
     let found = index.search(&vector(17), &exact()).expect("the query fits");
     let vote = index.vote(&found.neighbours[..1], &VoteOptions::default());
@@ -104,7 +104,7 @@ fn labels_without_orientations_vote_on_the_class_alone() {
 
 #[test]
 fn everything_but_the_vectors_takes_24_bytes_an_entry_at_most() {
-    let index = built(Kept { files: false, sources: false, ..Kept::default() });
+    let index = built(KeptFields { files: false, sources: false, ..KeptFields::default() });
     let of_entries = ["Labels", "Stages", "HandShapes", "Orientations", "Views", "Objects"];
     let sections = index.catalogue().sections.iter();
     let bytes: u64 =
@@ -115,8 +115,8 @@ fn everything_but_the_vectors_takes_24_bytes_an_entry_at_most() {
 #[test]
 fn pictures_are_described_by_no_raw_vectors() {
     let hand = support::hand(0, 0.0, &support::view(0.0, 45.0));
-    assert_eq!(built(Kept::default()).describe(&hand), Err(CannotRecognise::RawDescriptors));
-    let params = IndexParams { kept: Kept::nothing(), ..IndexParams::default() };
+    assert_eq!(built(KeptFields::default()).describe(&hand), Err(CannotRecognise::RawDescriptors));
+    let params = IndexParams { kept: KeptFields::nothing(), ..IndexParams::default() };
     let mut writer = IndexWriter::new(params).expect("the parameters are sound");
     let descriptor = DescriptorParams::default().describe(&hand).unwrap();
     writer.push(NewEntry { descriptor, ..NewEntry::default() }).expect("the entry fits");

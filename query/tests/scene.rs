@@ -94,7 +94,7 @@ fn what_hand_and_object_are_is_as_likely_for_either_hand_in_all() {
 fn a_hand_stands_in_the_middle_of_its_square() {
     for name in NAMES {
         let found = found(name);
-        let off = found.scene.unwrap().square.from_picture().of(middle(&found.mask));
+        let off = found.scene.unwrap().square.from_picture().apply(middle(&found.mask));
         assert!(off.iter().all(|place| (0.2..0.8).contains(place)), "{name}: {off:?}");
     }
 }

@@ -162,7 +162,7 @@ impl RenderPlan {
                             look: self.look.clone(),
                             seed: self.seed,
                         };
-                        scenes.push(self.variation.of(spec));
+                        scenes.push(self.variation.vary(spec));
                     }
                 }
             }

@@ -92,7 +92,7 @@ impl Variation {
 
     /// The scene, varied as its own parameters' hash says: the same scene is varied in the same
     /// way.
-    pub fn of(&self, mut spec: SceneSpec) -> SceneSpec {
+    pub fn vary(&self, mut spec: SceneSpec) -> SceneSpec {
         if *self == Variation::NONE {
             return spec;
         }

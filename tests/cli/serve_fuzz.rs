@@ -4,12 +4,15 @@
 //! `PROPTEST_CASES=20000 cargo test --release -p grasp-tests --test cli serve_fuzz` looks for
 //! longer.
 
+#[path = "../fuzz/mutated.rs"]
+mod mutated;
+
 use std::sync::OnceLock;
 
 use grasp_tests::service::{Response, Service, request};
 use grasp_tests::{pictures, small_index};
+use mutated::mutated;
 use proptest::prelude::*;
-use proptest::sample::Index as Place;
 
 struct Fixture {
     service: Service,
@@ -76,31 +79,6 @@ fn form() -> Vec<u8> {
     body
 }
 
-/// A body: one of the seeds, changed here and there, cut, or with a piece of another in it; or
-/// noise.
-fn bodies() -> impl Strategy<Value = Vec<u8>> {
-    let edits = proptest::collection::vec((any::<Place>(), any::<u8>()), 0..8);
-    let changed =
-        (any::<Place>(), edits, proptest::option::of(any::<Place>()), proptest::option::of(any::<Place>()));
-    let changed = changed.prop_map(|(seed, edits, cut, other)| {
-        let seeds = &fixture().seeds;
-        let mut body = seed.get(seeds).clone();
-        for (at, value) in edits {
-            let at = at.index(body.len());
-            body[at] = value;
-        }
-        if let Some(other) = other {
-            let at = other.index(body.len());
-            body.splice(at..at, other.get(seeds).iter().copied());
-        }
-        if let Some(cut) = cut {
-            body.truncate(cut.index(body.len() + 1));
-        }
-        body
-    });
-    prop_oneof![6 => changed, 1 => proptest::collection::vec(any::<u8>(), 0..4096)]
-}
-
 fn paths() -> impl Strategy<Value = String> {
     let path = prop_oneof![
         4 => Just("/v1/recognise"),
@@ -161,7 +139,7 @@ proptest! {
     #![proptest_config(ProptestConfig { max_shrink_iters: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_is_asked_is_answered(path in paths(), body in bodies(), kind in 0usize..4, accept in 0usize..4) {
+    fn whatever_is_asked_is_answered(path in paths(), body in mutated(&fixture().seeds), kind in 0usize..4, accept in 0usize..4) {
         let Fixture { service, answer, .. } = fixture();
         let kind = ["Content-Type: multipart/form-data; boundary=B\r\n", "Content-Type: image/png\r\n", "Content-Type: multipart/form-data\r\n", ""][kind];
         let accept = ["Accept: text/plain\r\n", "Accept: image/png\r\n", "Accept: application/yaml\r\n", ""][accept];

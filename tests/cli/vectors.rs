@@ -194,11 +194,11 @@ fn tables_of_labels_that_are_none_are_told() {
         ("grasp,stage\npinch,grasp\n,grasp\n", "line 3: no grasp"),
         ("grasp,qx,qy,qz\npinch,0,0,0\npinch,0,0,0\n", "qw is missing"),
         ("grasp,qx,qy,qz,qw\npinch,0,0,0,1\npinch,0,0,0,2\n", "line 3: qx, qy, qz, qw have length 2.0000"),
-        ("grasp,azimuth,elevation\npinch,0,inf\npinch,0,0\n", "not a finite number"),
+        ("grasp,azimuth,elevation\npinch,0,inf\npinch,0,0\n", "line 2: `inf` in column `elevation`"),
         ("grasp,azimuth,elevation\npinch,0,\npinch,0,0\n", "`` in column `elevation`"),
         ("grasp,hand\npinch,right\npinch,left\n", "flip left ones"),
         ("grasp,cutkosky\npinch,9\npinch,8\n", "grasp `pinch` is number 9 on a line before, and 8 here"),
-        ("grasp,stage\npinch,grasp\npinch\n", "line: 3"),
+        ("grasp,stage\npinch,grasp\npinch\n", "y.csv, line 3: not a line of this table"),
     ];
     for (text, says) in cases {
         fs::write(folder.path().join("y.csv"), text).unwrap();

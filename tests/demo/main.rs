@@ -3,6 +3,7 @@
 //! Every step is a command that is printed before it runs, so that the demo is also a first lesson.
 //! What it makes lies in `target/demo` and nowhere else.
 
+use std::error::Error;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -25,7 +26,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn demo() -> Result<(), String> {
+fn demo() -> Result<(), Box<dyn Error>> {
     eprintln!("Compiling grasp-builder and grasp-query (the first time this takes two minutes) ...");
     let steps = Steps { programs: programs(Build::Trial) };
     // Relative paths keep what is printed short, and let a reader repeat it from the checkout's
@@ -57,7 +58,7 @@ fn demo() -> Result<(), String> {
 }
 
 /// The sample camera pictures, relative to the checkout's root, in the order of their names.
-fn samples() -> Result<Vec<String>, String> {
+fn samples() -> Result<Vec<String>, Box<dyn Error>> {
     let folder = pictures().join("camera");
     let listing =
         std::fs::read_dir(&folder).map_err(|error| format!("cannot list {}: {error}", folder.display()))?;
@@ -83,16 +84,16 @@ impl Steps {
 
     /// Prints the command and runs it. Exit status 1 means that some picture was not recognised,
     /// which is an answer.
-    fn run(&self, program: &str, arguments: &[&str]) -> Result<(), String> {
+    fn run(&self, program: &str, arguments: &[&str]) -> Result<(), Box<dyn Error>> {
         println!("$ {program} {}", arguments.join(" "));
-        std::io::stdout().flush().map_err(|error| error.to_string())?;
+        std::io::stdout().flush()?;
         let status = Command::new(self.programs.join(program))
             .args(arguments)
             .status()
             .map_err(|error| format!("cannot run {program}: {error}"))?;
         match status.code() {
             Some(0 | 1) => Ok(()),
-            _ => Err(format!("{program} ended with {status}")),
+            _ => Err(format!("{program} ended with {status}").into()),
         }
     }
 }

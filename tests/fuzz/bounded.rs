@@ -4,6 +4,7 @@
 
 #[allow(unreachable_pub, reason = "the library of the package of cargo-fuzz")]
 mod harness;
+mod mutated;
 
 use std::fs;
 use std::path::Path;
@@ -11,8 +12,8 @@ use std::sync::OnceLock;
 
 use grasp_index::npy::{NpyHeader, NpyType};
 use grasp_tests::{boxes, pictures, workspace};
+use mutated::mutated;
 use proptest::prelude::*;
-use proptest::sample::Index as Place;
 
 /// A format: its target, what reads it, and sound files in it.
 struct Format {
@@ -69,32 +70,10 @@ fn form() -> Vec<u8> {
     .into_bytes()
 }
 
-/// A seed of a format with some bytes changed, a piece of another put in, cut; or noise.
-fn inputs(seeds: &'static [Vec<u8>]) -> impl Strategy<Value = Vec<u8>> {
-    let edits = proptest::collection::vec((any::<Place>(), any::<u8>()), 0..8);
-    let places = (proptest::option::of(any::<Place>()), proptest::option::of(any::<Place>()));
-    let changed = (any::<Place>(), edits, places).prop_map(|(seed, edits, (other, cut))| {
-        let mut bytes = seed.get(seeds).clone();
-        for (at, value) in edits {
-            let at = at.index(bytes.len());
-            bytes[at] = value;
-        }
-        if let Some(other) = other {
-            let at = other.index(bytes.len());
-            bytes.splice(at..at, other.get(seeds).iter().copied());
-        }
-        if let Some(cut) = cut {
-            bytes.truncate(cut.index(bytes.len() + 1));
-        }
-        bytes
-    });
-    prop_oneof![7 => changed, 1 => proptest::collection::vec(any::<u8>(), 0..2048)]
-}
-
 fn format_and_input() -> impl Strategy<Value = (&'static Format, Vec<u8>)> {
     (0..formats().len()).prop_flat_map(|number| {
         let format = &formats()[number];
-        (Just(format), inputs(&format.seeds))
+        (Just(format), mutated(&format.seeds))
     })
 }
 

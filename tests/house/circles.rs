@@ -8,16 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 18] = [
+const CRATES: [&str; 20] = [
     "builder",
     "builder/train",
     "index",
     "index/about",
     "index/canonical",
+    "index/labels",
     "index/log",
     "index/network",
     "index/picture",
     "index/plot",
+    "index/program",
     "index/terminal",
     "query",
     "query/answer",

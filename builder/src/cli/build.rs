@@ -9,12 +9,13 @@ use clap::builder::ArgPredicate;
 use grasp_index::{
     DescriptorModel, DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams,
 };
+use grasp_program::Global;
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::text::{counted, percent, shown};
 
 use super::form::Form;
-use super::global::Global;
 use super::plan::PlanOptions;
+use super::seed::DEFAULT_SEED;
 use crate::descriptor::{self, LEARNED, NAMES};
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};
@@ -51,7 +52,7 @@ pub(super) struct WorkOptions {
     #[arg(value_name = "RENDERS", conflicts_with_all = ["descriptors", "preset", "hands", "hand_shape", "hand_model", "stage", "step", "elevations", "rolls", "views", "examples", "distance", "forearm", "light_variation", "distance_variation"])]
     renders: Vec<PathBuf>,
     /// What all randomness comes from.
-    #[arg(long, default_value_t = 7, value_name = "N")]
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
     #[command(flatten)]
     vectors: VectorOptions,
@@ -148,8 +149,8 @@ impl IndexOptions {
             _ => HashParams::Learned,
         };
         let form = match source {
-            Source::Plan(_) => Form::of(plan.preset()),
-            Source::Sets(_) | Source::Vectors(_) => Form::of(Preset::Paper),
+            Source::Plan(_) => Form::of_preset(plan.preset()),
+            Source::Sets(_) | Source::Vectors(_) => Form::of_preset(Preset::Paper),
         };
         // A random hash knows its entries by their descriptors alone.
         let kept = if self.hash == "random" { "f32" } else { form.originals };
@@ -231,7 +232,7 @@ impl Build {
         let (source, recipe) = self.work.work()?;
         let report = build(&source, &recipe, &self.out, global.progress())?;
         let pictures = !matches!(source, Source::Vectors(_));
-        tell(&self.out, &report, pictures)?;
+        print_report(&self.out, &report, pictures)?;
         if report.written.is_some() {
             writeln!(std::io::stdout().lock(), "  seed {}", self.work.seed)?;
         }
@@ -256,7 +257,7 @@ impl Build {
 pub(super) const ENTRIES: [&str; 2] = ["entry", "entries"];
 
 /// Prints for a person what came of a build.
-pub(super) fn tell(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
+pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     let (out, seconds) = (shown(out), report.elapsed.as_secs_f64());
     let Some(summary) = &report.written else {

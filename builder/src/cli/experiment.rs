@@ -5,14 +5,16 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use grasp_program::Global;
 use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
 use tracing::info;
 
 use super::build::ENTRIES;
 use super::form::Form;
-use super::global::Global;
+use super::plan::parse_step;
 use super::preset::preset;
+use super::seed::DEFAULT_SEED;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;
 use crate::experiment::scale::plot::{self, PAPER_EXPONENT};
@@ -71,7 +73,7 @@ struct Scale {
     #[arg(long, value_name = "Q.npy", requires = "descriptors")]
     queries: Option<PathBuf>,
     /// What all randomness comes from.
-    #[arg(long, default_value_t = 7, value_name = "N")]
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
     /// Measure nothing: draw scale.svg anew from the scale.csv that is there.
     #[arg(long, conflicts_with_all = ["largest", "sizes", "hash", "random_largest", "descriptors", "queries"])]
@@ -107,7 +109,7 @@ struct Shapes {
     #[arg(long, value_name = "NAME", value_parser = crate::descriptor::NAMES)]
     descriptor: Option<String>,
     /// What all randomness comes from.
-    #[arg(long, default_value_t = 7, value_name = "N")]
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
 }
 
@@ -178,7 +180,7 @@ impl Shapes {
             };
             plan.views = Views::Grid(grid);
         }
-        let name = self.descriptor.as_deref().unwrap_or(Form::of(self.preset).descriptor);
+        let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.preset).descriptor);
         let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
         let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
@@ -196,11 +198,6 @@ impl Shapes {
         writeln!(stdout)?;
         Ok(())
     }
-}
-
-fn parse_step(text: &str) -> Result<f64, String> {
-    let step = text.parse().ok().filter(|step| (0.5..=180.0).contains(step));
-    step.ok_or_else(|| "a step must lie between 0.5 and 180 degrees".into())
 }
 
 fn line(row: &Row) -> String {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
+use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
 use super::build::ENTRIES;
-use super::global::Global;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 

@@ -19,7 +19,7 @@ pub(super) struct Form {
 impl Form {
     /// Views with any roll are turned upright before they are described, and many views are kept
     /// small.
-    pub(super) fn of(preset: Preset) -> Self {
+    pub(super) fn of_preset(preset: Preset) -> Self {
         match preset {
             Preset::Paper => Self { descriptor: "default", originals: "f32", thumbnail_side: THUMBNAIL_SIDE },
             Preset::Standard | Preset::Wide => {

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use grasp_index::Index;
+use grasp_program::Global;
 use grasp_renders::Preset;
 use grasp_terminal::text::shown;
 use tracing::warn;
 
-use super::build::tell;
-use super::global::Global;
+use super::build::print_report;
 use super::plan::PlanOptions;
 use super::preset::preset;
 use crate::grow::{Growth, grow};
@@ -101,14 +101,14 @@ impl Add {
             spec,
         };
         let out = self.segment.as_ref().unwrap_or(&self.index);
-        tell(out, &grow(&growth, out, global.progress())?, true)
+        print_report(out, &grow(&growth, out, global.progress())?, true)
     }
 }
 
 impl Remove {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let seen = seen(PlanOptions::of(self.preset), std::slice::from_ref(&self.index))?;
+        let seen = seen(PlanOptions::of_preset(self.preset), std::slice::from_ref(&self.index))?;
         let growth = Growth {
             indexes: vec![self.index.clone()],
             keep: true,
@@ -117,14 +117,14 @@ impl Remove {
             plan: seen.options.plan(seen.seed)?,
             spec: seen.options.spec(),
         };
-        tell(&self.index, &grow(&growth, &self.index, global.progress())?, false)
+        print_report(&self.index, &grow(&growth, &self.index, global.progress())?, false)
     }
 }
 
 impl Compact {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let seen = seen(PlanOptions::of(self.preset), &self.indexes)?;
+        let seen = seen(PlanOptions::of_preset(self.preset), &self.indexes)?;
         let growth = Growth {
             indexes: self.indexes.clone(),
             keep: true,
@@ -133,7 +133,7 @@ impl Compact {
             plan: seen.options.plan(seen.seed)?,
             spec: seen.options.spec(),
         };
-        tell(&self.out, &grow(&growth, &self.out, global.progress())?, false)
+        print_report(&self.out, &grow(&growth, &self.out, global.progress())?, false)
     }
 }
 
@@ -178,5 +178,5 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
              way with --preset"
         );
     }
-    Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanSpec::of(Preset::Paper))), seed })
+    Ok(Seen { options: own.or(first.unwrap_or_else(|| PlanSpec::of_preset(Preset::Paper))), seed })
 }

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use grasp_program::Global;
 
-use super::build::tell;
-use super::global::Global;
-use super::split::{parse_count, tell_segments};
+use super::build::print_report;
+use super::split::{parse_count, print_segments};
 use crate::interrupt;
 use crate::merge::merge;
 use crate::split::{clear, split};
@@ -58,7 +58,7 @@ impl Merge {
             return self.run_segments(count, folder, global);
         }
         let report = merge(&self.parts, &self.out, global.progress())?;
-        tell(&self.out, &report, false)
+        print_report(&self.out, &report, false)
     }
 
     fn run_segments(&self, count: u32, folder: &Path, global: &Global) -> anyhow::Result<()> {
@@ -70,7 +70,7 @@ impl Merge {
         let report = merge(&self.parts, &whole.0, global.progress())?;
         let segments = split(&whole.0, count, folder, global.progress())?;
         drop(whole);
-        tell(folder, &report, false)?;
-        tell_segments(&segments)
+        print_report(folder, &report, false)?;
+        print_segments(&segments)
     }
 }

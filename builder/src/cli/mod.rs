@@ -1,41 +1,33 @@
 //! The command line: one file a subcommand, and what several share in files of their own.
 
 mod build;
-mod completions;
 mod experiment;
 mod export;
 mod form;
-mod global;
 mod grow;
 mod inspect;
-mod man;
 mod merge;
 mod plan;
 mod preset;
 mod queries;
 mod render;
+mod seed;
 mod shard;
 mod split;
 mod train;
 mod verify;
 
-use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use grasp_terminal::error::message;
-use grasp_terminal::text::printable_lines;
+use clap::{CommandFactory as _, Parser, Subcommand};
+use grasp_program::status::{INTERRUPTED, SUCCESS};
+use grasp_program::{Completions, Global, Man};
 
-use crate::interrupt::{self, Interrupted};
-use global::Global;
+use crate::interrupt::Interrupted;
 
 /// Name and version.
 const PROGRAM: [&str; 2] = [env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")];
-/// Everything went well.
-const SUCCESS: u8 = 0;
-/// Something failed; the message says what and what to do.
-const ERROR: u8 = 2;
 
 /// Renders views of grasping hands and builds the index that grasp-query searches.
 #[derive(Debug, Parser)]
@@ -85,51 +77,27 @@ enum Command {
     Verify(verify::Verify),
     Export(export::Export),
     Queries(queries::Queries),
-    Completions(completions::Completions),
-    Man(man::Man),
+    Completions(Completions),
+    Man(Man),
 }
 
 /// Parses the command line, runs it and turns the outcome into an exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let (arguments, command) = match parse() {
-        Ok(parsed) => parsed,
-        Err(message) => {
-            // `--help` and `--version` come this way too, with exit code 0.
-            let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
-            return match print_usage(&message) {
-                Ok(()) => ExitCode::from(status),
-                Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
-                Err(_) => ExitCode::from(ERROR),
-            };
-        }
-    };
-    let status = grasp_log::run(&arguments.global.log, PROGRAM, &command, || match run(&arguments) {
-        Ok(()) => SUCCESS,
-        Err(error) => report(&error, &arguments.command),
-    });
-    ExitCode::from(status)
-}
-
-/// The command line, and the name of its command.
-fn parse() -> clap::error::Result<(Arguments, String)> {
-    let matches = Arguments::command().try_get_matches()?;
-    let command = matches.subcommand_name().unwrap_or_default().to_owned();
-    Ok((Arguments::from_arg_matches(&matches)?, command))
-}
-
-/// Prints a usage error, or the help that was asked for. An argument with control characters, such
-/// as the odd name of a file that begins with a dash, is escaped, which costs the colours.
-fn print_usage(message: &clap::Error) -> io::Result<()> {
-    let plain = message.render().to_string();
-    let safe = printable_lines(&plain);
-    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
+    grasp_program::start(
+        PROGRAM,
+        |arguments: &mut Arguments| &mut arguments.global,
+        |arguments| match run(arguments) {
+            Err(error) if error.chain().any(|cause| cause.is::<Interrupted>()) => {
+                tracing::error!(subject = PROGRAM[0], "stopped: {}", arguments.command.when_stopped());
+                Ok(INTERRUPTED)
+            }
+            outcome => outcome.map(|()| SUCCESS),
+        },
+    )
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if arguments.global.threads > 0 {
-        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
-    }
     // Every command asks the indexes that it reads, after the work, whether they were overwritten
     // meanwhile.
     grasp_index::guard_against_truncation().context("cannot listen for faults")?;
@@ -151,18 +119,6 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Completions(command) => command.run(Arguments::command()),
         Command::Man(command) => command.run(Arguments::command()),
     }
-}
-
-/// Prints on standard error what went wrong, once, and picks the exit status.
-fn report(error: &anyhow::Error, command: &Command) -> u8 {
-    if is_closed_pipe(error) {
-        return SUCCESS;
-    }
-    let is_interrupted = error.chain().any(|cause| cause.is::<Interrupted>());
-    let message =
-        if is_interrupted { format!("stopped: {}", command.when_stopped()) } else { message(error.chain()) };
-    tracing::error!(subject = PROGRAM[0], "{message}");
-    if is_interrupted { interrupt::EXIT_STATUS } else { ERROR }
 }
 
 impl Command {
@@ -191,12 +147,4 @@ impl Command {
             _ => "nothing half-written is left; run the same command again".to_owned(),
         }
     }
-}
-
-/// A reader that has seen enough (`| head`) is no failure of ours.
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<io::Error>())
-        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }

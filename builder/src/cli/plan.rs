@@ -9,7 +9,7 @@ use anyhow::{Context as _, bail};
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 use super::preset::preset;
-use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, VIEWS, Version, are_elevations};
+use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, STEPS_DEG, VIEWS, Version, are_elevations};
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
@@ -43,7 +43,7 @@ pub(super) struct PlanOptions {
     #[arg(long, value_name = "FILE")]
     grasps: Option<PathBuf>,
     /// Step between views in degrees, in azimuth and elevation.
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", value_parser = parse_step)]
     step: Option<f64>,
     /// Elevations in degrees, e.g. 0..84, or -84..84 for both half-spheres.
     #[arg(long, value_name = "LOW..HIGH", value_parser = elevations, allow_hyphen_values = true)]
@@ -76,7 +76,7 @@ pub(super) struct PlanOptions {
 
 impl PlanOptions {
     /// Those of a preset alone.
-    pub(super) fn of(preset: Option<Preset>) -> Self {
+    pub(super) fn of_preset(preset: Option<Preset>) -> Self {
         Self { preset, ..Self::default() }
     }
 
@@ -214,10 +214,6 @@ impl PlanOptions {
         if let Some(rolls) = self.rolls {
             grid.rolls_deg = (0..rolls).map(|i| f64::from(i) * 360.0 / f64::from(rolls)).collect();
         }
-        // A grid so fine that only listing it would take minutes is a slip of the keyboard.
-        if !(0.5..=180.0).contains(&grid.step_deg) {
-            bail!("--step {}: a step must lie between 0.5 and 180 degrees", grid.step_deg);
-        }
         let [low, high] = grid.elevation_deg;
         let directions = (360.0 / grid.step_deg).ceil() * ((high - low) / grid.step_deg + 1.0);
         let views = directions * grid.rolls_deg.len() as f64;
@@ -237,6 +233,13 @@ fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
 /// The limits of a count, as clap wants them.
 fn limits(counts: RangeInclusive<u32>) -> RangeInclusive<i64> {
     i64::from(*counts.start())..=i64::from(*counts.end())
+}
+
+/// A step between views, in degrees.
+pub(super) fn parse_step(text: &str) -> Result<f64, String> {
+    let step = text.parse().ok().filter(|step| STEPS_DEG.contains(step));
+    let (least, most) = (STEPS_DEG.start(), STEPS_DEG.end());
+    step.ok_or_else(|| format!("a step must lie between {least} and {most} degrees"))
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -290,7 +293,7 @@ mod tests {
             assert_eq!(options(line).plan(3).unwrap(), again.plan(3).unwrap());
         }
         let foreign = options("--preset=paper --grasps=grasps.toml --hand-model=x.glb --hands=9");
-        assert_eq!(foreign.spec(), PlanOptions::of(Some(Preset::Paper)).spec());
+        assert_eq!(foreign.spec(), PlanOptions::of_preset(Some(Preset::Paper)).spec());
     }
 
     #[test]

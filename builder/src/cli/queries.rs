@@ -4,11 +4,12 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::bail;
+use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
 use super::form::Form;
-use super::global::Global;
 use super::plan::PlanOptions;
+use super::seed::DEFAULT_SEED;
 use crate::descriptor;
 use crate::held_out::{self, Hands};
 use crate::{array, interrupt};
@@ -36,7 +37,7 @@ pub(crate) struct Queries {
     #[arg(long)]
     clean: bool,
     /// What all randomness comes from.
-    #[arg(long, default_value_t = 7, value_name = "N")]
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
     /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`.
     /// By default as `build` does for the preset.
@@ -49,7 +50,7 @@ pub(crate) struct Queries {
 impl Queries {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let name = self.descriptor.as_deref().unwrap_or(Form::of(self.plan.preset()).descriptor);
+        let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.plan.preset()).descriptor);
         let model = descriptor::by_name(name, None)?;
         let plan = self.plan.plan(self.seed)?;
         if !plan.hand_models.is_empty() {

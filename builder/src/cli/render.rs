@@ -8,10 +8,11 @@ use anyhow::Context as _;
 use grasp_renders::Preset;
 use grasp_renders::render_set::{RenderSetError, write_set};
 
+use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
-use super::global::Global;
 use super::plan::PlanOptions;
+use super::seed::DEFAULT_SEED;
 use crate::interrupt::{self, Interrupted};
 
 /// Render views of grasping hands into a folder: a render set.
@@ -30,7 +31,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// What all randomness comes from.
-    #[arg(long, default_value_t = 7, value_name = "N")]
+    #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
     #[command(flatten)]
     plan: PlanOptions,

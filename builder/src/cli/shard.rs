@@ -3,8 +3,9 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use grasp_program::Global;
+
 use super::build::WorkOptions;
-use super::global::Global;
 use crate::descriptor::shipped_network;
 use crate::interrupt;
 use crate::shard::{Share, shard};

@@ -3,9 +3,9 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use grasp_program::Global;
 use grasp_terminal::text::shown;
 
-use super::global::Global;
 use crate::interrupt;
 use crate::split::{Segment, split};
 
@@ -40,12 +40,12 @@ pub(super) fn parse_count(text: &str) -> Result<u32, String> {
 impl Split {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        tell_segments(&split(&self.index, self.segments, &self.out_dir, global.progress())?)
+        print_segments(&split(&self.index, self.segments, &self.out_dir, global.progress())?)
     }
 }
 
 /// Prints for a person what was written.
-pub(super) fn tell_segments(segments: &[Segment]) -> anyhow::Result<()> {
+pub(super) fn print_segments(segments: &[Segment]) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     for Segment { path, entries, bytes } in segments {
         let (path, last) = (shown(path), entries.end.saturating_sub(1));

@@ -3,11 +3,12 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
-use super::Global;
+use super::seed::DEFAULT_SEED;
 use crate::interrupt;
-use crate::train::{DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Trained, train};
+use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Trained, train};
 
 /// Train the network of a learned descriptor on renders that are drawn as it goes.
 ///
@@ -37,7 +38,7 @@ pub(crate) struct Train {
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Pictures to show the network in all; full batches of 64 are. By default as many as the
-    /// shipped network of that kind was shown: 3,200,000 (hand), 2,000,000 (scene).
+    /// shipped network of that kind was shown: 3,200,000 (hand), 1,600,000 (scene).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// What all randomness comes from.

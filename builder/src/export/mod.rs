@@ -46,10 +46,13 @@ pub fn labels(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::Result
     let mut file = AtomicFile::create(path)?;
     let cannot = || format!("cannot write {}", path.display());
     let mut table = csv::Writer::from_writer(BufWriter::new(&mut file));
-    table.write_record(columns(catalogue)).with_context(cannot)?;
     for id in 0..index.len() as u32 {
         pause(u64::from(id), wrote)?;
-        table.write_record(fields(catalogue, &index.entry(id)?)).with_context(cannot)?;
+        let (columns, values): (Vec<_>, Vec<_>) = fields(catalogue, &index.entry(id)?).into_iter().unzip();
+        if id == 0 {
+            table.write_record(columns).with_context(cannot)?;
+        }
+        table.write_record(values).with_context(cannot)?;
     }
     table
         .into_inner()
@@ -59,37 +62,24 @@ pub fn labels(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::Result
     Ok(file.commit()?)
 }
 
-fn columns(catalogue: &Catalogue) -> Vec<&'static str> {
-    let mut columns = vec!["grasp", "cutkosky", "hand_shape", "stage", "object"];
-    if catalogue.kept.files {
-        columns.insert(0, "file");
-    }
-    if catalogue.kept.views {
-        columns.extend(["azimuth", "elevation", "roll"]);
-    }
-    if catalogue.kept.orientations {
-        columns.extend(["qx", "qy", "qz", "qw"]);
-    }
-    columns
-}
-
-fn fields(catalogue: &Catalogue, entry: &Entry<'_>) -> Vec<String> {
+/// What is known of an entry, by column.
+fn fields(catalogue: &Catalogue, entry: &Entry<'_>) -> Vec<(&'static str, String)> {
     let class = entry.class.and_then(|class| catalogue.classes.get(usize::from(class)));
     let (grasp, cutkosky) = class.map_or_else(Default::default, |class| (class.name.clone(), class.cutkosky));
     let mut fields = vec![
-        grasp,
-        cutkosky.to_string(),
-        entry.hand_shape.to_owned(),
-        entry.stage.to_owned(),
-        entry.object.to_owned(),
+        ("grasp", grasp),
+        ("cutkosky", cutkosky.to_string()),
+        ("hand_shape", entry.hand_shape.to_owned()),
+        ("stage", entry.stage.to_owned()),
+        ("object", entry.object.to_owned()),
     ];
     if catalogue.kept.files {
-        fields.insert(0, entry.file.to_owned());
+        fields.insert(0, ("file", entry.file.to_owned()));
     }
-    fields.extend(entry.view_deg.iter().flatten().map(ToString::to_string));
+    let angles = entry.view_deg.iter().flatten().map(ToString::to_string);
+    fields.extend(["azimuth", "elevation", "roll"].into_iter().zip(angles));
     // As finely as the index keeps it.
-    fields.extend(
-        entry.orientation.iter().flat_map(|rotation| rotation.coords.iter()).map(|part| format!("{part:.7}")),
-    );
+    let parts = entry.orientation.iter().flat_map(|rotation| rotation.coords.iter());
+    fields.extend(["qx", "qy", "qz", "qw"].into_iter().zip(parts.map(|part| format!("{part:.7}"))));
     fields
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{AtomicFile, Catalogue, ClassInfo, Index, IndexParams, Kept, NewEntry, Originals};
+use grasp_index::{AtomicFile, Catalogue, ClassInfo, Index, IndexParams, KeptFields, NewEntry, Originals};
 use parquet::basic::Encoding;
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
@@ -64,7 +64,7 @@ pub(crate) fn part_as_parquet(part: PartReader, path: &Path, wrote: &dyn Fn(u64)
 
 /// What the numbers of entries mean, and what is known of them.
 struct Names<'a> {
-    kept: Kept,
+    kept: KeptFields,
     classes: &'a [ClassInfo],
     hand_shapes: &'a [String],
     stages: &'a [String],
@@ -99,7 +99,7 @@ enum Column {
 }
 
 /// The columns by name; the names are those of the labels' table.
-fn columns(kept: Kept) -> Vec<(&'static str, Column)> {
+fn columns(kept: KeptFields) -> Vec<(&'static str, Column)> {
     let mut columns: Vec<(&str, Column)> = Vec::new();
     if kept.files {
         columns.push(("file", Column::Text(|_, entry| &entry.file)));

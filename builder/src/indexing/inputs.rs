@@ -2,7 +2,9 @@
 //! bytes.
 
 use grasp_canonical::Encoder;
-use grasp_index::{Calibration, ClassInfo, HashParams, IndexParams, Kept, NewEntry, Originals, RandomParams};
+use grasp_index::{
+    Calibration, ClassInfo, HashParams, IndexParams, KeptFields, NewEntry, Originals, RandomParams,
+};
 use xxhash_rust::xxh3::Xxh3;
 
 /// Where the number stands in the provenance.
@@ -75,7 +77,7 @@ fn encoded(params: &IndexParams, origin: &[(String, String)]) -> Encoder {
         provenance: _,
     } = params;
     let Calibration { k, sigma_scale, floor, power, farthest, least_probability, measured: _ } = calibration;
-    let Kept { labels, orientations, views, files, sources } = *kept;
+    let KeptFields { labels, orientations, views, files, sources } = *kept;
     let mut to = Encoder::new();
     to.u32(grasp_index::FORMAT_VERSION).u64(descriptor.fingerprint());
     to.u8(match originals {

@@ -5,38 +5,26 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use csv::StringRecord;
-use grasp_index::{ClassInfo, Kept, NewEntry};
+use grasp_index::{ClassInfo, KeptFields, NewEntry};
+use grasp_labels::{REMARK, Row, RowFault, Table};
 use grasp_renders::GraspSet;
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::UnitQuaternion;
 
 use super::names::Names;
-
-/// How far a quaternion's length may be from 1: three decimals are enough.
-const UNIT_TOLERANCE: f64 = 1e-2;
 
 /// A table whose every line has been read and checked once.
 #[derive(Debug)]
 pub(super) struct Labels {
     path: PathBuf,
-    columns: Columns,
     lines: u64,
     names: Names,
 }
 
-/// Where the table has what.
-#[derive(Clone, Debug)]
-struct Columns(HashMap<String, usize>);
-
-/// One line, not yet numbered.
+/// A line that has what the table's columns promise, not yet numbered.
 struct Line<'r> {
+    row: Row<'r>,
     grasp: &'r str,
-    cutkosky: Option<u8>,
-    hand_shape: &'r str,
-    stage: &'r str,
-    object: &'r str,
-    file: &'r str,
-    view: [f32; 3],
+    view_deg: [f32; 3],
     orientation: UnitQuaternion<f64>,
 }
 
@@ -44,29 +32,28 @@ impl Labels {
     /// Reads the table once and checks every line. A grasp without a number of its own has the one
     /// that `grasps` gives its name, or else 0.
     pub(super) fn open(path: &Path, grasps: &GraspSet) -> anyhow::Result<Self> {
-        let mut reader = reader(path)?;
-        let headers = reader.headers().with_context(|| cannot_read(path))?.clone();
-        let columns = Columns::of(&headers).with_context(|| cannot_read(path))?;
-        let mut names = Names { kept: columns.kept(), ..Names::default() };
+        let mut table = table(path)?;
+        let kept = kept(&table).with_context(|| cannot_use(path))?;
+        let mut names = Names { kept, ..Names::default() };
         let mut numbers: HashMap<String, Option<u8>> = HashMap::new();
-        let (mut record, mut lines) = (StringRecord::new(), 0);
-        while read(&mut reader, &mut record, path)? {
+        let mut lines = 0;
+        while table.advance().with_context(|| at_line(path, &table))? {
             let mut take = || -> anyhow::Result<()> {
-                let line = columns.line(&record)?;
-                names.hand_shapes.add(line.hand_shape)?;
-                names.stages.add(line.stage)?;
-                match numbers.get_mut(line.grasp) {
-                    None => drop(numbers.insert(line.grasp.to_owned(), line.cutkosky)),
-                    Some(number) => match (*number, line.cutkosky) {
+                let Line { row, grasp, .. } = Line::new(table.row()?, kept)?;
+                names.hand_shapes.add(row.hand_shape.unwrap_or_default())?;
+                names.stages.add(row.stage.unwrap_or_default())?;
+                match numbers.get_mut(grasp) {
+                    None => drop(numbers.insert(grasp.to_owned(), row.cutkosky)),
+                    Some(number) => match (*number, row.cutkosky) {
                         (Some(one), Some(other)) if one != other => {
-                            bail!("grasp `{}` is number {one} on a line before, and {other} here", line.grasp)
+                            bail!("grasp `{grasp}` is number {one} on a line before, and {other} here")
                         }
                         (one, other) => *number = one.or(other),
                     },
                 }
                 Ok(())
             };
-            take().with_context(|| at_line(path, &record))?;
+            take().with_context(|| at_line(path, &table))?;
             lines += 1;
         }
         if names.stages.names.len() > 1 << 8 {
@@ -82,7 +69,7 @@ impl Labels {
         };
         names.classes = numbers.into_iter().map(class).collect();
         names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
-        Ok(Self { path: path.to_owned(), columns, lines, names })
+        Ok(Self { path: path.to_owned(), lines, names })
     }
 
     /// How many entries it labels.
@@ -100,162 +87,119 @@ impl Labels {
 
     /// Reads it once more, line by line.
     pub(super) fn entries(&self) -> anyhow::Result<Entries<'_>> {
-        Ok(Entries { labels: self, reader: reader(&self.path)?, record: StringRecord::new() })
+        Ok(Entries { labels: self, table: table(&self.path)? })
     }
 }
 
 /// Entries without their descriptors.
 pub(super) struct Entries<'l> {
     labels: &'l Labels,
-    reader: csv::Reader<File>,
-    record: StringRecord,
+    table: Table<File>,
 }
 
 impl Entries<'_> {
     /// Passes over the next `lines` lines.
     pub(super) fn skip(&mut self, lines: usize) -> anyhow::Result<()> {
         for _ in 0..lines {
-            read(&mut self.reader, &mut self.record, &self.labels.path)?;
+            self.advance()?;
         }
         Ok(())
     }
 
     pub(super) fn next(&mut self) -> anyhow::Result<NewEntry> {
-        let Labels { path, columns, names, .. } = self.labels;
-        if !read(&mut self.reader, &mut self.record, path)? {
-            bail!("{} was truncated while it was read", path.display());
-        }
+        self.advance()?;
+        let Labels { path, names, .. } = self.labels;
         let entry = || -> anyhow::Result<NewEntry> {
-            let line = columns.line(&self.record)?;
-            let [azimuth_deg, elevation_deg, roll_deg] = line.view;
+            let Line { row, grasp, view_deg, orientation } = Line::new(self.table.row()?, names.kept)?;
+            let [azimuth_deg, elevation_deg, roll_deg] = view_deg;
             Ok(NewEntry {
-                class: names.class(line.grasp)?,
-                stage: names.stage(line.stage)?,
-                hand_shape: names.hand_shape(line.hand_shape)?,
-                object: line.object.to_owned(),
-                file: line.file.to_owned(),
+                class: names.class(grasp)?,
+                stage: names.stage(row.stage.unwrap_or_default())?,
+                hand_shape: names.hand_shape(row.hand_shape.unwrap_or_default())?,
+                object: row.object.unwrap_or_default().to_owned(),
+                file: row.file.unwrap_or_default().to_owned(),
                 azimuth_deg,
                 elevation_deg,
                 roll_deg,
-                orientation: line.orientation,
+                orientation,
                 ..NewEntry::default()
             })
         };
-        entry().with_context(|| at_line(path, &self.record))
+        entry().with_context(|| at_line(path, &self.table))
+    }
+
+    /// Goes on to the next line, which was there when the table was checked.
+    fn advance(&mut self) -> anyhow::Result<()> {
+        let path = &self.labels.path;
+        if !self.table.advance().with_context(|| at_line(path, &self.table))? {
+            bail!("{} was truncated while it was read", path.display());
+        }
+        Ok(())
     }
 }
 
-impl Columns {
-    fn of(headers: &StringRecord) -> anyhow::Result<Self> {
-        // Excel and others put a byte order mark before the first name.
-        let names = headers.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned());
-        let columns = Self(names.zip(0..).collect());
-        if !columns.has("grasp") {
-            bail!("it has no column `grasp`, only {}", headers.iter().collect::<Vec<_>>().join(", "));
-        }
-        for group in [&["qx", "qy", "qz", "qw"][..], &["azimuth", "elevation"]] {
-            let missing: Vec<&str> = group.iter().copied().filter(|name| !columns.has(name)).collect();
-            if !missing.is_empty() && missing.len() < group.len() {
-                bail!(
-                    "of the columns {}, which go together, {} is missing",
-                    group.join(", "),
-                    missing.join(", ")
-                );
-            }
-        }
-        Ok(columns)
-    }
-
-    fn has(&self, column: &str) -> bool {
-        self.0.contains_key(column)
-    }
-
-    fn kept(&self) -> Kept {
-        Kept {
-            labels: true,
-            orientations: self.has("qw"),
-            views: self.has("azimuth"),
-            files: self.has("file"),
-            sources: false,
-        }
-    }
-
-    fn text<'r>(&self, record: &'r StringRecord, column: &str) -> &'r str {
-        self.0.get(column).and_then(|&at| record.get(at)).unwrap_or_default()
-    }
-
-    fn number<N: std::str::FromStr>(&self, record: &StringRecord, column: &str) -> anyhow::Result<N> {
-        let text = self.text(record, column);
-        text.parse().ok().with_context(|| {
-            format!("`{text}` in column `{column}` is not a number in the range of that column")
-        })
-    }
-
-    fn line<'r>(&self, record: &'r StringRecord) -> anyhow::Result<Line<'r>> {
-        let text = |column| self.text(record, column);
-        if text("grasp").is_empty() {
-            bail!("no grasp");
-        }
+impl<'r> Line<'r> {
+    fn new(row: Row<'r>, kept: KeptFields) -> anyhow::Result<Self> {
+        let grasp = row.grasp.context("no grasp")?;
         // The entries of an index are right hands; a left one's picture is flipped before it is
         // described.
-        if !matches!(text("hand"), "" | "right") {
+        if let Some(hand) = row.hand.filter(|hand| *hand != "right") {
             bail!(
-                "hand is `{}`: an index holds right hands, so flip left ones before they are described",
-                text("hand")
+                "hand is `{hand}`: an index holds right hands, so flip left ones before they are described"
             );
         }
-        let angle = |column| -> anyhow::Result<f32> {
-            let value: f32 = self.number(record, column)?;
-            if !value.is_finite() {
-                bail!("`{}` in column `{column}` is not a finite number", text(column));
-            }
-            Ok(value)
+        let needed = |column, angle: Option<f64>| {
+            angle.map(|angle| angle as f32).ok_or_else(|| RowFault::empty(column))
         };
-        let optional = |column| if text(column).is_empty() { Ok(0.0) } else { angle(column) };
-        Ok(Line {
-            grasp: text("grasp"),
-            cutkosky: match text("cutkosky") {
-                "" => None,
-                _ => Some(self.number(record, "cutkosky")?),
-            },
-            hand_shape: text("hand_shape"),
-            stage: text("stage"),
-            object: text("object"),
-            file: text("file"),
-            view: match self.has("azimuth") {
-                true => [angle("azimuth")?, angle("elevation")?, optional("roll")?],
-                false => [0.0; 3],
-            },
-            orientation: if self.has("qw") { self.orientation(record)? } else { UnitQuaternion::identity() },
-        })
+        let view_deg = match kept.views {
+            true => [
+                needed("azimuth", row.azimuth)?,
+                needed("elevation", row.elevation)?,
+                row.roll.unwrap_or(0.0) as f32,
+            ],
+            false => [0.0; 3],
+        };
+        let orientation = match kept.orientations {
+            true => row.orientation()?.ok_or_else(|| RowFault::empty("qx"))?,
+            false => UnitQuaternion::identity(),
+        };
+        Ok(Self { row, grasp, view_deg, orientation })
     }
+}
 
-    fn orientation(&self, record: &StringRecord) -> anyhow::Result<UnitQuaternion<f64>> {
-        let part = |column| self.number::<f64>(record, column);
-        let rotation = Quaternion::new(part("qw")?, part("qx")?, part("qy")?, part("qz")?);
-        if (rotation.norm() - 1.0).abs() > UNIT_TOLERANCE || !rotation.norm().is_finite() {
+/// What the columns of a table say of each entry.
+fn kept(table: &Table<File>) -> anyhow::Result<KeptFields> {
+    if !table.has("grasp") {
+        bail!("it has no column `grasp`, only {}", table.columns().collect::<Vec<_>>().join(", "));
+    }
+    for group in [&["qx", "qy", "qz", "qw"][..], &["azimuth", "elevation"]] {
+        let missing: Vec<&str> = group.iter().copied().filter(|name| !table.has(name)).collect();
+        if !missing.is_empty() && missing.len() < group.len() {
             bail!(
-                "qx, qy, qz, qw have length {:.4}: camera_from_hand must be a unit quaternion",
-                rotation.norm()
+                "of the columns {}, which go together, {} is missing",
+                group.join(", "),
+                missing.join(", ")
             );
         }
-        Ok(UnitQuaternion::new_normalize(rotation))
     }
+    Ok(KeptFields {
+        labels: true,
+        orientations: table.has("qw"),
+        views: table.has("azimuth"),
+        files: table.has("file"),
+        sources: false,
+    })
 }
 
-fn reader(path: &Path) -> anyhow::Result<csv::Reader<File>> {
-    let reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path);
-    reader.with_context(|| cannot_read(path))
+fn table(path: &Path) -> anyhow::Result<Table<File>> {
+    let file = File::open(path).with_context(|| cannot_use(path))?;
+    Table::new(file, Some(REMARK)).with_context(|| cannot_use(path))
 }
 
-fn read(reader: &mut csv::Reader<File>, record: &mut StringRecord, path: &Path) -> anyhow::Result<bool> {
-    reader.read_record(record).with_context(|| cannot_read(path))
-}
-
-fn cannot_read(path: &Path) -> String {
+fn cannot_use(path: &Path) -> String {
     format!("cannot use the labels {}", path.display())
 }
 
-fn at_line(path: &Path, record: &StringRecord) -> String {
-    format!("{}, line {}", path.display(), record.position().map_or(0, csv::Position::line))
+fn at_line(path: &Path, table: &Table<File>) -> String {
+    format!("{}, line {}", path.display(), table.line())
 }

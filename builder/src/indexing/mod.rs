@@ -63,6 +63,6 @@ pub fn build(source: &Source, recipe: &Recipe, out: &Path, progress: Progress) -
     };
     source.describe(&names, recipe, &known, 0..source.pieces(), &mut take)?;
     drop(bar);
-    let report = gathered.finish(&known, || recipe.asked(&names), progress)?;
+    let report = gathered.finish(&known, || recipe.held_out_rows(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
 }

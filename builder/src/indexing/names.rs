@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{ClassInfo, Kept};
+use grasp_index::{ClassInfo, KeptFields};
 
 /// The names that entries refer to by number.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Names {
     /// What is known of the entries.
-    pub(crate) kept: Kept,
+    pub(crate) kept: KeptFields,
     pub(crate) classes: Vec<ClassInfo>,
     pub(crate) hand_shapes: Numbered,
     pub(crate) stages: Numbered,

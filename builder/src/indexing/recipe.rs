@@ -46,11 +46,11 @@ impl Recipe {
 
     /// The held-out descriptors, in rows, and the number of each one's class, where these are
     /// known.
-    pub(crate) fn asked(&self, names: &Names) -> anyhow::Result<(Vec<f32>, Vec<u16>)> {
-        let asked = self.held_out.describe(&self.descriptor)?;
+    pub(crate) fn held_out_rows(&self, names: &Names) -> anyhow::Result<(Vec<f32>, Vec<u16>)> {
+        let rows = self.held_out.describe(&self.descriptor)?;
         // Where a set shows other grasps than its grasps' own file tells of, what is held out says
         // nothing about its vote.
-        let classes: anyhow::Result<Vec<u16>> = asked.grasps.iter().map(|grasp| names.class(grasp)).collect();
-        Ok((asked.descriptors, classes.unwrap_or_default()))
+        let classes: anyhow::Result<Vec<u16>> = rows.grasps.iter().map(|grasp| names.class(grasp)).collect();
+        Ok((rows.descriptors, classes.unwrap_or_default()))
     }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use grasp_index::{Kept, NewEntry};
+use grasp_index::{KeptFields, NewEntry};
 use grasp_renders::GraspSet;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
@@ -79,7 +79,7 @@ impl Vectors {
 }
 
 pub(super) fn names(vectors: &Vectors) -> Names {
-    let nothing = || Names { kept: Kept::nothing(), ..Names::default() };
+    let nothing = || Names { kept: KeptFields::nothing(), ..Names::default() };
     vectors.labels.as_ref().map_or_else(nothing, |labels| labels.names().clone())
 }
 

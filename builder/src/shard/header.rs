@@ -2,8 +2,8 @@
 
 use anyhow::{Context as _, bail};
 use grasp_index::{
-    ClassInfo, DescriptorModel, DescriptorParams, FORMAT_VERSION, HashParams, IndexParams, Kept, Originals,
-    RandomParams,
+    ClassInfo, DescriptorModel, DescriptorParams, FORMAT_VERSION, HashParams, IndexParams, KeptFields,
+    Originals, RandomParams,
 };
 use serde::{Deserialize, Serialize};
 
@@ -55,7 +55,7 @@ impl Header {
     /// As a line of JSON.
     pub(crate) fn to_json(&self) -> anyhow::Result<Vec<u8>> {
         let Self { share, made_from, params, origin } = self;
-        let Kept { labels, orientations, views, files, sources } = params.kept;
+        let KeptFields { labels, orientations, views, files, sources } = params.kept;
         let written = Written {
             shard: share.shard,
             of: share.of,
@@ -98,7 +98,7 @@ impl Header {
             network,
             originals: Originals::by_name(&written.originals)
                 .context("its form of descriptors has no name")?,
-            kept: Kept { labels, orientations, views, files, sources },
+            kept: KeptFields { labels, orientations, views, files, sources },
             classes: written
                 .classes
                 .into_iter()

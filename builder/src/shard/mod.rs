@@ -72,7 +72,7 @@ pub fn shard(
         return Ok(Report { path, entries, without_hand, was_there: true });
     }
     let held_out = match share.shard {
-        1 => recipe.asked(&names)?.into(),
+        1 => recipe.held_out_rows(&names)?.into(),
         _ => HeldOutRows::default(),
     };
     let cannot = || format!("cannot write {}", path.display());

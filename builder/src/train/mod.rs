@@ -31,7 +31,7 @@ pub use course::{Course, Lesson, Showing};
 pub use curve::Row;
 pub use figures::Figure;
 pub use hand::Hand;
-pub use options::{DEFAULT_SEED, DEFAULT_VALIDATE_EVERY, Kind, Options};
+pub use options::{DEFAULT_VALIDATE_EVERY, Kind, Options};
 pub use run::{Files, Trained, train};
 pub use scene::Scene;
 pub use scenes::{DrawnScene, Scenes};

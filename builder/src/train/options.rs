@@ -5,8 +5,6 @@ use std::fmt;
 use grasp_renders::PoseGroup;
 use serde::{Deserialize, Serialize};
 
-/// The seed of the shipped networks.
-pub const DEFAULT_SEED: u64 = 7;
 /// Samples from one validation to the next, unless others are asked for.
 pub const DEFAULT_VALIDATE_EVERY: u64 = 100_000;
 
@@ -36,7 +34,7 @@ impl Kind {
     pub fn default_samples(self) -> u64 {
         match self {
             Self::Hand => 3_200_000,
-            Self::Scene => 2_000_000,
+            Self::Scene => 1_600_000,
         }
     }
 }

@@ -115,7 +115,7 @@ impl Scenes {
             look: self.look.clone(),
             seed: self.seed ^ number,
         };
-        DrawnScene { spec: variation.of(spec), class, is_presented }
+        DrawnScene { spec: variation.vary(spec), class, is_presented }
     }
 
     /// One of the ways in which things are held up in a grasp, now and then; `None` where it has

@@ -133,7 +133,7 @@ impl IndexInfo {
             stages: catalogue.stages.clone(),
             sigma: SigmaInfo::from(&catalogue.sigma),
             vote: VoteInfo::from(&catalogue.calibration),
-            hash: HashInfo::of(&catalogue.hash),
+            hash: HashInfo::from_hash(&catalogue.hash),
             measured: MeasuredInfo::from(&catalogue.measured),
             thumbnail_side: catalogue.thumbnail_side,
             seed: catalogue.seed,

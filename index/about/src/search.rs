@@ -32,7 +32,7 @@ pub enum HashInfo {
 
 impl HashInfo {
     /// `None` for a kind that this version does not know.
-    pub fn of(hash: &grasp_index::HashInfo) -> Option<Self> {
+    pub fn from_hash(hash: &grasp_index::HashInfo) -> Option<Self> {
         match *hash {
             grasp_index::HashInfo::Random(hash) => {
                 Some(Self::Random { tables: hash.tables, planes: hash.planes, buckets: hash.buckets })

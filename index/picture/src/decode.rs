@@ -66,7 +66,7 @@ struct Opened<'a> {
 
 impl<'a> Opened<'a> {
     fn new(bytes: &'a [u8]) -> Result<Self, DecodeError> {
-        let format = Format::of(bytes)?;
+        let format = Format::detect(bytes)?;
         let mut exif = None;
         let mut is_cut = false;
         let whole = Cursor::new(bytes);

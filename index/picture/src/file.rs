@@ -23,7 +23,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
         return Ok(bytes);
     }
     let (width, height) = dimensions(&bytes)?;
-    let most = max_bytes(Format::of(&bytes)?, check_size(width, height)?);
+    let most = max_bytes(Format::detect(&bytes)?, check_size(width, height)?);
     if length > most {
         return Err(DecodeError::TooLong { most, width, height });
     }

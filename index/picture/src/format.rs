@@ -26,7 +26,7 @@ impl Format {
     ///
     /// # Errors
     /// Where its first bytes are those of no picture, or of one that is not read.
-    pub fn of(bytes: &[u8]) -> Result<Self, DecodeError> {
+    pub fn detect(bytes: &[u8]) -> Result<Self, DecodeError> {
         if bytes.is_empty() {
             return Err(DecodeError::Empty);
         }

@@ -55,6 +55,20 @@ impl Chart<'_, '_> {
         sure(self.inner.plotting_area().draw(&PathElement::new(points, stroke(colour, 2.0))));
     }
 
+    /// The share of values, in percent, that are at most so large: a step at each of `values`,
+    /// which ascend, and on to `end`.
+    pub fn shares(&self, values: &[f64], end: f64, colour: RGBColor) {
+        let mut share = 0.0;
+        let mut points = vec![(0.0, 0.0)];
+        for (n, value) in values.iter().enumerate() {
+            points.push((*value, share));
+            share = 100.0 * (n + 1) as f64 / values.len() as f64;
+            points.push((*value, share));
+        }
+        points.push((end, share));
+        self.line(&points, colour);
+    }
+
     /// A line through points, and a dot at each.
     pub fn curve(&self, points: &[(f64, f64)], colour: RGBColor) {
         self.line(points, colour);

@@ -1,7 +1,7 @@
 //! From a hand image to its descriptor.
 
 use super::gradient::{Field, Padded};
-use super::learned::{Learned, Opinion};
+use super::learned::{Learned, NetworkEstimate};
 use super::model::DescriptorModel;
 use super::params::{DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 use super::pyramid;
@@ -95,7 +95,7 @@ impl Describer {
 
     /// What the network of a learned descriptor says by itself of the picture that was described
     /// last.
-    pub fn opinion(&self) -> Option<&Opinion> {
+    pub fn opinion(&self) -> Option<&NetworkEstimate> {
         self.learned.as_ref()?.opinion()
     }
 

@@ -7,13 +7,19 @@ use grasp_network::{Network, Scratch};
 use nalgebra::UnitQuaternion;
 use std::sync::Arc;
 
+/// How many hands are remembered: one, and its mirror image.
+const KNOWN: usize = 2;
+
 /// A network and the memory that it runs in.
 #[derive(Clone, Debug)]
 pub(super) struct Learned {
     network: Arc<Network>,
     scratch: Scratch,
     planes: Vec<f32>,
-    opinion: Option<Opinion>,
+    /// The hands that were described last, and what is shown of each: a hand and its mirror image
+    /// are looked at several times, turned a little.
+    shown: Vec<(HandImage, HandImage)>,
+    opinion: Option<NetworkEstimate>,
 }
 
 impl Learned {
@@ -22,6 +28,7 @@ impl Learned {
             network,
             scratch: Scratch::default(),
             planes: vec![0.0; PLANES_SIDE * PLANES_SIDE * 2],
+            shown: Vec::new(),
             opinion: None,
         }
     }
@@ -29,16 +36,22 @@ impl Learned {
     /// The embedding of a hand that is turned by `turn_deg`, in as many values as `out` has.
     pub(super) fn describe(&mut self, hand: &HandImage, turn_deg: f64, out: &mut [f32]) {
         let placement = Placement::turned(turn_deg.to_radians());
-        planes(&shown(hand), &placement, &mut self.planes);
+        let known = self.shown.iter().position(|(known, _)| known == hand);
+        let known = known.unwrap_or_else(|| {
+            self.shown.truncate(KNOWN - 1);
+            self.shown.insert(0, (hand.clone(), shown(hand)));
+            0
+        });
+        planes(&self.shown[known].1, &placement, &mut self.planes);
         let output = self.network.run(&mut self.scratch, &self.planes);
         for (value, embedded) in out.iter_mut().zip(output.embedding) {
             *value = *embedded;
         }
-        self.opinion = Opinion::of_heads(output.heads);
+        self.opinion = NetworkEstimate::of_heads(output.heads);
     }
 
     /// What the network itself says of the last picture.
-    pub(super) fn opinion(&self) -> Option<&Opinion> {
+    pub(super) fn opinion(&self) -> Option<&NetworkEstimate> {
         self.opinion.as_ref()
     }
 }
@@ -50,7 +63,7 @@ const ROTATION: usize = 6;
 
 /// What a network says of the last picture by itself.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Opinion {
+pub struct NetworkEstimate {
     /// How probable each class is if the hand is a right one; all sum to 1.
     pub classes: Vec<f64>,
     /// How probably the picture shows the mirror image of a right hand, 0 to 1.
@@ -61,7 +74,7 @@ pub struct Opinion {
     pub rotation: Option<UnitQuaternion<f64>>,
 }
 
-impl Opinion {
+impl NetworkEstimate {
     /// The heads are the classes, one more for a hand that is mirrored, the stages and the
     /// rotation; `None` of a network with other heads.
     fn of_heads(heads: &[f32]) -> Option<Self> {

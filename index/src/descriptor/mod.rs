@@ -19,7 +19,7 @@ mod tests;
 
 pub use cells::Cell;
 pub use describer::Describer;
-pub use learned::{NETWORK_STAGES, Opinion};
+pub use learned::{NETWORK_STAGES, NetworkEstimate};
 pub use model::DescriptorModel;
 pub use params::{DescriptorKind, DescriptorParams, ParamsError, Sampling, Tone};
 pub use planes::{PLANES_SIDE, PLANES_SOURCE_SIDE, Placement, SHOWN_LENGTHS, planes, shown};

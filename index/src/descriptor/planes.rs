@@ -1,6 +1,6 @@
 //! What a network is shown of a hand: its grey and its mask, upright, in a square of few pixels.
 
-use crate::hand_image::HandImage;
+use crate::hand_image::{HandImage, floor};
 
 /// Pixels a side of a network's input.
 pub const PLANES_SIDE: usize = 48;
@@ -67,22 +67,26 @@ pub fn shown(hand: &HandImage) -> HandImage {
 /// mean, in standard deviations of the grey inside the hand and 0 outside, and the share of the
 /// pixel that is hand. What `out` has no room for is dropped.
 pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
-    let width = hand.width();
-    let inside = || {
-        let rows = hand.mask().chunks_exact(width).enumerate();
-        rows.flat_map(|(y, row)| {
-            row.iter().enumerate().filter(|(_, v)| **v != 0).map(move |(x, _)| (x as f64, y as f64))
-        })
-    };
-    let (mut count, mut centroid) = (0.0f64, [0.0f64; 2]);
-    for (x, y) in inside() {
-        count += 1.0;
-        centroid = [centroid[0] + x, centroid[1] + y];
+    let rows = || hand.mask().chunks_exact(hand.width()).enumerate();
+    let (mut count, mut sums) = (0u64, [0u64; 2]);
+    for (y, row) in rows() {
+        let (mut inside, mut by_x) = (0, 0);
+        for (&value, x) in row.iter().zip(0u64..) {
+            inside += u64::from(value);
+            by_x += u64::from(value) * x;
+        }
+        count += inside;
+        sums = [sums[0] + by_x, sums[1] + inside * y as u64];
     }
-    let centroid = centroid.map(|sum| sum / count.max(1.0));
+    let centroid = sums.map(|sum| sum as f64 / count.max(1) as f64);
     let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
-    for (x, y) in inside() {
-        let (x, y) = (x - centroid[0], y - centroid[1]);
+    // A map is linear: of a row, nothing comes to lie beyond both its ends.
+    let ends = rows().flat_map(|(y, row)| {
+        let ends = [row.iter().position(|v| *v != 0), row.iter().rposition(|v| *v != 0)];
+        ends.into_iter().flatten().map(move |x| (x, y))
+    });
+    for (x, y) in ends {
+        let (x, y) = (x as f64 - centroid[0], y as f64 - centroid[1]);
         for (axis, [to_x, to_y]) in placement.map.iter().enumerate() {
             let at = to_x * x + to_y * y;
             low[axis] = low[axis].min(at);
@@ -119,23 +123,13 @@ pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
 /// Linear interpolation around a place: the grey there, 0 to 255, what is no hand being 0, and the
 /// share that is hand.
 fn sample(hand: &HandImage, x: f64, y: f64) -> (f32, f32) {
-    let (left, top) = (x.floor(), y.floor());
-    let (fx, fy) = ((x - left) as f32, (y - top) as f32);
-    let (left, top) = (left as i64, top as i64);
+    let (left, top) = (floor(x), floor(y));
+    let (fx, fy) = ((x - left as f64) as f32, (y - top as f64) as f32);
     let (mut grey, mut share) = (0.0, 0.0);
-    for (dx, dy, weight) in
-        [(0, 0, (1.0 - fx) * (1.0 - fy)), (1, 0, fx * (1.0 - fy)), (0, 1, (1.0 - fx) * fy), (1, 1, fx * fy)]
-    {
-        let (px, py) = (left + dx, top + dy);
-        if px < 0 || py < 0 || px >= hand.width() as i64 || py >= hand.height() as i64 {
-            continue;
-        }
-        let at = py as usize * hand.width() + px as usize;
-        if hand.mask()[at] != 0 {
-            share += weight;
-            grey += weight * f32::from(hand.pixels()[at]);
-        }
-    }
+    hand.around([left, top], [fx, fy], |inside, value, weight| {
+        share += weight * f32::from(inside);
+        grey += weight * f32::from(value);
+    });
     (grey, share)
 }
 

@@ -1,6 +1,6 @@
 //! The catalogue: all that is known about an index besides its arrays.
 
-use super::kept::{Kept, Originals};
+use super::kept::{KeptFields, Originals};
 use super::sections::Section;
 use crate::descriptor::DescriptorParams;
 use crate::search::effort::Measured;
@@ -28,7 +28,7 @@ pub struct Catalogue {
     /// Which form of the descriptors the index keeps.
     pub originals: Originals,
     /// What it keeps of each entry besides.
-    pub kept: Kept,
+    pub kept: KeptFields,
     /// How many different objects there are.
     pub objects: u32,
     /// Equation 5, as measured over the entries.
@@ -47,6 +47,13 @@ pub struct Catalogue {
     pub provenance: Vec<(String, String)>,
     /// Where every section lies, in the order of the file.
     pub sections: Vec<Section>,
+}
+
+impl Catalogue {
+    /// The names of the classes, in their order.
+    pub fn class_names(&self) -> Vec<String> {
+        self.classes.iter().map(|class| class.name.clone()).collect()
+    }
 }
 
 /// A grasp class.

@@ -2,7 +2,7 @@
 
 use super::atomic::WriteError;
 use super::catalogue::ClassInfo;
-use super::kept::{Kept, Originals};
+use super::kept::{KeptFields, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::rotation::turned_orientation;
 use crate::search::build::HashParams;
@@ -25,7 +25,7 @@ pub struct IndexParams {
     /// has nothing else to measure distances by.
     pub originals: Originals,
     /// What to keep of each entry besides; the rest of what [`NewEntry`] says is ignored.
-    pub kept: Kept,
+    pub kept: KeptFields,
     /// The classes, at most 65,536. Where labels are kept, there is at least one, as there is of
     /// the two lists that follow.
     pub classes: Vec<ClassInfo>,

@@ -33,7 +33,7 @@ impl Originals {
 
 /// What an index keeps of each entry besides its descriptor. What it does not keep takes no space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kept {
+pub struct KeptFields {
     /// Class, stage, hand shape and object. Without them neighbours are found, but cannot vote.
     pub labels: bool,
     /// `camera_from_hand`. Without it neighbours vote on the class alone.
@@ -46,14 +46,14 @@ pub struct Kept {
     pub sources: bool,
 }
 
-impl Default for Kept {
+impl Default for KeptFields {
     /// Everything.
     fn default() -> Self {
         Self { labels: true, orientations: true, views: true, files: true, sources: true }
     }
 }
 
-impl Kept {
+impl KeptFields {
     /// The names of what is kept.
     pub fn names(&self) -> Vec<&'static str> {
         let Self { labels, orientations, views, files, sources } = *self;

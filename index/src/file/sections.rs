@@ -49,7 +49,7 @@ impl ElementType {
 }
 
 /// What a section holds. N is the number of entries, D the length of a descriptor. What an index
-/// does not keep ([`super::kept::Kept`]) is a section of no length.
+/// does not keep ([`super::kept::KeptFields`]) is a section of no length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionKind {
     /// N x D f32 or f16, or nothing: the descriptors.

@@ -7,7 +7,7 @@
 //! version; any other change is a new form beside the old one, and a new version.
 
 use super::catalogue::{Catalogue, ClassInfo};
-use super::kept::{Kept, Originals};
+use super::kept::{KeptFields, Originals};
 use super::sections::{ElementType, Section, SectionKind};
 use crate::descriptor::{DescriptorKind, DescriptorParams, Sampling, Tone};
 use crate::search::effort::{EPS_GRID, EffortPoint, Measured};
@@ -206,7 +206,7 @@ structs! {
 
     ClassInfoForm of ClassInfo { name: String, cutkosky: u8 }
 
-    KeptForm of Kept { labels: bool, orientations: bool, views: bool, files: bool, sources: bool }
+    KeptForm of KeptFields { labels: bool, orientations: bool, views: bool, files: bool, sources: bool }
 
     SigmaForm of Sigma { mean_distance: f64, literal: f64 }
 

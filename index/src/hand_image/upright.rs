@@ -34,19 +34,27 @@ impl HandImage {
     #[must_use]
     pub fn without_arm(&self, turn_deg: f64, lengths: f64) -> Self {
         let (sin, cos) = libm::sincos(turn_deg.to_radians());
-        let place = |at: usize| {
-            let (x, y) = ((at % self.width) as f64, (at / self.width) as f64);
-            (cos * x - sin * y, sin * x + cos * y)
-        };
-        let inside = (0..self.mask.len()).filter(|&at| self.mask[at] != 0).map(place);
+        let rows = || self.mask.chunks_exact(self.width).enumerate();
+        // Turning is linear: of a row, nothing comes to lie beyond both its ends.
+        let ends = rows().flat_map(|(y, row)| {
+            let ends = [row.iter().position(|v| *v != 0), row.iter().rposition(|v| *v != 0)];
+            ends.into_iter().flatten().map(move |x| (x as f64, y as f64))
+        });
         let start = [f64::MAX, f64::MIN, f64::MAX];
-        let [left, right, top] =
-            inside.fold(start, |[left, right, top], (x, y)| [left.min(x), right.max(x), top.min(y)]);
+        let [left, right, top] = ends.fold(start, |[left, right, top], (x, y)| {
+            let (across, down) = (cos * x - sin * y, sin * x + cos * y);
+            [left.min(across), right.max(across), top.min(down)]
+        });
         let end = top + lengths * (right - left + 1.0);
-        Self::crop_any_size(self.width, self.height, &self.pixels, |at| {
-            self.mask[at] != 0 && place(at).1 < end
-        })
-        .unwrap_or_else(|| self.clone())
+        let mut kept = self.mask.clone();
+        for (y, row) in kept.chunks_exact_mut(self.width).enumerate() {
+            let down = cos * y as f64;
+            for (value, x) in row.iter_mut().zip(0u32..) {
+                *value &= u8::from(sin * f64::from(x) + down < end);
+            }
+        }
+        Self::crop_any_size(self.width, self.height, &self.pixels, |at| kept[at] != 0)
+            .unwrap_or_else(|| self.clone())
     }
 
     /// The second and third central moments of the mask, x right and y down: xx, xy, yy, xxx, xxy,

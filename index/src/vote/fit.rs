@@ -85,7 +85,9 @@ pub(crate) fn calibrate(
         noise,
         log_likelihood: outcomes.iter().map(|outcome| outcome.log_likelihood).sum::<f64>()
             / outcomes.len() as f64,
-        reliability: Reliability::of(outcomes.iter().map(|outcome| (outcome.probability, outcome.is_right))),
+        reliability: Reliability::from_answers(
+            outcomes.iter().map(|outcome| (outcome.probability, outcome.is_right)),
+        ),
     };
     Calibration {
         farthest: quantile(nearest, 1.0 - TAIL).filter(|nearest| *nearest > 0.0),

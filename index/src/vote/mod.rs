@@ -23,7 +23,7 @@ pub use reliability::{Reliability, ReliabilityBin};
 pub(crate) use sigma::measure as measure_sigma;
 pub use sigma::{Sigma, mean_distance};
 
-use crate::descriptor::{NETWORK_STAGES, Opinion};
+use crate::descriptor::{NETWORK_STAGES, NetworkEstimate};
 use crate::search::Neighbour;
 
 /// How neighbours are weighed. The default is what the index was calibrated with; with another
@@ -55,7 +55,7 @@ pub struct Look<'a> {
     /// The nearest entries.
     pub neighbours: &'a [Neighbour],
     /// What the network that described the picture says of it by itself, if anything.
-    pub opinion: Option<&'a Opinion>,
+    pub opinion: Option<&'a NetworkEstimate>,
     /// By how many degrees, clockwise, the picture had been turned beside the one that is asked
     /// about.
     pub turn_deg: f64,

@@ -20,7 +20,7 @@ pub struct ReliabilityBin {
 
 impl Reliability {
     /// Of answers, each given as its probability and whether it is right.
-    pub fn of(answers: impl IntoIterator<Item = (f64, bool)>) -> Self {
+    pub fn from_answers(answers: impl IntoIterator<Item = (f64, bool)>) -> Self {
         let mut bins = [ReliabilityBin::default(); 10];
         for (probability, is_right) in answers {
             // Certainty belongs to the last bin.
@@ -71,11 +71,11 @@ mod tests {
     #[test]
     fn by_hand() {
         // 0.95 and 1.0 are stated and one of them is right; 0.25 is stated, and right.
-        let reliability = Reliability::of([(0.95, true), (1.0, false), (0.25, true)]);
+        let reliability = Reliability::from_answers([(0.95, true), (1.0, false), (0.25, true)]);
         assert_eq!((reliability.bins[9].n, reliability.bins[9].right, reliability.bins[2].n), (2, 1, 1));
         let expected = (2.0 * (0.975 - 0.5) + 0.75) / 3.0;
         assert!((reliability.expected_error().unwrap() - expected).abs() < 1e-12);
         assert!((reliability.accuracy().unwrap() - 2.0 / 3.0).abs() < 1e-12);
-        assert_eq!(Reliability::of([]).expected_error(), None);
+        assert_eq!(Reliability::from_answers([]).expected_error(), None);
     }
 }

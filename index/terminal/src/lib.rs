@@ -3,10 +3,8 @@
 //! - [`Progress`] is a bar on a terminal, and an event every ten seconds in a log;
 //! - [`text`] writes numbers as people do, and names of files so that a terminal is not changed by
 //!   them;
-//! - [`error`] writes an error and its causes, each once;
-//! - [`completions`] corrects the scripts by which shells complete.
+//! - [`error`] writes an error and its causes, each once.
 
-pub mod completions;
 pub mod error;
 mod phase;
 mod progress;

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use grasp_recognise::orientation::{self, xyzw};
 use grasp_recognise::{RecogniseError, Recognition, Side, Timings, Warning};
-use grasp_robot::{Seen, Setting, Strategy};
+use grasp_robot::{ObservedHand, Setting, Strategy};
 
 /// What the program says where it gives no class.
 pub const UNKNOWN: &str = "unknown";
@@ -74,7 +74,7 @@ impl Answer {
         if self.reason.is_some() {
             return;
         }
-        let seen = Seen {
+        let seen = ObservedHand {
             grasp: self.grasp.clone(),
             side: found.best.side,
             camera_from_hand: found.best.vote.orientation.rotation,

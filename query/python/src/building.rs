@@ -4,8 +4,8 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use grasp_index::{
-    BuildError, ClassInfo, DescriptorParams, HashParams, IndexParams, IndexWriter, Kept, NewEntry, OpenError,
-    Originals, Phase, RandomParams,
+    BuildError, ClassInfo, DescriptorParams, HashParams, IndexParams, IndexWriter, KeptFields, NewEntry,
+    OpenError, Originals, Phase, RandomParams,
 };
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
@@ -108,7 +108,7 @@ pub(crate) fn build(
         originals: Originals::by_name(originals).ok_or_else(|| {
             parameter(format!("originals is {originals:?}: \"f32\", \"f16\" or \"none\" is needed"))
         })?,
-        kept: Kept { labels: labels.is_some(), ..Kept::nothing() },
+        kept: KeptFields { labels: labels.is_some(), ..KeptFields::nothing() },
         classes: labels.as_ref().map(|labels| labels.classes.clone()).unwrap_or_default(),
         hand_shapes: vec![String::new()],
         stages: vec![String::new()],

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use grasp_about::IndexInfo;
 use grasp_index::{Effort, Neighbour, SearchError, SearchOptions, guard_against_truncation};
+use grasp_recognise::MOST_NEIGHBOURS;
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
 use pyo3::prelude::*;
@@ -14,8 +15,6 @@ use crate::array::Rows;
 use crate::error::{self, parameter};
 use crate::parallel::in_parts;
 
-/// Neighbours that can be asked for.
-const MOST_NEIGHBOURS: i64 = 100_000;
 /// Queries after which Python may stop the search (Ctrl-C).
 const AT_ONCE: usize = 1 << 14;
 /// Fewer queries a thread are found before the thread would have started.
@@ -302,7 +301,7 @@ impl Index {
 
 /// How many neighbours are wanted.
 pub(crate) fn neighbours(k: i64) -> PyResult<usize> {
-    let count = usize::try_from(k).ok().filter(|_| (1..=MOST_NEIGHBOURS).contains(&k));
+    let count = usize::try_from(k).ok().filter(|k| (1..=MOST_NEIGHBOURS).contains(k));
     count.ok_or_else(|| parameter(format!("k is {k}: an integer from 1 to {MOST_NEIGHBOURS} is needed")))
 }
 

@@ -8,8 +8,8 @@ use grasp_index::{Effort, VoteOptions};
 use grasp_recognise::picture;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::{
-    Accept, DEFAULT_ROLLS, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recognition,
-    Timings,
+    Accept, DEFAULT_ROLLS, HandChoice, MOST_ROLLS, MaskSource, Prepared, RecogniseError, RecogniseOptions,
+    Recognition, Timings,
 };
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -24,8 +24,6 @@ use crate::picture::Input;
 
 /// Pictures a thread after which Python may stop a batch (Ctrl-C).
 const AT_ONCE: usize = 4;
-/// The most rolls that can be asked for, one a degree.
-const MOST_ROLLS: i64 = 360;
 
 /// Recognises which grasp the hand in a picture makes, and how it is turned.
 ///
@@ -115,7 +113,7 @@ impl Recogniser {
                 "a recall of {recall} is not possible: it must be above 0 and at most 1"
             )));
         }
-        let turns = usize::try_from(rolls).ok().filter(|_| (1..=MOST_ROLLS).contains(&rolls));
+        let turns = usize::try_from(rolls).ok().filter(|rolls| (1..=MOST_ROLLS).contains(rolls));
         let turns = turns.ok_or_else(|| {
             parameter(format!("rolls is {rolls}: an integer from 1 to {MOST_ROLLS} is needed"))
         })?;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use grasp_recognise::Side;
-use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Seen, Setting, Strategy};
+use grasp_robot::{Arm, Camera, Object, ObservedHand, RobotError, RobotHand, Setting, Strategy};
 use nalgebra::{Quaternion, UnitQuaternion};
 use pyo3::prelude::*;
 
@@ -32,7 +32,7 @@ pub(crate) fn strategy(
     let [x, y, z, w] = quaternion_xyzw;
     // To the last bit what the answer says.
     let camera_from_hand = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    let seen = Seen { grasp, side, camera_from_hand, spread_deg };
+    let seen = ObservedHand { grasp, side, camera_from_hand, spread_deg };
     let made = py.detach(|| -> Result<Strategy, RobotError> {
         let (hand, object, camera) =
             (RobotHand::find(robot)?, Object::read(&object)?, Camera::read(&camera)?);

@@ -6,8 +6,8 @@
 //! turned and flipped back.
 
 use grasp_index::{
-    Describer, DescriptorKind, HandImage, Index, Look, Neighbour, Opinion, Search, SearchCost, SearchOptions,
-    Vote, euler_deg, mirror_orientation,
+    Describer, DescriptorKind, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost,
+    SearchOptions, Vote, euler_deg, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -22,9 +22,9 @@ pub struct Hypothesis {
     /// How far the picture, flipped for a left hand, was turned to be recognised, in degrees
     /// clockwise, 0..360: to stand as the index's pictures do, and by the angle that was tried.
     pub roll_deg: f64,
-    /// The hand image as it was described: flipped for a left hand, then turned.
-    pub image: HandImage,
-    /// Its descriptor.
+    /// How far it was turned before a left hand's was flipped.
+    turned_deg: f64,
+    /// The descriptor of [`Self::image`].
     pub descriptor: Vec<f32>,
     /// The nearest entries, nearest first.
     pub neighbours: Vec<Neighbour>,
@@ -40,20 +40,47 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// The hand image as it was described: turned, and flipped for a left hand. `hand` is the one
+    /// that was recognised.
+    pub fn image(&self, hand: &HandImage) -> HandImage {
+        of_side(self.side, hand.rotated(self.turned_deg.to_radians()))
+    }
+
     /// The orientation that an entry's `camera_from_hand` means for the picture as it was given.
     pub fn in_picture(&self, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         in_picture(self.side, self.roll_deg, entry)
     }
+}
 
+fn of_side(side: Side, turned: HandImage) -> HandImage {
+    match side {
+        Side::Right => turned,
+        Side::Left => turned.mirrored(),
+    }
+}
+
+/// A hand and a roll that are tried, before anything is voted on.
+struct Candidate {
+    side: Side,
+    roll_deg: f64,
+    turned_deg: f64,
+    descriptor: Vec<f32>,
+    found: Search,
+    /// What the descriptor's network says of it by itself.
+    opinion: Option<NetworkEstimate>,
+}
+
+impl Candidate {
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg`
     /// besides; the smallest is the answer. So it is where the descriptor's network takes the hand
     /// for the mirror image of a right one, and where the scene network does.
-    fn unlikeliness(&self, tried_deg: f64, mirrored: Option<f64>, scene: Option<&Scene>) -> f64 {
+    fn unlikeliness(&self, tried_deg: f64, scene: Option<&Scene>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
+        let mirrored = self.opinion.as_ref().map(|opinion| opinion.mirrored);
         let other = scene.map(|scene| scene.is_other_hand(self.side));
         let mirrored =
             [mirrored, other].map(|probability| 1.0 + MIRROR_PENALTY * probability.unwrap_or_default());
-        mean_distance(&self.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored[0] * mirrored[1]
+        mean_distance(&self.found.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored[0] * mirrored[1]
     }
 }
 
@@ -78,9 +105,6 @@ fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQua
     }
 }
 
-/// A hypothesis and what the descriptor's network says of it by itself.
-type Candidate = (Hypothesis, Option<Opinion>);
-
 /// Tries every hand and roll of the options and returns the hypothesis whose neighbours are
 /// nearest.
 pub(super) fn best(
@@ -97,50 +121,40 @@ pub(super) fn best(
     let mut best: [Option<(f64, Candidate)>; 2] = [None, None];
     let mut describer = index.describer();
     let flipped = hand.mirrored();
-    let of_side = |side| if side == Side::Left { &flipped } else { hand };
+    let hand_of = |side| if side == Side::Left { &flipped } else { hand };
+    let is_learned = matches!(index.catalogue().descriptor.kind, DescriptorKind::Learned { .. });
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
         let tried = turn as f64 / rolls as f64 * 360.0;
-        let degrees = (upright + tried).rem_euclid(360.0);
-        let turned = timings.time(|t| &mut t.descriptor_ms, || hand.rotated(degrees.to_radians()));
+        let turned_deg = (upright + tried).rem_euclid(360.0);
+        // A network turns the picture itself.
+        let turn = || (!is_learned).then(|| hand.rotated(turned_deg.to_radians()));
+        let turned = timings.time(|t| &mut t.descriptor_ms, turn);
         for &side in options.hand.sides() {
-            let (roll_deg, image, descriptor) = timings.time(
+            // Turning and then flipping is flipping and then turning the other way: one turn serves
+            // both hands.
+            let roll_deg = if side == Side::Left { (360.0 - turned_deg) % 360.0 } else { turned_deg };
+            let descriptor = timings.time(
                 |t| &mut t.descriptor_ms,
-                || {
-                    // Turning and then flipping is flipping and then turning the other way: one
-                    // turn serves both hands.
-                    let (roll_deg, image) = match side {
-                        Side::Right => (degrees, turned.clone()),
-                        Side::Left => ((360.0 - degrees) % 360.0, turned.mirrored()),
-                    };
-                    let descriptor = describer.describe_turned(of_side(side), roll_deg, &image);
-                    (roll_deg, image, descriptor)
+                || match &turned {
+                    None => describer.describe_turned(hand_of(side), roll_deg, hand),
+                    Some(turned) => {
+                        describer.describe_turned(hand_of(side), roll_deg, &of_side(side, turned.clone()))
+                    }
                 },
             );
             let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
-            let vote = timings.time(|t| &mut t.vote_ms, || index.vote(&found.neighbours, &options.vote));
-            let Search { neighbours, cost } = found;
-            let hypothesis = Hypothesis {
-                side,
-                roll_deg,
-                image,
-                descriptor,
-                neighbours,
-                cost,
-                vote,
-                tried: 0,
-                rival: None,
-            };
-            let mirrored = describer.opinion().map(|opinion| opinion.mirrored);
-            let distance = hypothesis.unlikeliness(tried, mirrored, scene);
+            let opinion = describer.opinion().cloned();
+            let candidate = Candidate { side, roll_deg, turned_deg, descriptor, found, opinion };
+            let distance = candidate.unlikeliness(tried, scene);
             let [of_first, of_other] = &mut best;
             let so_far = if side == first { of_first } else { of_other };
             if so_far.as_ref().is_none_or(|(least, _)| distance < *least) {
-                *so_far = Some((distance, (hypothesis, describer.opinion().cloned())));
+                *so_far = Some((distance, candidate));
             }
         }
     }
-    let ((mut best, opinion), rival) = match best {
+    let (best, rival) = match best {
         // The first hand wins a tie.
         [Some((a, first)), Some((b, other))] => {
             let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
@@ -149,30 +163,30 @@ pub(super) fn best(
         [Some((_, only)), None] | [None, Some((_, only))] => (only, None),
         [None, None] => return Err(RecogniseError::NoHand),
     };
-    best.rival = rival;
-    let hand = of_side(best.side);
-    look_again(index, hand, options, (&search, &mut describer, opinion.as_ref()), timings, &mut best)?;
-    best.tried = rolls * options.hand.sides().len();
-    let rotation = best.in_picture(&best.vote.orientation.rotation);
-    best.vote.orientation.euler_deg = euler_deg(&rotation);
-    best.vote.orientation.rotation = rotation;
-    Ok(best)
+    let mut vote = if is_learned {
+        look_again(index, hand_of(best.side), options, (&search, &mut describer), timings, &best)?
+    } else {
+        timings.time(|t| &mut t.vote_ms, || index.vote(&best.found.neighbours, &options.vote))
+    };
+    let rotation = in_picture(best.side, best.roll_deg, &vote.orientation.rotation);
+    vote.orientation.euler_deg = euler_deg(&rotation);
+    vote.orientation.rotation = rotation;
+    let Candidate { side, roll_deg, turned_deg, descriptor, found: Search { neighbours, cost }, .. } = best;
+    let tried = rolls * options.hand.sides().len();
+    Ok(Hypothesis { side, roll_deg, turned_deg, descriptor, neighbours, cost, vote, tried, rival })
 }
 
-/// Looks at the hand of the answer, flipped where it is a left one, from beside, where its
-/// descriptor is one that a small turn changes otherwise than it changes the hand: the votes of all
-/// looks are joined.
+/// Looks at the hand of the answer, flipped where it is a left one, from beside: a learned
+/// descriptor is one that a small turn changes otherwise than it changes the hand. The vote is that
+/// of all looks.
 fn look_again(
     index: &Index,
     hand: &HandImage,
     options: &RecogniseOptions,
-    (search, describer, opinion): (&SearchOptions, &mut Describer, Option<&Opinion>),
+    (search, describer): (&SearchOptions, &mut Describer),
     timings: &mut Timings,
-    best: &mut Hypothesis,
-) -> Result<(), RecogniseError> {
-    if !matches!(index.catalogue().descriptor.kind, DescriptorKind::Learned { .. }) {
-        return Ok(());
-    }
+    best: &Candidate,
+) -> Result<Vote, RecogniseError> {
     let mut others = Vec::with_capacity(LOOKS_DEG.len());
     for beside in LOOKS_DEG {
         // A network turns the picture itself.
@@ -181,15 +195,14 @@ fn look_again(
         let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, search))?;
         others.push((found.neighbours, describer.opinion().cloned(), beside));
     }
-    let own = Look { neighbours: &best.neighbours, opinion, turn_deg: 0.0 };
+    let own = Look { neighbours: &best.found.neighbours, opinion: best.opinion.as_ref(), turn_deg: 0.0 };
     let others = others.iter().map(|(neighbours, opinion, turn_deg)| Look {
         neighbours,
         opinion: opinion.as_ref(),
         turn_deg: *turn_deg,
     });
     let looks: Vec<Look> = std::iter::once(own).chain(others).collect();
-    best.vote = timings.time(|t| &mut t.vote_ms, || index.vote_of_looks(&looks, &options.vote));
-    Ok(())
+    Ok(timings.time(|t| &mut t.vote_ms, || index.vote_of_looks(&looks, &options.vote)))
 }
 
 fn mean_distance(neighbours: &[Neighbour]) -> f64 {

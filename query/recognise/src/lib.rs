@@ -34,7 +34,7 @@ pub use accept::Doubt;
 pub use error::{RecogniseError, SourceError};
 pub use evidence::Evidence;
 pub use hypothesis::Hypothesis;
-pub use options::{Accept, DEFAULT_ROLLS, RecogniseOptions};
+pub use options::{Accept, DEFAULT_ROLLS, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
 pub use recogniser::Recogniser;
 pub use recognition::Recognition;
 pub use side::{HandChoice, Side};

@@ -106,7 +106,7 @@ impl Priors {
     /// # Errors
     /// [`PriorError`], where the table does not know the object, or what it says of it makes no
     /// sense.
-    pub fn of(&self, object: &str, grasps: &[String]) -> Result<Vec<f64>, PriorError> {
+    pub fn probabilities(&self, object: &str, grasps: &[String]) -> Result<Vec<f64>, PriorError> {
         let said = self.objects.get(object).ok_or_else(|| PriorError::UnknownObject {
             object: object.to_owned(),
             known: self.objects.keys().cloned().collect::<Vec<_>>().join(", "),
@@ -161,11 +161,11 @@ mod tests {
     #[test]
     fn what_is_not_named_shares_the_rest() {
         let table = priors("[objects.bottle]\nlarge-diameter = 0.8\n[objects.any]\n");
-        let found = table.of("bottle", &grasps()).unwrap();
+        let found = table.probabilities("bottle", &grasps()).unwrap();
         for (found, expected) in found.iter().zip([0.8, 0.1, 0.1]) {
             assert!((found - expected).abs() < 1e-12);
         }
-        let alike = table.of("any", &grasps()).unwrap();
+        let alike = table.probabilities("any", &grasps()).unwrap();
         assert!(alike.iter().all(|p| (p - 1.0 / 3.0).abs() < 1e-12));
         // Alike before, nothing changes.
         assert_eq!(weigh(&[0.5, 0.25, 0.25], &[0.5, 0.5, 0.5]), [0.5, 0.25, 0.25]);
@@ -175,13 +175,13 @@ mod tests {
 
     #[test]
     fn no_grasp_is_ruled_out() {
-        let found = priors("[objects.pen]\npinch = 1.0").of("pen", &grasps()).unwrap();
+        let found = priors("[objects.pen]\npinch = 1.0").probabilities("pen", &grasps()).unwrap();
         assert!(found[0] > 0.0 && found[1] > 0.99);
     }
 
     #[test]
     fn tables_that_make_no_sense_are_told() {
-        let told = |text: &str| priors(text).of("cup", &grasps()).unwrap_err().to_string();
+        let told = |text: &str| priors(text).probabilities("cup", &grasps()).unwrap_err().to_string();
         insta::assert_snapshot!(told("[objects.bottle]"), @"the prior has no object `cup`; it has bottle");
         insta::assert_snapshot!(told("[objects.cup]\nhook = 0.5"), @"the prior's object `cup` names the grasp `hook`; the index has large-diameter, pinch, power-sphere");
         insta::assert_snapshot!(told("[objects.cup]\npinch = -0.5"), @"the prior's object `cup`: pinch is -0.5: probabilities of 0 to 1 are needed that sum to 1 at most");

@@ -4,7 +4,7 @@ use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
 use crate::error::{RecogniseError, SourceError};
 use crate::picture::{self, Picture, WORKING_SIDE};
-use crate::scene::{self, Found, Joints, Landmarks, Scene, SceneNetwork};
+use crate::scene::{self, Detection, Joints, Landmarks, Scene, SceneNetwork};
 use crate::segment::depth::{DepthRange, mask_from_depth};
 use crate::segment::{self, Finder, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
@@ -177,7 +177,7 @@ impl Prepared {
     }
 
     /// Cuts out a hand that the scene network has found, by colour and by what that has seen.
-    fn of_found(picture: Picture, seen: Found, params: &SegmentParams) -> Result<Self, RecogniseError> {
+    fn of_found(picture: Picture, seen: Detection, params: &SegmentParams) -> Result<Self, RecogniseError> {
         let cut = segment::segment_seen(&picture, params, Some(&|place| seen.skin(place)));
         let cut = cut.ok_or(RecogniseError::NoHand)?;
         let scene = Some(Scene::new(SceneNetwork::built_in(), &picture, seen, &cut.hand));

@@ -1,7 +1,7 @@
 //! Where the hand was in the frame before: in a video that is where it is looked for first.
 
 use crate::picture::Picture;
-use crate::scene::{self, Found, Scene, SceneNetwork};
+use crate::scene::{self, Detection, Scene, SceneNetwork};
 
 /// So many frames after it was looked for in the whole picture, the hand is looked for there again:
 /// what was found wrongly, or turned wrongly, is not followed for longer than a second.
@@ -11,7 +11,7 @@ const AGAIN: u32 = 30;
 #[derive(Clone, Debug, Default)]
 pub struct Tracker {
     /// The hand in the frame before, and that picture's width and height.
-    last: Option<(Found, (usize, usize))>,
+    last: Option<(Detection, (usize, usize))>,
     /// Frames since the hand was looked for in the whole picture.
     followed: u32,
     searches: u64,
@@ -25,7 +25,7 @@ impl Tracker {
     }
 
     /// The hand where it was in the frame before, or near it.
-    pub(crate) fn follow(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Found> {
+    pub(crate) fn follow(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
         let size = (picture.width(), picture.height());
         let (before, _) = self.last.take().filter(|(_, before)| *before == size && self.followed < AGAIN)?;
         self.followed += 1;
@@ -33,7 +33,7 @@ impl Tracker {
     }
 
     /// The hand anywhere in the picture.
-    pub(crate) fn search(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Found> {
+    pub(crate) fn search(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
         self.searches += 1;
         self.followed = 0;
         self.last = None;

@@ -87,19 +87,19 @@ impl Trust {
     }
 
     /// The trust in an answer, 0..=1; `None` where the mask was given and is one.
-    pub fn of(&self, evidence: &Evidence) -> Option<f64> {
+    pub fn trust(&self, evidence: &Evidence) -> Option<f64> {
         if evidence.share > MOST_FILLED {
             return Some(0.0);
         }
         evidence.quality.as_ref()?;
         let model = if evidence.other_hand.is_some() { &self.hand_tried } else { &self.hand_given };
-        Some(model.of(evidence))
+        Some(model.value(evidence))
     }
 }
 
 impl Logistic {
     /// Its value, 0..=1. A measure that is not known counts as its mean.
-    pub fn of(&self, evidence: &Evidence) -> f64 {
+    pub fn value(&self, evidence: &Evidence) -> f64 {
         let terms = Evidence::NAMES.iter().zip(evidence.measures()).filter_map(|(name, measure)| {
             let term = self.measures.get(*name)?;
             Some(term.weight * (measure? - term.mean) / term.deviation)
@@ -150,13 +150,13 @@ mod tests {
     #[test]
     fn a_mask_that_runs_along_the_border_before_skin_is_trusted_less() {
         let model = Trust::built_in();
-        let hand = model.of(&evidence(HAND)).unwrap();
+        let hand = model.trust(&evidence(HAND)).unwrap();
         assert!(hand > 0.5, "{hand}");
         let board = Quality { on_border: 0.3, skin_around: 0.4, ..HAND };
-        assert!(model.of(&evidence(board)).unwrap() < 0.1);
+        assert!(model.trust(&evidence(board)).unwrap() < 0.1);
         let given = Evidence { quality: None, ..evidence(HAND) };
-        assert_eq!(model.of(&given), None);
-        assert_eq!(model.of(&Evidence { share: 1.0, ..given }), Some(0.0));
+        assert_eq!(model.trust(&given), None);
+        assert_eq!(model.trust(&Evidence { share: 1.0, ..given }), Some(0.0));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use grasp_canonical::{Canonical, Encoder};
 
-use super::hand::{RobotGrasp, RobotHand, Value, Way};
+use super::hand::{RobotGrasp, RobotHand, Travel, Value};
 
 impl RobotHand {
     /// A number that differs where two hands do, but for the windows that were measured with them
@@ -81,7 +81,7 @@ impl Canonical for RobotGrasp {
     }
 }
 
-impl Canonical for Way {
+impl Canonical for Travel {
     fn encode(&self, to: &mut Encoder) {
         let Self { distance, least } = *self;
         to.f64(distance).f64(least);

@@ -70,9 +70,9 @@ pub struct RobotHand {
     /// In newtons.
     pub max_contact_force: f64,
     /// The way to the object, along the palm's z.
-    pub approach: Way,
+    pub approach: Travel,
     /// The way from where it lay, up.
-    pub retreat: Way,
+    pub retreat: Travel,
     /// Every joint's least and greatest value, in radians (metres for a sliding one).
     pub limits: BTreeMap<String, [f64; 2]>,
     /// Human grasp to robot grasp.
@@ -87,7 +87,7 @@ pub struct RobotHand {
 /// A straight way.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Way {
+pub struct Travel {
     /// How long it should be, in metres.
     pub distance: f64,
     /// How long it must be, in metres.
@@ -215,8 +215,9 @@ impl RobotHand {
     /// # Errors
     /// Where it knows none of that name.
     pub fn built_in(name: &str) -> Result<Self, RobotError> {
+        let known = || Self::names().collect::<Vec<_>>().join(", ");
         let text = built_in(&BUILT_IN, name)
-            .map_err(|known| RobotError::UnknownHand { name: name.to_owned(), known })?;
+            .ok_or_else(|| RobotError::UnknownHand { name: name.to_owned(), known: known() })?;
         Self::parse(name, text)
     }
 

@@ -17,6 +17,7 @@
 //! gave it.
 //! `object`: about the middle of its shape.
 
+mod approach_side;
 mod arm;
 mod camera;
 mod chain;
@@ -25,7 +26,6 @@ mod fault;
 mod feasible;
 mod finger;
 mod fingerprint;
-mod from;
 mod hand;
 mod human;
 mod layout;
@@ -44,6 +44,7 @@ mod tolerance;
 mod urdf;
 mod window;
 
+pub use approach_side::ApproachSide;
 pub use arm::{Arm, ArmMotion, Hindrance, Unreachable, Waypoint};
 pub use camera::Camera;
 pub use chain::Chain;
@@ -51,15 +52,14 @@ pub use error::RobotError;
 pub use fault::{DescriptionFault, UrdfFault};
 pub use feasible::{Problem, ProblemKind};
 pub use finger::Finger;
-pub use from::From;
-pub use hand::{RobotGrasp, RobotHand, Value, Way};
+pub use hand::{RobotGrasp, RobotHand, Travel, Value};
 pub use layout::{LaidObject, Layout, View};
 pub use object::{Frame, Object, Shape};
 pub use pose::{Direction, Pose};
 pub use read::described;
 pub use setting::Setting;
 pub use step::Step;
-pub use strategy::{Seen, Strategy};
+pub use strategy::{ObservedHand, Strategy};
 pub use tolerance::Estimate;
 pub use window::Window;
 

@@ -72,10 +72,9 @@ pub fn described(name: &str) -> Option<&Path> {
     Some(Path::new(name)).filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
 }
 
-/// The description of that name among those that come with the program, or what names there are.
-pub(super) fn built_in(all: &[(&str, &'static str)], name: &str) -> Result<&'static str, String> {
-    let found = all.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
-    found.ok_or_else(|| all.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "))
+/// The description of that name among those that come with the program.
+pub(super) fn built_in(all: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    all.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
 /// The text of a file.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Arm, Camera, Object, RobotError, RobotHand, Seen, Strategy};
+use super::{Arm, Camera, Object, ObservedHand, RobotError, RobotHand, Strategy};
 
 /// A robot hand, what it is to grasp, and from where that was seen.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl Setting {
     ///
     /// # Errors
     /// As [`Strategy::new`].
-    pub fn strategy(&self, seen: &Seen) -> Result<Strategy, RobotError> {
+    pub fn strategy(&self, seen: &ObservedHand) -> Result<Strategy, RobotError> {
         let strategy = Strategy::new(&self.hand, seen, &self.object, &self.camera)?;
         Ok(match &self.arm {
             Some(arm) => strategy.carried_by(arm),

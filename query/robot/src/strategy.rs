@@ -26,7 +26,7 @@ const UNKNOWN_SPREAD_DEG: f64 = 180.0;
 
 /// A human hand that grasps, as it was recognised.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct ObservedHand {
     /// The human grasp.
     pub grasp: String,
     /// The hand.
@@ -108,7 +108,12 @@ impl Strategy {
     /// # Errors
     /// [`RobotError`]: the grasp has no counterpart, the orientation is unknown, the object lies in
     /// its table or is too wide.
-    pub fn new(hand: &RobotHand, seen: &Seen, object: &Object, camera: &Camera) -> Result<Self, RobotError> {
+    pub fn new(
+        hand: &RobotHand,
+        seen: &ObservedHand,
+        object: &Object,
+        camera: &Camera,
+    ) -> Result<Self, RobotError> {
         let (name, grasp) = hand.for_human(&seen.grasp)?;
         let human = HumanGrasp::named(&seen.grasp)
             .ok_or_else(|| RobotError::UnknownHuman { grasp: seen.grasp.clone() })?;
@@ -174,7 +179,7 @@ impl Strategy {
     #[expect(clippy::too_many_arguments, reason = "the one place where all parts come together")]
     fn assemble(
         hand: &RobotHand,
-        seen: &Seen,
+        seen: &ObservedHand,
         (name, grasp): (&str, &RobotGrasp),
         object: &Object,
         layout: Layout,

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::window::Window;
-use super::{From, RobotGrasp};
+use super::{ApproachSide, RobotGrasp};
 
 /// How uncertain the estimate is, as standard deviations.
 #[derive(Clone, Debug, Serialize)]
@@ -21,7 +21,7 @@ pub struct Estimate {
 /// What error the grasp tolerates on something as wide, in metres, to which the hand moves along
 /// `approach`, of unit length in the world.
 pub(super) fn tolerated(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> Option<Window> {
-    Window::of(&grasp.window, width, From::of(approach)?)
+    Window::for_width(&grasp.window, width, ApproachSide::nearest(approach)?)
 }
 
 /// The probability that an error of the estimate's spread stays within `window`, were it normal and
@@ -81,15 +81,15 @@ pub(super) fn doubts(
 
 /// That, and why, no window is known.
 fn unknown(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> String {
-    let from = From::of(approach);
+    let from = ApproachSide::nearest(approach);
     let tried = grasp.window.iter().filter(|window| Some(window.from) == from);
     let tried: Vec<String> =
         tried.map(|window| format!("{} ({:.0} mm)", window.object, 1e3 * window.width_m)).collect();
     let why = match (tried.as_slice(), grasp.window.is_empty()) {
         ([], true) => "it was never simulated".into(),
-        ([], false) => format!("it was never simulated {}", from.map_or("from below", From::words)),
+        ([], false) => format!("it was never simulated {}", from.map_or("from below", ApproachSide::words)),
         (tried, _) => {
-            let words = from.map_or("", From::words);
+            let words = from.map_or("", ApproachSide::words);
             format!("simulated {words} were {}, and this is {:.0} mm wide", tried.join(", "), 1e3 * width)
         }
     };
@@ -116,7 +116,7 @@ mod tests {
             force_n: None,
             object: "any".into(),
             width_m: 0.06,
-            from: From::Top,
+            from: ApproachSide::Top,
             engine: "none".into(),
         };
         let both = confidence(&estimate(Some(0.01)), &window).unwrap();

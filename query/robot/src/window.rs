@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::From;
+use super::ApproachSide;
 
 /// Beyond the thinnest and the widest object that were simulated a window is taken over as far as
 /// this: to a hand that is turned 30 degrees too far a round thing looks 15 % wider than it is.
@@ -33,7 +33,7 @@ pub struct Window {
     /// That object's extent across the closing fingers, in metres.
     pub width_m: f64,
     /// From where the hand came to it.
-    pub from: From,
+    pub from: ApproachSide,
     /// What simulated it.
     pub engine: String,
 }
@@ -42,7 +42,7 @@ impl Window {
     /// The one of `windows` that counts for an object as wide as `width`, in metres, to which the
     /// hand comes `from`: between two objects that were simulated, the narrower of theirs, and the
     /// greater force. `None` where none so thin or so wide was.
-    pub(super) fn of(windows: &[Self], width: f64, from: From) -> Option<Self> {
+    pub(super) fn for_width(windows: &[Self], width: f64, from: ApproachSide) -> Option<Self> {
         let comparable = || windows.iter().filter(|window| window.from == from);
         let widths = || comparable().map(|window| window.width_m);
         let thinner = widths().filter(|other| *other <= width + SAME).reduce(f64::max);
@@ -68,7 +68,7 @@ impl Window {
 mod tests {
     use super::*;
 
-    fn window(from: From, width_m: f64, position_m: f64, yaw_rad: Option<f64>) -> Window {
+    fn window(from: ApproachSide, width_m: f64, position_m: f64, yaw_rad: Option<f64>) -> Window {
         let (object, engine) = (format!("{width_m}"), "none".into());
         let tilt_rad = yaw_rad.map(|yaw| 0.5 * yaw);
         Window {
@@ -86,26 +86,30 @@ mod tests {
     #[test]
     fn between_two_objects_the_narrower_window_counts() {
         let windows = [
-            window(From::Side, 0.03, 0.01, None),
-            window(From::Side, 0.07, 0.03, Some(0.5)),
-            window(From::Top, 0.06, 0.04, Some(0.8)),
-            window(From::Top, 0.07, 0.02, Some(0.9)),
-            window(From::Top, 0.07, 0.03, Some(0.7)),
+            window(ApproachSide::Side, 0.03, 0.01, None),
+            window(ApproachSide::Side, 0.07, 0.03, Some(0.5)),
+            window(ApproachSide::Top, 0.06, 0.04, Some(0.8)),
+            window(ApproachSide::Top, 0.07, 0.02, Some(0.9)),
+            window(ApproachSide::Top, 0.07, 0.03, Some(0.7)),
         ];
-        let at =
-            |width, from| Window::of(&windows, width, from).map(|found| (found.position_m, found.yaw_rad));
-        assert_eq!(at(0.030, From::Side), Some((0.01, None)));
-        assert_eq!(at(0.0304, From::Side), Some((0.01, None)), "the same width, but for rounding");
-        assert_eq!(at(0.050, From::Side), Some((0.01, Some(0.5))));
-        assert_eq!(at(0.070, From::Side), Some((0.03, Some(0.5))));
-        assert_eq!(at(0.060, From::Top), Some((0.04, Some(0.8))));
-        assert_eq!(at(0.065, From::Top), Some((0.02, Some(0.7))), "of two as wide the narrower");
+        let at = |width, from| {
+            Window::for_width(&windows, width, from).map(|found| (found.position_m, found.yaw_rad))
+        };
+        assert_eq!(at(0.030, ApproachSide::Side), Some((0.01, None)));
+        assert_eq!(at(0.0304, ApproachSide::Side), Some((0.01, None)), "the same width, but for rounding");
+        assert_eq!(at(0.050, ApproachSide::Side), Some((0.01, Some(0.5))));
+        assert_eq!(at(0.070, ApproachSide::Side), Some((0.03, Some(0.5))));
+        assert_eq!(at(0.060, ApproachSide::Top), Some((0.04, Some(0.8))));
+        assert_eq!(at(0.065, ApproachSide::Top), Some((0.02, Some(0.7))), "of two as wide the narrower");
         // A little beyond those that were simulated, and farther.
-        assert_eq!(at(0.080, From::Top), Some((0.02, Some(0.7))));
-        assert_eq!(at(0.026, From::Side), Some((0.01, None)));
-        assert_eq!((at(0.090, From::Top), at(0.020, From::Side), at(0.045, From::Top)), (None, None, None));
-        assert_eq!(Window::of(&[], 0.05, From::Top), None);
-        let found = Window::of(&windows, 0.065, From::Top).unwrap();
+        assert_eq!(at(0.080, ApproachSide::Top), Some((0.02, Some(0.7))));
+        assert_eq!(at(0.026, ApproachSide::Side), Some((0.01, None)));
+        assert_eq!(
+            (at(0.090, ApproachSide::Top), at(0.020, ApproachSide::Side), at(0.045, ApproachSide::Top)),
+            (None, None, None)
+        );
+        assert_eq!(Window::for_width(&[], 0.05, ApproachSide::Top), None);
+        let found = Window::for_width(&windows, 0.065, ApproachSide::Top).unwrap();
         assert_eq!((found.tilt_rad, found.force_n), (Some(0.35), Some(100.0 * 0.07)));
     }
 }

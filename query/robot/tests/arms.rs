@@ -3,7 +3,7 @@
 
 use grasp_recognise::Side;
 use grasp_robot::{
-    Arm, ArmMotion, Camera, Direction, Hindrance, Object, Pose, RobotHand, Seen, Step, Strategy,
+    Arm, ArmMotion, Camera, Direction, Hindrance, Object, ObservedHand, Pose, RobotHand, Step, Strategy,
 };
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
@@ -162,7 +162,8 @@ fn both_carry_a_hand_to_a_bottle_and_up() {
     let axes = Matrix3::from_columns(&[-Vector3::y(), Vector3::z(), -Vector3::x()]);
     let upright = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&axes));
     let camera_from_hand = camera.world_from_camera.rotation.inverse() * upright;
-    let seen = Seen { grasp: "large-diameter".into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
+    let seen =
+        ObservedHand { grasp: "large-diameter".into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
     for (arm, hand, forward, base, mount) in [
         (
             "ur5e",

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use grasp_recognise::Side;
-use grasp_robot::{Camera, Object, RobotError, RobotHand, Seen, Shape, Strategy, moveit};
+use grasp_robot::{Camera, Object, ObservedHand, RobotError, RobotHand, Shape, Strategy, moveit};
 use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 
 const CAMERA: &str = include_str!("../../data/objects/camera.toml");
@@ -44,7 +44,7 @@ const SIX: [&str; 6] =
 fn strategy(hand: &RobotHand, human: &str, object: &Object) -> Result<Strategy, RobotError> {
     let camera = Camera::parse("camera.toml", CAMERA).unwrap();
     let camera_from_hand = camera.world_from_camera.rotation.inverse();
-    let seen = Seen { grasp: human.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
+    let seen = ObservedHand { grasp: human.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
     Strategy::new(hand, &seen, object, &camera)
 }
 

@@ -2,7 +2,8 @@
 
 use grasp_recognise::Side;
 use grasp_robot::{
-    Arm, Camera, Hindrance, Object, ProblemKind, RobotError, RobotHand, Seen, Shape, Step, Strategy, moveit,
+    Arm, Camera, Hindrance, Object, ObservedHand, ProblemKind, RobotError, RobotHand, Shape, Step, Strategy,
+    moveit,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -30,9 +31,9 @@ fn upright() -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&axes))
 }
 
-fn seen(grasp: &str, world_from_hand: UnitQuaternion<f64>, camera: &Camera) -> Seen {
+fn seen(grasp: &str, world_from_hand: UnitQuaternion<f64>, camera: &Camera) -> ObservedHand {
     let camera_from_hand = camera.world_from_camera.rotation.inverse() * world_from_hand;
-    Seen { grasp: grasp.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 }
+    ObservedHand { grasp: grasp.into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 }
 }
 
 fn isometry(pose: &grasp_robot::Pose) -> Isometry3<f64> {

@@ -1,7 +1,7 @@
 //! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
 
 use grasp_robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
-use grasp_robot::{From, Object, RobotError, RobotHand};
+use grasp_robot::{ApproachSide, Object, RobotError, RobotHand};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn plan(scene: &str) -> Plan {
@@ -120,7 +120,7 @@ fn a_held_object_resists_a_shake_and_a_wrench() {
 
 #[test]
 fn what_cannot_be_simulated_is_said() {
-    let turned = From::Top.turned();
+    let turned = ApproachSide::Top.turned();
     let block = Scene::named("block").unwrap().object().unwrap();
     let gripper = RobotHand::find("parallel-gripper").unwrap();
     let error = Plan::new(&gripper, "parallel", &block, turned).unwrap_err();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use grasp_recognise::Side;
-use grasp_robot::{Camera, Object, RobotError, RobotHand, Seen, Strategy};
+use grasp_robot::{Camera, Object, ObservedHand, RobotError, RobotHand, Strategy};
 use nalgebra::UnitQuaternion;
 
 const URDF: &str = include_str!("urdf/slider.urdf");
@@ -84,7 +84,7 @@ fn it_makes_a_strategy_like_any_other_hand() {
     let block = "shape = 'box'\nsize = [0.03, 0.06, 0.04]\nposition = [0.5, 0.0, 0.5]\nquaternion_xyzw = [0, 0, 0, 1]";
     let block = Object::parse("block.toml", block).unwrap();
     let camera_from_hand = camera.world_from_camera.rotation.inverse() * UnitQuaternion::identity();
-    let seen = Seen { grasp: "pinch".into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
+    let seen = ObservedHand { grasp: "pinch".into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
     let found = Strategy::new(&hand, &seen, &block, &camera).unwrap();
     assert!(found.feasible && (found.object_width - 0.03).abs() < 1e-9, "{:?}", found.problems);
     let tips: Vec<[f64; 3]> = found.layout.fingers.iter().map(|finger| *finger.last().unwrap()).collect();

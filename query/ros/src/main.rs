@@ -9,7 +9,6 @@
 mod answer;
 mod arguments;
 mod domain;
-mod index_file;
 mod latency;
 mod log;
 mod messages;

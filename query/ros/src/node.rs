@@ -8,6 +8,7 @@ use anyhow::{Context as _, anyhow};
 use futures::channel::mpsc::{UnboundedSender, unbounded};
 use futures::executor::block_on;
 use futures::stream::{LocalBoxStream, StreamExt as _, select_all};
+use grasp_answer::index_file::{self, IndexFileError};
 use grasp_terminal::error::message as in_words;
 use grasp_terminal::text::counted;
 use ros2_client::qos::{History, WhenFull};
@@ -20,7 +21,6 @@ use serde::de::DeserializeOwned;
 use crate::answer::grasp::Robot;
 use crate::arguments::{Arguments, Options, Transport};
 use crate::domain::Domain;
-use crate::index_file::IndexFile;
 use crate::log::{Level, Log};
 use crate::messages::Message;
 use crate::messages::geometry::PoseStamped;
@@ -137,7 +137,11 @@ fn node_options(options: &Options) -> NodeOptions {
 /// Where it cannot begin; and where the index is changed under it.
 pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     let Arguments { options, names, level, ignored } = arguments;
-    let index = IndexFile::open(options.index(), options.no_mmap)?;
+    let index_path = options.index().unwrap_or_else(index_file::default_path);
+    let index = index_file::open_for_pictures(&index_path, options.no_mmap).map_err(|error| match error {
+        IndexFileError::Missing { .. } => anyhow!("{error}, or by the parameter index"),
+        error => error.into(),
+    })?;
     let robot = options.robot().map(|(hand, files, arm)| Robot::read(hand, files, arm, &options.world_frame));
     let robot = robot.transpose()?;
     let topics = Topics::new(&names, options.image_transport)?;
@@ -189,15 +193,15 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     let spinning = thread::spawn(move || block_on(spinner.spin()));
     log.info(&format!(
         "{} of {}; pictures from {}, answers to {} and beside it, in domain {}",
-        counted(index.index().len() as u64, ["entry", "entries"]),
-        index.path().display(),
+        counted(index.len() as u64, ["entry", "entries"]),
+        index_path.display(),
         topics.pictures,
         topics.detections,
         domain.id()
     ));
 
     let jobs = Newest::new();
-    let worker = Worker::new(&index, &options, robot, answers, &log);
+    let worker = Worker::new(&index_path, &index, &options, robot, answers, &log);
     let outcome = thread::scope(|scope| {
         let (jobs, log) = (&jobs, &log);
         let silence = no_picture(&topics.pictures, options.image_transport);

@@ -1,8 +1,11 @@
 //! Answers pictures: one at a time, the newest.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use grasp_answer::index_file;
+use grasp_index::Index;
 use grasp_recognise::picture::Decoded;
 use grasp_recognise::segment::SegmentParams;
 use grasp_recognise::sequence::{Filter, SequenceParams};
@@ -14,7 +17,6 @@ use serde::Serialize;
 use crate::answer::grasp::Robot;
 use crate::answer::{Hand, Original, detection, marker};
 use crate::arguments::Options;
-use crate::index_file::IndexFile;
 use crate::latency::Latencies;
 use crate::log::{Level, Log};
 use crate::messages::geometry::PoseStamped;
@@ -85,7 +87,7 @@ pub(crate) struct Tally {
 /// Answers pictures.
 pub(crate) struct Worker<'a> {
     recogniser: Recogniser<'a>,
-    index: &'a IndexFile,
+    index_path: &'a Path,
     source: MaskSource,
     segment: SegmentParams,
     filter: Option<Filter>,
@@ -99,7 +101,8 @@ pub(crate) struct Worker<'a> {
 impl<'a> Worker<'a> {
     /// One that works as the options say.
     pub(crate) fn new(
-        index: &'a IndexFile,
+        index_path: &'a Path,
+        index: &'a Index,
         options: &Options,
         robot: Option<Robot>,
         answers: Answers,
@@ -108,8 +111,8 @@ impl<'a> Worker<'a> {
         let recognition = options.recognition();
         Self {
             segment: recognition.segment.clone(),
-            recogniser: Recogniser::new(index.index(), recognition),
-            index,
+            recogniser: Recogniser::new(index, recognition),
+            index_path,
             source: if options.segmented { MaskSource::Segmented } else { MaskSource::Camera },
             filter: options.sequence.then(|| Filter::new(SequenceParams::default(), None)),
             depth: options.depth,
@@ -127,7 +130,7 @@ impl<'a> Worker<'a> {
     pub(crate) fn run(mut self, jobs: &Newest<Job>) -> anyhow::Result<Tally> {
         while let Some(job) = jobs.take() {
             let hand = self.hand(&job);
-            self.index.check()?;
+            index_file::check(self.index_path, self.recogniser.index())?;
             match &hand {
                 Ok(_) => self.tally.recognised += 1,
                 Err(Nothing::Unknown) => self.tally.unknown += 1,

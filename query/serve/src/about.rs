@@ -11,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::current::LOST;
 use super::explained::png;
-use super::metrics::{CONTENT_TYPE, Now};
+use super::metrics::{CONTENT_TYPE, Gauges};
 use super::problem::Problem;
 use super::query::Options;
 use super::service::Shared;
@@ -86,7 +86,7 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
             .collect(),
         hand_shapes: catalogue.hand_shapes.clone(),
         stages: catalogue.stages.clone(),
-        hash: HashInfo::of(&catalogue.hash).map_or("unknown", |hash| hash.kind()),
+        hash: HashInfo::from_hash(&catalogue.hash).map_or("unknown", |hash| hash.kind()),
         k: catalogue.calibration.k,
         thumbnail_side: catalogue.thumbnail_side,
         efforts: measured.curve,
@@ -100,7 +100,7 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
 #[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(default, deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub(super) struct OfIndex {
+pub(super) struct IndexGeneration {
     /// The index that named the neighbour, as the header `grasp-index-generation` told it; another
     /// one has other entries.
     generation: Option<u64>,
@@ -110,14 +110,14 @@ pub(super) struct OfIndex {
 #[utoipa::path(get, path = "/v1/neighbours/{id}/thumbnail.png", tag = tags::INDEX,
     summary = "Show an entry's picture",
     description = "The hand image of an entry that `neighbours` of a record names by its `id`.",
-    params(("id" = u32, Path, description = "The entry's number"), OfIndex),
+    params(("id" = u32, Path, description = "The entry's number"), IndexGeneration),
     responses((status = 200, description = "The entry's picture, grey", content_type = "image/png"),
         (status = 404, description = "There is no such entry, or it has no picture", body = super::problem::ProblemRecord),
         (status = 410, description = "The index that named the entry is no longer served", body = super::problem::ProblemRecord)))]
 pub(super) async fn thumbnail(
     State(service): State<Shared>,
     id: Result<Path<String>, PathRejection>,
-    Options(of): Options<OfIndex>,
+    Options(of): Options<IndexGeneration>,
 ) -> Result<Response, Problem> {
     // What is no text is no number either.
     let id = id.map_or_else(|_| String::new(), |Path(id)| id);
@@ -170,7 +170,7 @@ pub(super) struct Ready {
     (status = 503, description = "The index is not open yet or its file was overwritten, or the service is about to end", body = Ready)))]
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
-    let (trouble, is_lost) = (service.current.trouble(), service.current.is_lost());
+    let (failures, is_lost) = (service.current.failures(), service.current.is_lost());
     if is_lost {
         // Whoever asks is waiting: the file may be whole again.
         service.lost.notify_one();
@@ -184,9 +184,9 @@ pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let ready = state == "serving";
     let status = if ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     let path = service.current.path().display().to_string();
-    let problem = trouble.now.map(|problem| without(&problem.to_string(), &path));
+    let problem = failures.current.map(|problem| without(&problem.to_string(), &path));
     let problem = problem.or_else(|| is_lost.then(|| format!("the service {LOST}")));
-    let record = Ready { ready, state, generation, reload_failures: trouble.failures, problem };
+    let record = Ready { ready, state, generation, reload_failures: failures.count, problem };
     (status, Json(record)).into_response()
 }
 
@@ -210,12 +210,12 @@ pub(super) async fn health() -> &'static str {
     description = "Counters and histograms since the start, in the text form of OpenMetrics, which Prometheus reads.",
     responses((status = 200, description = "The counters", content_type = "application/openmetrics-text")))]
 pub(super) async fn metrics(State(service): State<Shared>) -> Response {
-    let (served, trouble) = (service.current.get(), service.current.trouble());
-    let now = Now {
+    let (served, failures) = (service.current.get(), service.current.failures());
+    let now = Gauges {
         generation: served.as_ref().map_or(0, |served| served.generation),
         entries: served.as_ref().map_or(0, |served| served.index.len() as u64),
-        reload_failures: trouble.failures,
-        index_is_stale: trouble.now.is_some() || service.current.is_lost(),
+        reload_failures: failures.count,
+        index_is_stale: failures.current.is_some() || service.current.is_lost(),
         arriving: service.arriving(),
         reserved: service.budget.reserved(),
         inside: service.gate.inside(),

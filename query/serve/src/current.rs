@@ -45,7 +45,7 @@ pub(super) struct Current {
     served: RwLock<Option<Arc<Served>>>,
     /// Held while a new index is opened: one at a time.
     last: Mutex<Last>,
-    trouble: RwLock<Trouble>,
+    failures: RwLock<Failures>,
 }
 
 /// What the last look has seen.
@@ -59,16 +59,16 @@ struct Last {
 
 /// What went wrong with replacements.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trouble {
+pub(super) struct Failures {
     /// How often a new file could not be used.
-    pub(super) failures: u64,
+    pub(super) count: u64,
     /// What is wrong with the file that lies there now; `None` where it is the one that is served.
-    pub(super) now: Option<Arc<UnusableIndex>>,
+    pub(super) current: Option<Arc<UnusableIndex>>,
 }
 
 /// What a look at the path found.
 #[derive(Debug)]
-pub(super) enum Looked {
+pub(super) enum Refresh {
     /// The file that was there before.
     Unchanged,
     /// Another one, which is served now, as this generation.
@@ -76,9 +76,9 @@ pub(super) enum Looked {
     /// One that cannot be used, or none.
     Failed(Arc<UnusableIndex>),
     /// One that is being written: worth another look soon.
-    OnItsWay,
+    Incomplete,
     /// The file that is served has been overwritten or truncated. Reported once.
-    Lost,
+    Overwritten,
 }
 
 impl Served {
@@ -97,7 +97,7 @@ impl Current {
             most_read,
             served: RwLock::default(),
             last: Mutex::default(),
-            trouble: RwLock::default(),
+            failures: RwLock::default(),
         }
     }
 
@@ -111,8 +111,8 @@ impl Current {
         self.served.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    pub(super) fn trouble(&self) -> Trouble {
-        self.trouble.read().unwrap_or_else(PoisonError::into_inner).clone()
+    pub(super) fn failures(&self) -> Failures {
+        self.failures.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Whether there was an index to answer by, and it is lost.
@@ -123,44 +123,44 @@ impl Current {
     /// Looks at the path and, where another file lies there than the last time, or where `forced`,
     /// opens it, checks it and puts it in the place of the one that is served. What cannot be used
     /// changes nothing, and is tried again when it changes.
-    pub(super) fn look(&self, forced: bool) -> Looked {
+    pub(super) fn refresh(&self, forced: bool) -> Refresh {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let old = self.get();
         if let Some(old) = old.as_ref().filter(|old| old.generation > last.lost && old.is_lost()) {
             // Also where the same file is copied there again, it must be opened anew.
             *last = Last { found: None, lost: old.generation };
-            return Looked::Lost;
+            return Refresh::Overwritten;
         }
         // Before opening: where the file is replaced in between, the next look finds yet another
         // one.
-        let found = Identity::of(&self.path);
+        let found = Identity::of_file(&self.path);
         let seen = found.as_ref().map(|identity| *identity).map_err(std::io::Error::kind);
         if !forced && last.found == Some(seen) {
-            return Looked::Unchanged;
+            return Refresh::Unchanged;
         }
         let is_young =
             |time| old.is_some() && !forced && seen.is_ok_and(|identity| identity.was_written_within(time));
         if is_young(SETTLED) {
-            return Looked::OnItsWay;
+            return Refresh::Incomplete;
         }
         let opened = found.map_err(IndexFault::from).and_then(|identity| self.open(&identity));
         // What could not be used may be another file already than the one that was found.
-        let has_changed = || old.is_some() && Identity::of(&self.path).ok() != seen.ok();
+        let has_changed = || old.is_some() && Identity::of_file(&self.path).ok() != seen.ok();
         if opened.is_err() && (is_young(ON_ITS_WAY) || has_changed()) {
-            return Looked::OnItsWay;
+            return Refresh::Incomplete;
         }
         last.found = Some(seen);
-        let mut trouble = self.trouble.write().unwrap_or_else(PoisonError::into_inner);
+        let mut failures = self.failures.write().unwrap_or_else(PoisonError::into_inner);
         match opened {
             Ok(index) => {
-                trouble.now = None;
-                Looked::Replaced(self.put(index))
+                failures.current = None;
+                Refresh::Replaced(self.put(index))
             }
             Err(fault) => {
                 let why = self.unusable(fault);
-                trouble.failures += 1;
-                trouble.now = Some(Arc::clone(&why));
-                Looked::Failed(why)
+                failures.count += 1;
+                failures.current = Some(Arc::clone(&why));
+                Refresh::Failed(why)
             }
         }
     }

@@ -22,7 +22,7 @@ pub(super) struct Place(#[expect(dead_code, reason = "held, not read")] OwnedSem
 
 /// The work panicked, or the program ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lost;
+pub(super) struct Aborted;
 
 impl Gate {
     /// At most `workers` at work and `queue` that wait.
@@ -55,13 +55,13 @@ impl Gate {
         &self,
         place: Place,
         work: impl FnOnce() -> T + Send + 'static,
-    ) -> Result<T, Lost> {
-        let worker = Arc::clone(&self.workers).acquire_owned().await.map_err(|_| Lost)?;
+    ) -> Result<T, Aborted> {
+        let worker = Arc::clone(&self.workers).acquire_owned().await.map_err(|_| Aborted)?;
         let work = move || {
             let _held = (worker, place);
             work()
         };
-        tokio::task::spawn_blocking(work).await.map_err(|_| Lost)
+        tokio::task::spawn_blocking(work).await.map_err(|_| Aborted)
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Identity {
 
 impl Identity {
     /// The identity of the file at `path`.
-    pub(super) fn of(path: &Path) -> io::Result<Self> {
+    pub(super) fn of_file(path: &Path) -> io::Result<Self> {
         // Asked before opening: opening a pipe waits for its other end.
         let metadata = std::fs::metadata(path)?;
         if !metadata.is_file() {

@@ -22,7 +22,6 @@ pub mod form;
 mod gate;
 mod guard;
 mod identity;
-mod impatient;
 mod linger;
 mod listen;
 mod metrics;
@@ -43,6 +42,7 @@ mod tags;
 mod unusable;
 pub mod wire;
 mod work;
+mod write_timeout;
 
 pub use listen::Listener;
 pub use page::LOOK;

@@ -17,7 +17,7 @@ use tokio::net::TcpListener;
 use tokio::net::UnixListener;
 use tokio::sync::Semaphore;
 
-use super::impatient::Impatient;
+use super::write_timeout::WriteTimeout;
 
 /// How long a connection may take to send a request's head, and how long it may lie idle between
 /// requests.
@@ -85,7 +85,7 @@ impl Connections {
             };
             let service = TowerToHyperService::new(router.clone());
             let connection =
-                self.open.watch(builder.serve_connection(TokioIo::new(Impatient::new(stream)), service));
+                self.open.watch(builder.serve_connection(TokioIo::new(WriteTimeout::new(stream)), service));
             tokio::spawn(async move {
                 let _held = place;
                 // A connection that breaks is its other end's affair.

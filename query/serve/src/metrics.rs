@@ -46,7 +46,7 @@ pub(super) struct Metrics {
 
 /// What is so at this moment.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Now {
+pub(super) struct Gauges {
     pub(super) generation: u64,
     pub(super) entries: u64,
     pub(super) reload_failures: u64,
@@ -105,7 +105,7 @@ impl Metrics {
         self.panics.inc();
     }
 
-    pub(super) fn text(&self, now: Now) -> String {
+    pub(super) fn text(&self, now: Gauges) -> String {
         let mut registry = Registry::with_prefix("grasp");
         let answers = self.answers.clone();
         registry.register("requests", "Requests that were answered, by path and status", answers);
@@ -149,7 +149,7 @@ mod tests {
         metrics.answered("/v1/search", 200, Duration::from_millis(5));
         metrics.answered("/v1/search", 200, Duration::from_secs(60));
         metrics.recognised(&Timings { search_ms: 0.03, ..Timings::default() }, 150);
-        let text = metrics.text(Now { generation: 3, ready: true, ..Now::default() });
+        let text = metrics.text(Gauges { generation: 3, ready: true, ..Gauges::default() });
         for line in [
             "grasp_requests_total{path=\"/v1/search\",status=\"200\"} 2",
             "grasp_request_seconds_bucket{le=\"0.002\",path=\"/v1/search\"} 0",

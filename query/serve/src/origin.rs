@@ -29,7 +29,7 @@ pub enum Names {
 
 impl Names {
     /// The names of a service without a token that listens at `address`.
-    pub fn of(address: SocketAddr) -> Self {
+    pub fn of_address(address: SocketAddr) -> Self {
         if address.ip().is_loopback() { Self::Loopback } else { Self::Network }
     }
 

@@ -10,6 +10,19 @@ use utoipa::IntoParams;
 use super::problem::Problem;
 use super::shown::shown;
 
+/// What is wrong with a query that cannot be read.
+#[derive(Debug, thiserror::Error)]
+enum QueryError {
+    #[error("there is no parameter {}: there are {known}", shown(name))]
+    Unknown { name: String, known: String },
+    #[error("{0} is given more than once")]
+    Repeated(String),
+    #[error("{name} is {}: {needed} is needed", shown(value))]
+    Value { name: String, value: String, needed: String },
+    #[error("the query cannot be read: it is NAME=VALUE&NAME=VALUE")]
+    Form,
+}
+
 /// The options of a request.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Options<T>(pub(super) T);
@@ -18,16 +31,16 @@ impl<T: DeserializeOwned + IntoParams, S: Sync> FromRequestParts<S> for Options<
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
-        read(parts.uri.query().unwrap_or_default()).map(Self).map_err(Problem::bad_request)
+        let read = read(parts.uri.query().unwrap_or_default());
+        read.map(Self).map_err(|error| Problem::bad_request(error.to_string()))
     }
 }
 
-fn read<T: DeserializeOwned + IntoParams>(query: &str) -> Result<T, String> {
+fn read<T: DeserializeOwned + IntoParams>(query: &str) -> Result<T, QueryError> {
     serde_urlencoded::from_str(query).map_err(|_| reason::<T>(query))
 }
 
-/// What is wrong with a query that cannot be read.
-fn reason<T: DeserializeOwned + IntoParams>(query: &str) -> String {
+fn reason<T: DeserializeOwned + IntoParams>(query: &str) -> QueryError {
     let described: Vec<(String, Value)> = T::into_params(|| None)
         .into_iter()
         .map(|parameter| {
@@ -39,17 +52,17 @@ fn reason<T: DeserializeOwned + IntoParams>(query: &str) -> String {
     for (at, (name, value)) in given.iter().enumerate() {
         let Some((_, schema)) = described.iter().find(|(known, _)| known == name) else {
             let known: Vec<&str> = described.iter().map(|(name, _)| name.as_str()).collect();
-            return format!("there is no parameter {}: there are {}", shown(name), known.join(", "));
+            return QueryError::Unknown { name: name.clone(), known: known.join(", ") };
         };
         if given.iter().take(at).any(|(earlier, _)| earlier == name) {
-            return format!("{name} is given more than once");
+            return QueryError::Repeated(name.clone());
         }
         let alone = serde_urlencoded::to_string([(name, value)]).unwrap_or_default();
         if serde_urlencoded::from_str::<T>(&alone).is_err() {
-            return format!("{name} is {}: {} is needed", shown(value), values(schema));
+            return QueryError::Value { name: name.clone(), value: value.clone(), needed: values(schema) };
         }
     }
-    "the query cannot be read: it is NAME=VALUE&NAME=VALUE".into()
+    QueryError::Form
 }
 
 /// Which values a schema allows, in words.
@@ -107,12 +120,14 @@ mod tests {
             ("frame=first", "frame is `first`: an integer of at least 0 is needed"),
             ("recall=0.9&hand=left&hand=left", "hand is given more than once"),
         ] {
-            assert_eq!(read::<PictureParameters>(query).unwrap_err(), says);
+            assert_eq!(read::<PictureParameters>(query).unwrap_err().to_string(), says);
         }
-        let unknown = read::<SearchParameters>("kk=1").unwrap_err();
+        let unknown = read::<SearchParameters>("kk=1").unwrap_err().to_string();
         assert!(unknown.starts_with("there is no parameter `kk`: there are k, recall, eps, "), "{unknown}");
-        let long = read::<SearchParameters>(&format!("k={}%0a", "7".repeat(500))).unwrap_err();
+        let long = read::<SearchParameters>(&format!("k={}%0a", "7".repeat(500))).unwrap_err().to_string();
         assert!(long.len() < 100, "{long}");
-        assert!(read::<SearchParameters>("k=%0a%1b").unwrap_err().starts_with("k is `\\n\\u{1b}`: "));
+        assert!(
+            read::<SearchParameters>("k=%0a%1b").unwrap_err().to_string().starts_with("k is `\\n\\u{1b}`: ")
+        );
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use axum::Router;
 use grasp_terminal::PHASE;
 
-use crate::current::Looked;
+use crate::current::Refresh;
 use crate::listen::{Connections, Listener};
 use crate::router::router;
 use crate::service::{Ended, Event, Service};
@@ -24,7 +24,7 @@ impl Service {
         listeners: Vec<Listener>,
         quiz: Option<Router>,
         stop: impl Future<Output = ()>,
-        tell: impl Fn(Event) + Send + 'static,
+        report: impl Fn(Event) + Send + 'static,
     ) -> Result<Ended, Arc<UnusableIndex>> {
         let router = router(Arc::clone(&self), quiz);
         let connections = Arc::new(Connections::new());
@@ -35,13 +35,13 @@ impl Service {
                 tokio::spawn(async move { connections.accept(&listener, &router).await })
             })
             .collect();
-        let first = match self.look(false).await {
-            Some(Looked::Replaced(generation)) => generation,
-            Some(Looked::Failed(why)) => return Err(why),
+        let first = match self.refresh(false).await {
+            Some(Refresh::Replaced(generation)) => generation,
+            Some(Refresh::Failed(why)) => return Err(why),
             _ => return Err(self.current.unusable(IndexFault::Unknown)),
         };
-        tell(Event::Serving(first));
-        let watching = tokio::spawn(Arc::clone(&self).watch(tell));
+        report(Event::Serving(first));
+        let watching = tokio::spawn(Arc::clone(&self).watch(report));
         stop.await;
         let under_way = self.arriving() + self.gate.inside();
         tracing::info!(target: PHASE, state = "began", phase = "draining", under_way, "draining: {under_way} under way");

@@ -13,7 +13,7 @@ use tokio::sync::Notify;
 
 use crate::arrival;
 use crate::budget::Budget;
-use crate::current::{Current, LOST, Looked, Served};
+use crate::current::{Current, LOST, Refresh, Served};
 use crate::gate::{Gate, Place};
 use crate::metrics::Metrics;
 use crate::problem::Problem;
@@ -48,18 +48,18 @@ pub struct Settings {
     pub has_quiz: bool,
 }
 
-/// What to tell the one who runs the service.
+/// What whoever runs the service should know.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The index is open, for the first time or again, as this generation.
     Serving(u64),
     /// The file at the index's path cannot be used; the one before is served.
-    StillTheOld(Arc<UnusableIndex>),
+    Rejected(Arc<UnusableIndex>),
     /// The file that was served has been overwritten or truncated: requests are turned away until
     /// it is whole.
-    Lost,
+    Overwritten,
     /// The file at the index's path cannot be used, and the one before is lost.
-    StillNone(Arc<UnusableIndex>),
+    Unavailable(Arc<UnusableIndex>),
 }
 
 /// How the service ended.
@@ -132,13 +132,13 @@ impl Service {
         }
     }
 
-    pub(crate) async fn look(self: &Arc<Self>, forced: bool) -> Option<Looked> {
+    pub(crate) async fn refresh(self: &Arc<Self>, forced: bool) -> Option<Refresh> {
         let service = Arc::clone(self);
-        tokio::task::spawn_blocking(move || service.current.look(forced)).await.ok()
+        tokio::task::spawn_blocking(move || service.current.refresh(forced)).await.ok()
     }
 
     /// Looks for another index now and then, and when it is told to.
-    pub(crate) async fn watch(self: Arc<Self>, tell: impl Fn(Event)) {
+    pub(crate) async fn watch(self: Arc<Self>, report: impl Fn(Event)) {
         let mut pause = self.settings.poll;
         loop {
             let forced = tokio::select! {
@@ -146,19 +146,19 @@ impl Service {
                 () = self.lost.notified() => false,
                 () = self.reload.notified() => true,
             };
-            let looked = self.look(forced).await;
+            let refreshed = self.refresh(forced).await;
             let is_lost = self.current.is_lost();
-            pause = match looked {
-                Some(Looked::OnItsWay) => self.settings.poll.min(SOON),
+            pause = match refreshed {
+                Some(Refresh::Incomplete) => self.settings.poll.min(SOON),
                 _ if is_lost => self.settings.poll.min(SOON),
                 _ => self.settings.poll,
             };
-            match looked {
-                Some(Looked::Replaced(generation)) => tell(Event::Serving(generation)),
-                Some(Looked::Failed(why)) if is_lost => tell(Event::StillNone(why)),
-                Some(Looked::Failed(why)) => tell(Event::StillTheOld(why)),
-                Some(Looked::Lost) => tell(Event::Lost),
-                Some(Looked::Unchanged | Looked::OnItsWay) => {}
+            match refreshed {
+                Some(Refresh::Replaced(generation)) => report(Event::Serving(generation)),
+                Some(Refresh::Failed(why)) if is_lost => report(Event::Unavailable(why)),
+                Some(Refresh::Failed(why)) => report(Event::Rejected(why)),
+                Some(Refresh::Overwritten) => report(Event::Overwritten),
+                Some(Refresh::Unchanged | Refresh::Incomplete) => {}
                 None => self.metrics.panicked(),
             }
         }

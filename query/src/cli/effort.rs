@@ -2,9 +2,6 @@
 
 use grasp_index::{Effort, SearchOptions};
 
-/// The success that `--eps` alone asks for, as in the paper.
-const DEFAULT_SUCCESS: f64 = 0.95;
-
 /// The options' heading. Named for each of them: that of a struct would go on behind its last
 /// option.
 const HEADING: &str = "How hard to search";
@@ -39,7 +36,7 @@ impl EffortArguments {
         match *self {
             Self { probes: Some(probes), .. } => Effort::Probes(probes),
             Self { eps: Some(eps), success, .. } => {
-                Effort::Success { eps, success: success.unwrap_or(DEFAULT_SUCCESS) }
+                Effort::Success { eps, success: success.unwrap_or(Effort::DEFAULT_SUCCESS) }
             }
             Self { recall: Some(recall), .. } => Effort::Recall(recall),
             _ => SearchOptions::default().effort,

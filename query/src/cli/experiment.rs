@@ -4,27 +4,29 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Subcommand;
+use grasp_answer::index_file;
 use grasp_index::Index;
 use rayon::prelude::*;
 use tracing::warn;
 
 use super::figures::print;
-use super::global::Global;
-use super::index_file::{self, IndexFile};
-use super::options::{FrameArguments, RecogniseArguments, SegmentBy, parse_share};
+use super::index_file::IndexFile;
+use super::labelled::LabelledArguments;
+use super::options::{FrameArguments, SegmentBy, parse_share};
 use super::overwriting::refuse_overwriting;
 use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection};
-use super::status::{ERROR, SUCCESS};
 use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
 use crate::experiment::unknown::Unknown;
-use grasp_recognise::{Accept, RecogniseOptions, Recogniser, Trust};
+use grasp_program::Global;
+use grasp_program::status::{ERROR, SUCCESS};
+use grasp_recognise::{Accept, RecogniseOptions, Trust};
 
 /// Repeat an experiment, over labelled pictures or in simulation, as tables and drawings.
 #[derive(Debug, clap::Args)]
@@ -64,20 +66,12 @@ Examples:
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct PaperArguments {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
     /// Write tables and drawings into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
 }
 
 /// Hand shapes against accuracy: the same labelled pictures, recognised by indexes of ever more
@@ -94,22 +88,14 @@ Examples:
 
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct ShapesArguments {
-    #[command(flatten)]
-    selection: Selection,
     /// An index to recognise the pictures by; several may be named.
     #[arg(long = "index", value_name = "FILE", required = true)]
     indexes: Vec<PathBuf>,
     /// Write table and drawing into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
 }
 
 /// How well known hands are distinguished from others, by the distance of the nearest entry, by the
@@ -128,8 +114,6 @@ LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every
 Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 struct UnknownArguments {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
     /// A table of pictures that show none of the grasps, whatever they are labelled.
     #[arg(long, value_name = "OTHERS.csv")]
@@ -137,14 +121,8 @@ struct UnknownArguments {
     /// Write table and drawing into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
 }
 
 /// How far to trust an answer about a camera picture: fits the models that the program holds in
@@ -195,22 +173,14 @@ Examples:
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
-    #[command(flatten)]
-    frames: FrameArguments,
     /// Write the table into this folder; made where there is none.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
+    #[command(flatten)]
+    frames: FrameArguments,
 }
 
 impl Experiment {
@@ -236,55 +206,49 @@ impl PaperArguments {
         let classes = index.catalogue().classes.iter();
         let classes: Vec<Class> =
             classes.map(|class| Class { grasp: class.name.clone(), cutkosky: class.cutkosky }).collect();
-        let names: Vec<String> = classes.iter().map(|class| class.grasp.clone()).collect();
-        let selected = self.selection.read(&names)?;
-        let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
-        let (labels, path) = (self.selection.path().display(), self.index.path());
-        let paper =
-            Paper::new(labels.to_string(), path.display().to_string(), classes, &outcomes, &selected.broken);
+        let selected = self.labelled.read(&index)?;
+        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options(), global)?;
+        let path = self.index.path().display().to_string();
+        let paper = Paper::new(self.labelled.table(), path, classes, &outcomes, &selected.broken);
         if let Some(folder) = &self.out {
             paper.write(folder)?;
         }
-        print(self.json, &paper, || paper.text())?;
+        print(self.labelled.json, &paper, || paper.text())?;
         Ok(if paper.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
 
 impl ShapesArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        let names = |index: &Index| -> Vec<String> {
-            index.catalogue().classes.iter().map(|class| class.name.clone()).collect()
-        };
         // All of them first: a wrong name should not be found out after the work.
         let mut indexes: Vec<(&PathBuf, Index)> = Vec::new();
         for path in &self.indexes {
             indexes.push((path, index_file::open_for_pictures(path, false)?));
         }
-        let classes = indexes.first().map(|(_, index)| names(index)).unwrap_or_default();
-        if let Some((path, _)) = indexes.iter().find(|(_, index)| names(index) != classes) {
+        let classes = indexes.first().map(|(_, index)| index.catalogue().class_names()).unwrap_or_default();
+        if let Some((path, _)) = indexes.iter().find(|(_, index)| index.catalogue().class_names() != classes)
+        {
             bail!(
                 "{} has other classes than the first index: name indexes of the same grasps",
                 path.display()
             );
         }
-        let selected = self.selection.read(&classes)?;
+        let selected = self.labelled.selection.read(&classes)?;
         let score = |(path, index): &(&PathBuf, Index)| -> anyhow::Result<Scored> {
-            let recogniser = Recogniser::new(index, self.recognise.options());
+            let options = self.labelled.recognise.options();
             Ok(Scored {
                 index: path.display().to_string(),
                 hand_shapes: index.catalogue().hand_shapes.len(),
                 entries: index.len(),
-                outcomes: selected.score(&recogniser, self.labelled_masks, global)?,
+                outcomes: self.labelled.score(&selected, index, options, global)?,
             })
         };
         let scored: Vec<Scored> = indexes.iter().map(score).collect::<Result<_, _>>()?;
-        let labels = self.selection.path().display().to_string();
-        let shapes = Shapes::new(labels, &classes, &scored, &selected.broken);
+        let shapes = Shapes::new(self.labelled.table(), &classes, &scored, &selected.broken);
         if let Some(folder) = &self.out {
             shapes.write(folder)?;
         }
-        print(self.json, &shapes, || shapes.text())?;
+        print(self.labelled.json, &shapes, || shapes.text())?;
         Ok(if shapes.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
@@ -292,25 +256,24 @@ impl ShapesArguments {
 impl UnknownArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
         let index = self.index.open_for_pictures()?;
-        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        let selected = self.selection.read(&classes)?;
+        let selected = self.labelled.read(&index)?;
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
         // What is measured here must not have been decided before.
-        let options = RecogniseOptions { accept: Accept::Always, temper: false, ..self.recognise.options() };
-        let recogniser = Recogniser::new(&index, options);
-        let mut outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
+        let options =
+            RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options() };
+        let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
         let mut broken = selected.broken.clone();
         if let Some(others) = others {
-            outcomes.extend(others.score(&recogniser, self.labelled_masks, global)?);
+            outcomes.extend(self.labelled.score(&others, &index, options, global)?);
             broken.extend(others.broken);
         }
         let calibration = index.catalogue().calibration;
         let limits = calibration.farthest.map(|farthest| (farthest, calibration.least_probability));
-        let unknown = Unknown::new(self.selection.path().display().to_string(), &outcomes, &broken, limits);
+        let unknown = Unknown::new(self.labelled.table(), &outcomes, &broken, limits);
         if let Some(folder) = &self.out {
             unknown.write(folder)?;
         }
-        print(self.json, &unknown, || unknown.text())?;
+        print(self.labelled.json, &unknown, || unknown.text())?;
         Ok(if unknown.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }
@@ -322,7 +285,7 @@ impl TrustArguments {
             refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
         }
         let index = self.index.open_for_pictures()?;
-        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
+        let classes = index.catalogue().class_names();
         let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
         let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
         let recognisers = Recognisers::new(&index, self.segment.into());
@@ -381,18 +344,16 @@ impl TrustArguments {
 impl SequenceArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
         let index = self.index.open_for_pictures()?;
-        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        let selected = self.selection.read(&classes)?;
+        let selected = self.labelled.read(&index)?;
         // A frame that is unknown by itself may count for something with the others.
-        let options = RecogniseOptions { accept: Accept::Always, ..self.recognise.options() };
-        let recogniser = Recogniser::new(&index, options);
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
-        let labels = self.selection.path().display().to_string();
-        let sequences = Sequences::new(labels, &outcomes, &selected.broken, self.frames.params());
+        let options = RecogniseOptions { accept: Accept::Always, ..self.labelled.recognise.options() };
+        let outcomes = self.labelled.score(&selected, &index, options, global)?;
+        let sequences =
+            Sequences::new(self.labelled.table(), &outcomes, &selected.broken, self.frames.params());
         if let Some(folder) = &self.out {
             sequences.write(folder)?;
         }
-        print(self.json, &sequences, || sequences.text())?;
+        print(self.labelled.json, &sequences, || sequences.text())?;
         Ok(if sequences.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }

@@ -1,13 +1,11 @@
 //! The command line: one file a subcommand, and what several share in files of their own.
 
-mod completions;
 mod effort;
 mod evaluate;
 mod experiment;
 mod figures;
-mod global;
 mod index_file;
-mod man;
+mod labelled;
 mod name_or_file;
 mod options;
 mod overwriting;
@@ -22,23 +20,22 @@ mod search;
 mod selection;
 #[cfg(feature = "serve")]
 mod serve;
+#[cfg(feature = "serve")]
+mod signals;
 #[cfg(feature = "simulate")]
 mod simulate;
-mod status;
+#[cfg(feature = "simulate")]
+mod simulated_hand;
 #[cfg(feature = "serve")]
 mod token;
 mod watch;
 
-use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use grasp_terminal::error::message;
-use grasp_terminal::text::printable_lines;
-
-use global::Global;
-use status::{ERROR, SUCCESS};
+use clap::{CommandFactory as _, Parser, Subcommand};
+use grasp_program::status::SUCCESS;
+use grasp_program::{Completions, Global, Man};
 
 /// Name and version.
 const PROGRAM: [&str; 2] = [env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")];
@@ -96,57 +93,19 @@ enum Command {
     Simulate(simulate::Simulate),
     #[cfg(feature = "serve")]
     Serve(serve::Serve),
-    Completions(completions::Completions),
-    Man(man::Man),
+    Completions(Completions),
+    Man(Man),
 }
 
 /// Parses the command line, runs it and turns the outcome into an exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let (arguments, command) = match parse() {
-        Ok(parsed) => parsed,
-        Err(message) => {
-            // `--help` and `--version` come this way too, with exit code 0.
-            let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
-            return match print_usage(&message) {
-                Ok(()) => ExitCode::from(status),
-                Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
-                Err(_) => ExitCode::from(ERROR),
-            };
-        }
-    };
-    let status = grasp_log::run(&arguments.global.log, PROGRAM, &command, || match run(&arguments) {
-        Ok(status) => status,
-        Err(error) if is_closed_pipe(&error) => SUCCESS,
-        Err(error) => {
-            tracing::error!(subject = PROGRAM[0], "{}", message(error.chain()));
-            ERROR
-        }
-    });
-    ExitCode::from(status)
-}
-
-/// The command line, and the name of its command.
-fn parse() -> clap::error::Result<(Arguments, String)> {
-    let matches = Arguments::command().try_get_matches()?;
-    let command = matches.subcommand_name().unwrap_or_default().to_owned();
-    Ok((Arguments::from_arg_matches(&matches)?, command))
-}
-
-/// Prints a usage error, or the help that was asked for. An argument with control characters, such
-/// as the odd name of a file that begins with a dash, is escaped, which costs the colours.
-fn print_usage(message: &clap::Error) -> io::Result<()> {
-    let plain = message.render().to_string();
-    let safe = printable_lines(&plain);
-    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
+    grasp_program::start(PROGRAM, |arguments: &mut Arguments| &mut arguments.global, run)
 }
 
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
-    if arguments.global.threads > 0 {
-        rayon::ThreadPoolBuilder::new().num_threads(arguments.global.threads.into()).build_global()?;
-    }
     // Every command asks its index, after the work, whether it was overwritten meanwhile: see
-    // `index_file::check`.
+    // `grasp_answer::index_file::check`.
     grasp_index::guard_against_truncation().context("cannot listen for faults")?;
     match &arguments.command {
         Command::Recognise(command) => command.run(),
@@ -160,15 +119,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Command::Simulate(command) => command.run(),
         #[cfg(feature = "serve")]
         Command::Serve(command) => command.run(&arguments.global),
-        Command::Completions(command) => command.run(Arguments::command()),
-        Command::Man(command) => command.run(Arguments::command()),
+        Command::Completions(command) => command.run(Arguments::command()).map(|()| SUCCESS),
+        Command::Man(command) => command.run(Arguments::command()).map(|()| SUCCESS),
     }
-}
-
-/// A reader that has seen enough (`| head`) is no failure of ours.
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<io::Error>())
-        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }

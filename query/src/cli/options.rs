@@ -5,7 +5,7 @@ use grasp_index::VoteOptions;
 use super::effort::EffortArguments;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
-use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
+use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
 
 /// Under this heading stand options of those who study the method. `-h` leaves them out.
 const RESEARCH: &str = "Research";
@@ -158,11 +158,11 @@ fn parse_degrees(text: &str) -> Result<f64, String> {
 }
 
 fn parse_rolls(text: &str) -> Result<usize, String> {
-    parse_count(text, 360)
+    parse_count(text, MOST_ROLLS)
 }
 
 pub(super) fn parse_k(text: &str) -> Result<usize, String> {
-    parse_count(text, 100_000)
+    parse_count(text, MOST_NEIGHBOURS)
 }
 
 fn parse_count(text: &str, most: usize) -> Result<usize, String> {

@@ -1,6 +1,5 @@
 //! `grasp-query quiz`.
 
-use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
@@ -9,20 +8,22 @@ use grasp_terminal::text::{counted, printable, shown};
 use tokio::net::TcpListener;
 use tracing::{info, warn};
 
+use super::figures::print;
 use super::index_file::IndexFile;
-use super::options::RecogniseArguments;
+use super::labelled::LabelledArguments;
 use super::overwriting::refuse_overwriting;
 use super::selection::{Selected, Selection};
-use super::status::{ERROR, SUCCESS};
+use super::signals::signals;
 use crate::evaluate::labels::OTHER;
 use crate::quiz::answers::AnswerFile;
 use crate::quiz::pictures::{self, Shown};
 use crate::quiz::server::{Table, serve};
 use crate::quiz::{CHOICES, Quiz};
+use grasp_program::status::{ERROR, INTERRUPTED, SUCCESS};
 use grasp_recognise::Recogniser;
 
-/// The exit status where Ctrl-C came before the last answer, as shells count it (128 + SIGINT).
-const INTERRUPTED: u8 = 130;
+/// What the order comes from, unless another seed is named.
+pub(super) const DEFAULT_SEED: u64 = 7;
 
 /// Let a person name the grasps of labelled pictures, beside the program: the paper's human
 /// baseline.
@@ -46,14 +47,12 @@ Pictures in none of the six grasps are left out. Exit status: 0 when every pictu
 2 where the table or a picture of it could not be used.")]
 pub(super) struct Quizzing {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
     /// Where the page is served; port 0 takes a free one.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:0")]
     listen: SocketAddr,
     /// What the order comes from.
-    #[arg(long, value_name = "N", default_value_t = 7)]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
     seed: u64,
     /// Keep the answers in this table, and go on from what is in it.
     #[arg(long, value_name = "ANSWERS.csv", default_value = "answers.csv")]
@@ -61,35 +60,25 @@ pub(super) struct Quizzing {
     /// Show at most N pictures.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     limit: Option<u32>,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the result as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
 }
 
 impl Quizzing {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
+        refuse_overwriting(&self.out, [self.labelled.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_if_there()?;
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
-        let recogniser = index.as_ref().map(|index| Recogniser::new(index, self.recognise.options()));
-        let options = QuizOptions { seed: self.seed, limit, labelled_masks: self.labelled_masks, recogniser };
-        let (quiz, errors) = make(&self.selection, &self.out, &options)?;
+        let recogniser =
+            index.as_ref().map(|index| Recogniser::new(index, self.labelled.recognise.options()));
+        let labelled_masks = self.labelled.labelled_masks;
+        let options = QuizOptions { seed: self.seed, limit, labelled_masks, recogniser };
+        let (quiz, errors) = make(&self.labelled.selection, &self.out, &options)?;
         let table = Table::new(quiz);
         self.serve(&table)?;
 
         let quiz = table.quiz();
-        let mut out = io::stdout().lock();
-        if self.json {
-            serde_json::to_writer(&mut out, &quiz.result()).map_err(io::Error::from)?;
-            writeln!(out)?;
-        } else {
-            write!(out, "{}", quiz.result().text())?;
-        }
+        print(self.labelled.json, &quiz.result(), || quiz.result().text())?;
         Ok(match (errors, quiz.is_complete()) {
             (1.., _) => ERROR,
             (0, false) => INTERRUPTED,
@@ -102,7 +91,7 @@ impl Quizzing {
         // One person answers: one thread is enough.
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         runtime.block_on(async {
-            let stop = stop()?;
+            let (stop, _) = signals(None::<fn()>)?;
             let listener = TcpListener::bind(self.listen)
                 .await
                 .with_context(|| format!("cannot listen at {}: name another with --listen", self.listen))?;
@@ -167,30 +156,4 @@ pub(super) fn make(
         bail!("no picture of {} can be shown", selection.path().display());
     }
     Ok((Quiz::new(shown, answers, &before, options.seed), errors))
-}
-
-/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the
-/// server starts.
-#[cfg(unix)]
-fn stop() -> anyhow::Result<impl Future<Output = ()>> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for Ctrl-C")?;
-    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for the end")?;
-    Ok(async move {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-        }
-    })
-}
-
-/// Ready when the program is asked to end.
-#[cfg(not(unix))]
-fn stop() -> anyhow::Result<impl Future<Output = ()>> {
-    Ok(async {
-        // Where Ctrl-C cannot be listened for, the system ends the program itself.
-        if tokio::signal::ctrl_c().await.is_err() {
-            std::future::pending().await
-        }
-    })
 }

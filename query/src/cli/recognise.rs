@@ -19,12 +19,12 @@ use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::overwriting::refuse_overwriting;
 use super::robot::{MessageArguments, RobotArguments};
-use super::status::{ERROR, SUCCESS};
 use drawings::Drawings;
 use feed::{Feed, STANDARD_INPUT};
 use grasp_answer::explain;
 use grasp_answer::record::{Record, SingleRecord};
 use grasp_answer::{human, moveit};
+use grasp_program::status::{ERROR, SUCCESS};
 use grasp_recognise::picture;
 use grasp_recognise::prior::Priors;
 use grasp_recognise::segment::Mask;
@@ -336,7 +336,7 @@ impl Recognise {
             // What an index says that has changed is no answer: its record will not be written
             // either.
             if index.check_unchanged().is_ok() {
-                self.drawn(&name, frame, drawings.of(&name, frame), |path| {
+                self.drawn(&name, frame, drawings.path(&name, frame), |path| {
                     Ok(explain::save(&drawing, path)?)
                 });
             }
@@ -369,8 +369,7 @@ impl Recognise {
 
     fn prior(&self, index: &Index) -> anyhow::Result<Option<Vec<f64>>> {
         let (Some(path), Some(object)) = (&self.prior, &self.holding) else { return Ok(None) };
-        let grasps: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        Ok(Some(Priors::read(path)?.of(object, &grasps)?))
+        Ok(Some(Priors::read(path)?.probabilities(object, &index.catalogue().class_names())?))
     }
 
     fn source(&self) -> anyhow::Result<MaskSource> {

@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use super::figures::print;
-use super::global::Global;
 use super::index_file::IndexFile;
-use super::options::RecogniseArguments;
+use super::labelled::LabelledArguments;
 use super::overwriting::refuse_overwriting;
-use super::selection::Selection;
-use super::status::{ERROR, SUCCESS};
 use crate::experiment::report::{Findings, Source};
-use grasp_recognise::Recogniser;
+use grasp_program::Global;
+use grasp_program::status::{ERROR, SUCCESS};
 
 /// What is made of your own labelled pictures, as one page to read, to print and to pass on.
 ///
@@ -19,6 +17,9 @@ use grasp_recognise::Recogniser;
 /// the pictures that tell most: the surest answers that are right, the surest that are wrong, and
 /// the doubtful ones. It holds all of it in one file: it needs neither network nor scripts. The
 /// pictures lie in it, made small: pass it on only where they may be.
+///
+/// The record of --json is that of `evaluate`, with intervals, speed and the pictures that are
+/// shown.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -29,8 +30,6 @@ LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the tabl
 the page is written all the same where some could.")]
 pub(super) struct ReportArguments {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
     /// Write the page here.
     #[arg(long, value_name = "REPORT.html")]
@@ -38,37 +37,29 @@ pub(super) struct ReportArguments {
     /// Show so many pictures of each sort: surely right, surely wrong, doubtful.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(0..=1000))]
     show: u16,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record: that of `evaluate`, with intervals, speed and the
-    /// pictures that are shown.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    labelled: LabelledArguments,
 }
 
 impl ReportArguments {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        refuse_overwriting(&self.out, [self.selection.path(), self.index.path().as_path()])?;
+        refuse_overwriting(&self.out, [self.labelled.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
-        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        let selected = self.selection.read(&classes)?;
+        let selected = self.labelled.read(&index)?;
         let pictures: Vec<PathBuf> =
             selected.labels.iter().map(|label| selected.folder.join(&label.file)).collect();
         refuse_overwriting(&self.out, pictures.iter().map(PathBuf::as_path))?;
-        let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
+        let recognise = &self.labelled.recognise;
+        let outcomes = self.labelled.score(&selected, &index, recognise.options(), global)?;
         let source = Source {
-            labels: self.selection.path().display().to_string(),
+            labels: self.labelled.table(),
             index: self.index.path().display().to_string(),
-            classes,
-            hand_is_free: self.recognise.hand_is_free(),
+            classes: index.catalogue().class_names(),
+            hand_is_free: recognise.hand_is_free(),
         };
         let findings = Findings::new(source, &outcomes, &selected.broken, self.show.into());
         findings.write(&selected.folder, &self.out)?;
-        print(self.json, &findings, || findings.text())?;
+        print(self.labelled.json, &findings, || findings.text())?;
         Ok(if findings.report.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }

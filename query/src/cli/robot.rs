@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
-use grasp_robot::{Arm, Camera, Object, RobotError, RobotHand, Setting};
+use grasp_robot::{Arm, Camera, Object, RobotHand, Setting};
 
 use super::name_or_file::NameOrFile;
 use crate::live::camera;
@@ -123,7 +123,7 @@ impl MessageArguments {
 #[cfg(feature = "serve")]
 impl RobotArguments {
     /// The robot hand's name, and its description where that is a file.
-    pub(super) fn hand(&self) -> Result<Option<(&str, Option<String>)>, RobotError> {
+    pub(super) fn hand(&self) -> Result<Option<(&str, Option<String>)>, grasp_robot::RobotError> {
         let hand = self.robot.as_deref().map(|name| Ok((name, RobotHand::description(name)?)));
         hand.transpose()
     }

@@ -5,16 +5,13 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::figures::print;
-use super::global::Global;
 use super::index_file::IndexFile;
-use super::name_or_file::NameOrFile;
-use super::options::RecogniseArguments;
-use super::selection::Selection;
-use super::status::{ERROR, SUCCESS};
+use super::labelled::LabelledArguments;
+use super::simulated_hand::SimulatedHand;
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
-use grasp_recognise::Recogniser;
-use grasp_robot::RobotHand;
+use grasp_program::Global;
+use grasp_program::status::{ERROR, SUCCESS};
 use grasp_robot::simulation::{SCENES, Scene};
 
 /// How far a robot's grasp may be off: trials on a grid of positions and over a range of yaws.
@@ -35,9 +32,8 @@ pub(super) struct RobustnessArguments {
     /// handle), with the grasp that is meant for it; may be repeated; without it, all.
     #[arg(long = "object", value_name = "NAME", value_parser = scene_named(), hide_possible_values = true)]
     objects: Vec<&'static Scene>,
-    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
-    robot: String,
+    #[command(flatten)]
+    robot: SimulatedHand,
     /// The greatest offset of the position in either direction, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 40, value_parser = clap::value_parser!(u32).range(0..=200))]
     reach: u32,
@@ -60,7 +56,7 @@ pub(super) struct RobustnessArguments {
 
 impl RobustnessArguments {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        let hand = RobotHand::find(&self.robot)?;
+        let hand = self.robot.find()?;
         let scenes = if self.objects.is_empty() { SCENES.iter().collect() } else { self.objects.clone() };
         let sweep = Sweep {
             scenes,
@@ -101,34 +97,23 @@ Examples:
 LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 pub(super) struct ImitationArguments {
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
     index: IndexFile,
-    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
-    robot: String,
-    /// Take the labelled masks of camera pictures instead of finding the hands.
-    #[arg(long)]
-    labelled_masks: bool,
-    /// Print the figures as one JSON record.
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    recognise: RecogniseArguments,
+    robot: SimulatedHand,
+    #[command(flatten)]
+    labelled: LabelledArguments,
 }
 
 impl ImitationArguments {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        let hand = RobotHand::find(&self.robot)?;
+        let hand = self.robot.find()?;
         let index = self.index.open_for_pictures()?;
-        let classes: Vec<String> = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        let selected = self.selection.read(&classes)?;
-        let recogniser = Recogniser::new(&index, self.recognise.options());
-        let outcomes = selected.score(&recogniser, self.labelled_masks, global)?;
+        let selected = self.labelled.read(&index)?;
+        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options(), global)?;
         let bar = global.progress().bar(outcomes.len() as u64, "simulating", "trials");
         let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
         drop(bar);
-        print(self.json, &imitation, || imitation.text())?;
+        print(self.labelled.json, &imitation, || imitation.text())?;
         let failed =
             outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));
         Ok(if failed || !selected.broken.is_empty() { ERROR } else { SUCCESS })

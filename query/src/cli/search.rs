@@ -16,12 +16,12 @@ use serde::Serialize;
 use tracing::info;
 
 use super::effort::EffortArguments;
-use super::global::Global;
 use super::index_file::IndexFiles;
 use super::overwriting::refuse_overwriting;
-use super::status::SUCCESS;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
+use grasp_program::Global;
+use grasp_program::status::SUCCESS;
 #[cfg(feature = "serve")]
 use grasp_serve::client::Address;
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use rayon::prelude::*;
 
-use super::global::Global;
-use crate::evaluate::labels::{self, Label, OTHER, Part, RowError, RowFault};
+use crate::evaluate::labels::{self, Label, LabelFault, OTHER, Part, RowError};
 use crate::evaluate::{Outcome, folder_of, score};
+use grasp_program::Global;
 use grasp_recognise::Recogniser;
 
 /// A table and the rows of it that are meant.
@@ -60,7 +60,7 @@ impl Selection {
                 Ok(label) if label.grasp == OTHER || classes.contains(&label.grasp) => selected.push(label),
                 Ok(label) => broken.push(RowError {
                     line: label.line,
-                    fault: RowFault::Grasp { grasp: label.grasp, classes: classes.join(", ") },
+                    fault: LabelFault::Grasp { grasp: label.grasp, classes: classes.join(", ") },
                 }),
                 Err(error) => broken.push(error),
             }

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
@@ -11,20 +11,17 @@ use grasp_terminal::text::{counted, printable};
 use tokio::net::TcpListener;
 use tracing::{info, warn};
 
-use super::global::Global;
 use super::index_file::IndexFile;
 use super::overwriting::refuse_overwriting;
-use super::quiz::{QuizOptions, make};
+use super::quiz::{DEFAULT_SEED, QuizOptions, make};
 use super::selection::Selection;
-use super::status::{ERROR, SUCCESS};
+use super::signals::signals;
 use crate::quiz::server::{Table, router};
+use grasp_program::Global;
+use grasp_program::status::{ERROR, INTERRUPTED, SUCCESS};
 use grasp_recognise::{RecogniseOptions, Recogniser};
 use grasp_serve::{Ended, Event, Listener, Service, Settings};
 
-/// The exit status where Ctrl-C ended the service, as shells count it (128 + SIGINT).
-const INTERRUPTED: u8 = 130;
-/// What the order of the quiz comes from.
-const DEFAULT_SEED: u64 = 7;
 /// Where the service listens unless told otherwise.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:8750";
 
@@ -141,8 +138,8 @@ impl Serve {
         quiz: Option<Table>,
         address: Option<SocketAddr>,
     ) -> anyhow::Result<u8> {
-        let interrupted = Arc::new(AtomicBool::new(false));
-        let stop = signals(&service, Arc::clone(&interrupted))?;
+        let reloaded = Arc::clone(&service);
+        let (stop, interrupted) = signals(Some(move || reloaded.reload()))?;
         let mut listeners = Vec::new();
         let mut names = Vec::new();
         if let Some(address) = address {
@@ -166,7 +163,7 @@ impl Serve {
         };
         let index = self.index.path();
         let name = index.display().to_string();
-        let tell = move |event: Event| {
+        let report = move |event: Event| {
             let index = printable(&name);
             match event {
                 Event::Serving(1) => {
@@ -176,15 +173,15 @@ impl Serve {
                 Event::Serving(generation) => {
                     info!(%index, generation, "{index} was replaced: generation {generation}");
                 }
-                Event::StillTheOld(problem) => {
+                Event::Rejected(problem) => {
                     warn!(%index, "{}; the one before goes on", printable(&problem.to_string()));
                 }
-                Event::Lost => warn!(
+                Event::Overwritten => warn!(
                     %index,
                     "{index} was overwritten or cut short in place: requests are turned away until it is whole; `mv` a new \
                      index over the old one, and none is"
                 ),
-                Event::StillNone(problem) => {
+                Event::Unavailable(problem) => {
                     warn!(%index, "{}; requests are turned away", printable(&problem.to_string()));
                 }
             }
@@ -193,7 +190,7 @@ impl Serve {
             // With the advice on how to build one.
             self.index.open()?;
         }
-        let ended = service.run(listeners, quiz.map(router), stop, tell).await?;
+        let ended = service.run(listeners, quiz.map(router), stop, report).await?;
         Ok(match ended {
             Ended::CutShort(count) => {
                 let requests = counted(count, ["request was", "requests were"]);
@@ -229,44 +226,6 @@ impl Serve {
 fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.01..=86_400.0).contains(seconds));
     seconds.ok_or_else(|| "a number of seconds from 0.01 to 86400 is needed".into())
-}
-
-/// Ready when the program is asked to end. Listens from now on: a signal must not be lost while the
-/// server starts.
-#[cfg(unix)]
-fn signals(
-    service: &Arc<Service>,
-    interrupted: Arc<AtomicBool>,
-) -> anyhow::Result<impl Future<Output = ()> + use<>> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for Ctrl-C")?;
-    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for the end")?;
-    let mut hangup = signal(SignalKind::hangup()).context("cannot listen for SIGHUP")?;
-    let service = Arc::clone(service);
-    Ok(async move {
-        loop {
-            tokio::select! {
-                _ = interrupt.recv() => break interrupted.store(true, Ordering::SeqCst),
-                _ = terminate.recv() => break,
-                _ = hangup.recv() => service.reload(),
-            }
-        }
-    })
-}
-
-/// Ready when the program is asked to end.
-#[cfg(not(unix))]
-fn signals(
-    _: &Arc<Service>,
-    interrupted: Arc<AtomicBool>,
-) -> anyhow::Result<impl Future<Output = ()> + use<>> {
-    Ok(async move {
-        // Where Ctrl-C cannot be listened for, the system ends the program itself.
-        if tokio::signal::ctrl_c().await.is_err() {
-            std::future::pending().await
-        }
-        interrupted.store(true, Ordering::SeqCst);
-    })
 }
 
 /// A socket in the file system.

@@ -11,11 +11,12 @@ use serde::Serialize;
 
 use grasp_answer::explain;
 use grasp_robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
-use grasp_robot::{From, Object, RobotHand};
+use grasp_robot::{ApproachSide, Object};
 use strip::strip;
 
 use super::name_or_file::NameOrFile;
-use super::status::SUCCESS;
+use super::simulated_hand::SimulatedHand;
+use grasp_program::status::SUCCESS;
 
 /// Try a robot's grasp in a physics engine: is the object lifted, does it slip, how hard is it
 /// pressed?
@@ -44,9 +45,8 @@ pub(super) struct Simulate {
     /// and from above for others.
     #[arg(long, value_enum)]
     from: Option<FromArgument>,
-    /// The robot hand: barrett, or a HAND.toml with other grasps of it.
-    #[arg(long, value_name = "HAND", default_value = "barrett", value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]
-    robot: String,
+    #[command(flatten)]
+    robot: SimulatedHand,
     /// How far the object lies from where the hand expects it, along the world's x, in millimetres.
     #[arg(long, value_name = "MM", default_value_t = 0.0, allow_negative_numbers = true, value_parser = parse_millimetres)]
     x: f64,
@@ -78,10 +78,10 @@ enum FromArgument {
 }
 
 impl FromArgument {
-    fn approach(self) -> From {
+    fn approach(self) -> ApproachSide {
         match self {
-            Self::Top => From::Top,
-            Self::Side => From::Side,
+            Self::Top => ApproachSide::Top,
+            Self::Side => ApproachSide::Side,
         }
     }
 }
@@ -100,7 +100,7 @@ struct Record<'a> {
 
 impl Simulate {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        let hand = RobotHand::find(&self.robot)?;
+        let hand = self.robot.find()?;
         let grasp = hand.for_human(&self.grasp).map_or(self.grasp.as_str(), |(name, _)| name);
         hand.grasp_named(grasp)?;
         let (object, from) = self.setting(grasp)?;
@@ -128,14 +128,14 @@ impl Simulate {
         Ok(if outcome.success { SUCCESS } else { 1 })
     }
 
-    fn setting(&self, grasp: &str) -> anyhow::Result<(Object, From)> {
+    fn setting(&self, grasp: &str) -> anyhow::Result<(Object, ApproachSide)> {
         let scene = match &self.object {
             None => {
                 Scene::for_human(&self.grasp).or_else(|| SCENES.iter().find(|scene| scene.grasp == grasp))
             }
             Some(name) if name.ends_with(".toml") => {
                 let object = Object::read(Path::new(name))?;
-                return Ok((object, From::Top));
+                return Ok((object, ApproachSide::Top));
             }
             Some(name) => Scene::named(name),
         };

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
-use grasp_answer::annotate::{Annotator, Seen};
+use grasp_answer::annotate::{Annotator, FrameContent};
 use grasp_answer::human;
 use grasp_answer::record::{Record, SingleRecord};
 use grasp_recognise::picture::{self, DecodeWarning, Decoded};
@@ -20,9 +20,9 @@ use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::overwriting::refuse_overwriting;
 use super::robot::RobotArguments;
-use super::status::{INTERRUPTED, SUCCESS};
 use crate::live::camera::{self, Camera};
 use crate::live::{Ahead, Frame, Keep, Pace, Source};
+use grasp_program::status::{INTERRUPTED, SUCCESS};
 use output::Output;
 
 const EXAMPLES: &str = "\
@@ -241,11 +241,11 @@ impl Watching<'_> {
                         let approach = self.robot.as_ref().zip(answer.strategy.as_ref());
                         let approach =
                             approach.map(|(setting, strategy)| setting.approach_in_camera(strategy));
-                        let seen = Seen::Hand { found: &found, answer, approach };
+                        let seen = FrameContent::Hand { found: &found, answer, approach };
                         self.annotator.draw(number, shown, seen)
                     }
                     Record::Failure(failure) => {
-                        self.annotator.draw(number, shown, Seen::Nothing(&failure.error.message))
+                        self.annotator.draw(number, shown, FrameContent::Nothing(&failure.error.message))
                     }
                 };
                 (record, drawing)
@@ -257,7 +257,7 @@ impl Watching<'_> {
                     Record::Failure(failure) => failure.error.message.clone(),
                     Record::Answer(_) => String::new(),
                 };
-                (record, self.annotator.draw(number, shown, Seen::Nothing(&why)))
+                (record, self.annotator.draw(number, shown, FrameContent::Nothing(&why)))
             }
         };
         let drawn = started.elapsed();

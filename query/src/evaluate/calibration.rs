@@ -73,7 +73,7 @@ impl CalibrationReport {
             guess.classes.first().is_some_and(|(name, _)| *name == outcome.label.grasp)
         };
         let stated = answers.iter().map(|(guess, outcome)| (guess.probability, is_right(guess, outcome)));
-        let reliability = Reliability::of(stated);
+        let reliability = Reliability::from_answers(stated);
         let bins = reliability.bins.iter().zip(0u8..).filter_map(|(bin, at)| BinReport::new(bin, at));
         Self {
             n: reliability.n(),

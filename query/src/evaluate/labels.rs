@@ -1,9 +1,12 @@
 //! The table of labelled pictures: which picture shows what.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use grasp_labels::{REMARK, Row, RowFault, Table};
+use nalgebra::UnitQuaternion;
 use serde::Serialize;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -60,13 +63,21 @@ pub struct Label {
 /// A table of labels that cannot be used at all.
 #[derive(Debug, thiserror::Error)]
 pub enum LabelsError {
-    /// The file cannot be read or is no table.
+    /// The file cannot be read.
     #[error("cannot read the labels {}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: csv::Error,
+        source: io::Error,
+    },
+    /// Its first line is no header.
+    #[error("cannot read the labels {}", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: RowFault,
     },
     /// A column that is needed is missing.
     #[error("{}: the labels have no column `{column}`; their header is {found}", path.display())]
@@ -81,30 +92,22 @@ pub enum LabelsError {
 }
 
 /// A row that cannot be used; the others can.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line}: {fault}")]
 pub struct RowError {
     /// The line of the table.
     pub line: u64,
     /// What is wrong with it; part of the message, and so no source beside it.
-    pub fault: RowFault,
+    pub fault: LabelFault,
 }
 
 /// What is wrong with a row.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RowFault {
-    /// It cannot be read: what the reader of the table says.
-    #[error("{0}")]
-    Csv(String),
-    /// It has more or fewer values than the header.
-    #[error("{found} values, the header has {expected}")]
-    Values {
-        /// How many it has.
-        found: usize,
-        /// How many it should have.
-        expected: usize,
-    },
+pub enum LabelFault {
+    /// Not a line of the table, or a field of it is not what its column holds.
+    #[error(transparent)]
+    Row(#[from] RowFault),
     /// A kind of picture that there is not.
     #[error("kind is `{0}`, it must be segmented or camera")]
     Kind(String),
@@ -114,9 +117,6 @@ pub enum RowFault {
     /// A value that is needed.
     #[error("no {0}")]
     Missing(&'static str),
-    /// Four values that are no rotation.
-    #[error("qx, qy, qz, qw are `{0}`: not a unit quaternion")]
-    Quaternion(String),
     /// A class that the index does not have.
     #[error("`{grasp}` is not one of the classes {classes}; `{OTHER}` stands for a hand in none of them")]
     Grasp {
@@ -134,77 +134,51 @@ pub enum RowFault {
 /// # Errors
 /// Where the file cannot be read or a needed column is missing.
 pub fn read(path: &Path) -> Result<Vec<Result<Label, RowError>>, LabelsError> {
-    let cannot = |source| LabelsError::Read { path: path.to_owned(), source };
-    let mut reader =
-        csv::ReaderBuilder::new().flexible(true).comment(Some(b'#')).from_path(path).map_err(cannot)?;
-    let headers = reader.headers().map_err(cannot)?.clone();
-    for column in ["file", "kind", "grasp"] {
-        if !headers.iter().any(|header| header == column) {
-            let found = headers.iter().collect::<Vec<_>>().join(", ");
-            return Err(LabelsError::MissingColumn { path: path.to_owned(), column, found });
-        }
+    let path = || path.to_owned();
+    let file = File::open(path()).map_err(|source| LabelsError::Read { path: path(), source })?;
+    let table = Table::new(file, Some(REMARK));
+    let mut table = table.map_err(|source| LabelsError::Header { path: path(), source })?;
+    if let Some(column) = ["file", "kind", "grasp"].into_iter().find(|column| !table.has(column)) {
+        let found = table.columns().collect::<Vec<_>>().join(", ");
+        return Err(LabelsError::MissingColumn { path: path(), column, found });
     }
-    let rows = reader.records().map(|row| match row {
-        Ok(row) => label(&headers, &row),
-        Err(error) => Err(RowError {
-            line: error.position().map_or(0, csv::Position::line),
-            fault: RowFault::Csv(error.to_string()),
-        }),
-    });
-    Ok(rows.collect())
+    let mut rows = Vec::new();
+    loop {
+        let row = match table.advance() {
+            Ok(false) => return Ok(rows),
+            Ok(true) => table.row().map_err(LabelFault::from),
+            Err(fault) => Err(fault.into()),
+        };
+        let line = table.line();
+        let columns =
+            || table.fields().map(|(column, value)| (column.to_owned(), value.to_owned())).collect();
+        let label = row.and_then(|row| label(line, &row, columns()));
+        rows.push(label.map_err(|fault| RowError { line, fault }));
+    }
 }
 
-fn label(headers: &csv::StringRecord, row: &csv::StringRecord) -> Result<Label, RowError> {
-    let line = row.position().map_or(0, csv::Position::line);
-    let wrong = |fault| RowError { line, fault };
-    if row.len() != headers.len() {
-        return Err(wrong(RowFault::Values { found: row.len(), expected: headers.len() }));
-    }
-    let columns: BTreeMap<String, String> =
-        headers.iter().map(str::to_owned).zip(row.iter().map(str::to_owned)).collect();
-    let text = |column: &str| columns.get(column).map(|value| value.trim()).filter(|value| !value.is_empty());
-    let kind = match text("kind") {
-        Some("segmented") => Kind::Segmented,
-        Some("camera") => Kind::Camera,
-        other => return Err(wrong(RowFault::Kind(other.unwrap_or("nothing").to_owned()))),
-    };
-    let hand = match text("hand") {
-        None => None,
-        Some("left") => Some(Side::Left),
-        Some("right") => Some(Side::Right),
-        Some(other) => return Err(wrong(RowFault::Hand(other.to_owned()))),
-    };
-    let needed = |column: &'static str| {
-        let value = text(column).map(str::to_owned);
-        value.ok_or_else(|| wrong(RowFault::Missing(column)))
-    };
+fn label(line: u64, row: &Row<'_>, columns: BTreeMap<String, String>) -> Result<Label, LabelFault> {
+    let needed = |name, value: Option<&str>| value.map(str::to_owned).ok_or(LabelFault::Missing(name));
     Ok(Label {
         line,
-        file: needed("file")?,
-        mask: text("mask").map(str::to_owned),
-        kind,
-        grasp: needed("grasp")?,
-        stage: text("stage").unwrap_or_default().to_owned(),
-        hand,
-        orientation: orientation(&text).map_err(wrong)?,
+        kind: match row.kind {
+            Some("segmented") => Kind::Segmented,
+            Some("camera") => Kind::Camera,
+            other => return Err(LabelFault::Kind(other.unwrap_or("nothing").to_owned())),
+        },
+        hand: match row.hand {
+            None => None,
+            Some("left") => Some(Side::Left),
+            Some("right") => Some(Side::Right),
+            Some(other) => return Err(LabelFault::Hand(other.to_owned())),
+        },
+        file: needed("file", row.file)?,
+        mask: row.mask.map(str::to_owned),
+        grasp: needed("grasp", row.grasp)?,
+        stage: row.stage.unwrap_or_default().to_owned(),
+        orientation: row.orientation()?,
         columns,
     })
-}
-
-/// The quaternion of the four columns; `None` where all are empty.
-fn orientation<'a>(text: &impl Fn(&str) -> Option<&'a str>) -> Result<Option<UnitQuaternion<f64>>, RowFault> {
-    let names = ["qx", "qy", "qz", "qw"];
-    let given: Vec<&str> = names.iter().filter_map(|name| text(name)).collect();
-    if given.is_empty() {
-        return Ok(None);
-    }
-    let numbers: Vec<f64> = given.iter().filter_map(|value| value.parse().ok()).collect();
-    match numbers[..] {
-        [x, y, z, w] if ((x * x + y * y + z * z + w * w).sqrt() - 1.0).abs() < 1e-2 => {
-            Ok(Some(UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))))
-        }
-        _ => Err(RowFault::Quaternion(given.join(", "))),
-    }
 }
 
 impl Label {
@@ -268,8 +242,8 @@ mod tests {
             rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.fault.to_string())).collect();
         assert_eq!(wrong.len(), 3);
         assert_eq!(wrong[0], (3, "kind is `photo`, it must be segmented or camera".into()));
-        assert!(wrong[1].1.contains("not a unit quaternion"));
-        assert_eq!(wrong[2], (5, "3 values, the header has 11".into()));
+        assert!(wrong[1].1.contains("must be a unit quaternion"));
+        assert_eq!(wrong[2], (5, "not a line of this table: it has 3 fields where the header has 11".into()));
         assert_eq!(rows.iter().filter(|row| row.is_ok()).count(), 2);
     }
 

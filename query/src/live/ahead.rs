@@ -6,7 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use super::source::{Given, Source, SourceError};
+use super::source::{EncodedFrame, Source, SourceError};
 
 /// Frames that wait to be taken, where none may be left out.
 const AHEAD: usize = 2;
@@ -28,7 +28,7 @@ pub struct Frame {
     /// Its number in the source, from 0; those that were dropped are counted.
     pub number: u64,
     /// The encoded picture, or why there is none.
-    pub given: Result<Given, SourceError>,
+    pub given: Result<EncodedFrame, SourceError>,
 }
 
 /// A source that is read ahead.

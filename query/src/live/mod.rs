@@ -11,4 +11,4 @@ mod source;
 
 pub use ahead::{Ahead, Frame, Keep};
 pub use pace::Pace;
-pub use source::{Given, Source, SourceError, Streams};
+pub use source::{EncodedFrame, Source, SourceError, Streams};

@@ -54,7 +54,7 @@ impl SourceError {
 
 /// An encoded frame of a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Given {
+pub struct EncodedFrame {
     /// The file that it is from, `-` for standard input, or the camera's device.
     pub name: PathBuf,
     /// The encoded picture.
@@ -89,11 +89,11 @@ impl Source {
     }
 
     /// The next frame; `None` at the end. After an error of a camera there is none.
-    pub fn next_frame(&mut self) -> Option<Result<Given, SourceError>> {
+    pub fn next_frame(&mut self) -> Option<Result<EncodedFrame, SourceError>> {
         match self {
             Self::Camera(camera) => {
                 let bytes = camera.next_frame()?;
-                let given = |bytes| Given { name: camera.path().to_owned(), bytes, skipped: 0 };
+                let given = |bytes| EncodedFrame { name: camera.path().to_owned(), bytes, skipped: 0 };
                 Some(bytes.map(given).map_err(SourceError::from))
             }
             Self::Streams(streams) => streams.next_frame(),
@@ -109,12 +109,14 @@ pub struct Streams {
 }
 
 impl Streams {
-    fn next_frame(&mut self) -> Option<Result<Given, SourceError>> {
+    fn next_frame(&mut self) -> Option<Result<EncodedFrame, SourceError>> {
         loop {
             if let Some((name, frames)) = &mut self.current {
                 let name = name.clone();
                 match frames.next() {
-                    Some(Ok(Frame { bytes, skipped })) => return Some(Ok(Given { name, bytes, skipped })),
+                    Some(Ok(Frame { bytes, skipped })) => {
+                        return Some(Ok(EncodedFrame { name, bytes, skipped }));
+                    }
                     Some(Err(error)) => return Some(Err(SourceError::Stream { name, error })),
                     None => self.current = None,
                 }
@@ -181,7 +183,7 @@ mod tests {
 
     const PNM: &[u8] = b"P5 1 1 255\n.";
 
-    fn all(source: &mut Source) -> Vec<Result<Given, String>> {
+    fn all(source: &mut Source) -> Vec<Result<EncodedFrame, String>> {
         std::iter::from_fn(|| source.next_frame())
             .take(20)
             .map(|frame| frame.map_err(|error| error.to_string().replace('\\', "/")))
@@ -197,7 +199,7 @@ mod tests {
         std::fs::write(path("clip.mp4"), b"\0\0\0\x20ftypisom").unwrap();
         let files = ["two.bin", "none.mjpg", "clip.mp4", "one.pgm"].map(path).to_vec();
         let frames = all(&mut Source::streams(files));
-        let frame = |name: &str, skipped| Ok(Given { name: path(name), bytes: PNM.to_vec(), skipped });
+        let frame = |name: &str, skipped| Ok(EncodedFrame { name: path(name), bytes: PNM.to_vec(), skipped });
         assert_eq!(frames.len(), 5, "{frames:?}");
         assert_eq!(frames[..2], [frame("two.bin", 0), frame("two.bin", 2)]);
         assert_eq!(frames[4], frame("one.pgm", 0));

@@ -74,7 +74,7 @@ pub async fn serve(
     table: Table,
     stop: impl Future<Output = ()>,
 ) -> std::io::Result<()> {
-    let names = Names::of(listener.local_addr()?);
+    let names = Names::of_address(listener.local_addr()?);
     let guarded = router(table).layer(from_fn(move |request, next| guard(names, request, next)));
     tokio::select! {
         // Open connections are not waited for: a browser keeps them as long as its window is open.

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use clap::ValueEnum;
 use grasp_index::{
-    BuildError, DescriptorParams, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, Kept, Neighbour,
-    NewEntry, RandomParams, SearchOptions,
+    BuildError, DescriptorParams, EPS, Effort, HashParams, Index, IndexParams, IndexWriter, KeptFields,
+    Neighbour, NewEntry, RandomParams, SearchOptions,
 };
 
 use super::data::Prepared;
@@ -126,7 +126,7 @@ pub(super) fn measure(
 fn build(data: &Prepared, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<()> {
     let params = IndexParams {
         descriptor: DescriptorParams::raw(u32::try_from(data.base.dim)?),
-        kept: Kept::nothing(),
+        kept: KeptFields::nothing(),
         held_out: data.held_out.clone(),
         hash: hash.params(),
         seed,

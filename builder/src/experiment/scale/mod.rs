@@ -54,13 +54,17 @@ pub fn default_sizes(largest: u64) -> BTreeSet<u64> {
 }
 
 /// Measures what is not yet in the table at `out`, and writes table and picture after every
-/// measurement. Calls `tell` with each row, old or new.
+/// measurement. Calls `report_row` with each row, old or new.
 ///
 /// # Errors
 /// Where the folder holds results of other data, or files cannot be read or written.
 /// [`crate::interrupt::Interrupted`] when the user asked to stop; what was measured is in the
 /// table.
-pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) -> anyhow::Result<Vec<Row>> {
+pub fn run(
+    settings: &Settings,
+    progress: Progress,
+    report_row: &mut dyn FnMut(&Row),
+) -> anyhow::Result<Vec<Row>> {
     fs::create_dir_all(&settings.out)
         .with_context(|| format!("cannot make the folder {}", settings.out.display()))?;
     let table = settings.out.join("scale.csv");
@@ -93,7 +97,7 @@ pub fn run(settings: &Settings, progress: Progress, tell: &mut dyn FnMut(&Row)) 
             // The index has served: the next one may need its room.
             let _ = fs::remove_file(&index);
             let row = Row { data: data_name.clone(), size, hash: hash.name().into(), ..measured? };
-            tell(&row);
+            report_row(&row);
             rows.push(row);
             rows.sort_by(|a, b| a.hash.cmp(&b.hash).then(a.size.cmp(&b.size)));
             table::write(&table, &rows)?;

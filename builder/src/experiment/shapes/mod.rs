@@ -29,8 +29,8 @@ pub struct Settings {
     pub out: PathBuf,
 }
 
-/// Builds what is missing and returns the indexes' paths, fewest hand shapes first. Calls `tell`
-/// with each path and what was done.
+/// Builds what is missing and returns the indexes' paths, fewest hand shapes first. Calls
+/// `report_index` with each path and what was done.
 ///
 /// # Errors
 /// Where an index cannot be built. [`crate::interrupt::Interrupted`] when the user asked to stop;
@@ -38,7 +38,7 @@ pub struct Settings {
 pub fn run(
     settings: &Settings,
     progress: Progress,
-    tell: &mut dyn FnMut(&PathBuf, &Report),
+    report_index: &mut dyn FnMut(&PathBuf, &Report),
 ) -> anyhow::Result<Vec<PathBuf>> {
     let out = &settings.out;
     fs::create_dir_all(out).with_context(|| format!("cannot make the folder {}", out.display()))?;
@@ -57,7 +57,7 @@ pub fn run(
             seed,
         };
         let report = build(&Source::Plan(Box::new(plan)), &recipe, &path, progress)?;
-        tell(&path, &report);
+        report_index(&path, &report);
         Ok(path)
     };
     settings.counts.iter().map(build_one).collect()

@@ -2,7 +2,7 @@
 //! memory.
 
 use crate::file::input::{BuildError, NewEntry};
-use crate::file::kept::Kept;
+use crate::file::kept::KeptFields;
 use crate::file::pack;
 use crate::file::sections::SectionKind;
 use std::collections::HashMap;
@@ -31,7 +31,7 @@ impl Columns {
 
     /// Adds of an entry that was checked what is to be kept. The columns are as they were where
     /// there are too many names.
-    pub(super) fn push(&mut self, entry: &NewEntry, kept: Kept) -> Result<(), BuildError> {
+    pub(super) fn push(&mut self, entry: &NewEntry, kept: KeptFields) -> Result<(), BuildError> {
         if self.entries >= u32::MAX as usize {
             return Err(BuildError::TooMany("the entries"));
         }
@@ -77,7 +77,7 @@ impl Columns {
     }
 
     /// The bytes of a section that holds a column; none for other sections.
-    pub(super) fn section(&self, kind: SectionKind, kept: Kept) -> &[u8] {
+    pub(super) fn section(&self, kind: SectionKind, kept: KeptFields) -> &[u8] {
         match kind {
             SectionKind::Labels => bytemuck::cast_slice(&self.labels),
             SectionKind::Stages => &self.stages,

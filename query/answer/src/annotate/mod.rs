@@ -31,7 +31,7 @@ const APPROACH_ENDS: f64 = 0.25;
 
 /// What is seen in a frame.
 #[derive(Clone, Copy, Debug)]
-pub enum Seen<'a> {
+pub enum FrameContent<'a> {
     /// A hand, and what is believed of it.
     Hand {
         /// What was found.
@@ -60,13 +60,12 @@ pub struct Annotator {
 impl Annotator {
     /// Of answers by this index.
     pub fn new(index: &Index) -> Self {
-        let classes = index.catalogue().classes.iter().map(|class| class.name.clone()).collect();
-        Self { strip: Strip::new(classes), room: None, last: None }
+        Self { strip: Strip::new(index.catalogue().class_names()), room: None, last: None }
     }
 
     /// Draws the next frame, the `number`-th of its source. One that cannot be decoded has no
     /// picture: the one before it stands still.
-    pub fn draw(&mut self, number: u64, picture: Option<Picture>, seen: Seen<'_>) -> RgbImage {
+    pub fn draw(&mut self, number: u64, picture: Option<Picture>, seen: FrameContent<'_>) -> RgbImage {
         let shown = picture.map(image_of).or_else(|| self.last.take());
         let shown = shown.unwrap_or_else(|| RgbImage::new(LEAST_WIDTH, LEAST_WIDTH));
         let size = [shown.width(), shown.height()];
@@ -81,7 +80,7 @@ impl Annotator {
 
         let place = [f64::from(left), f64::from(top)];
         match seen {
-            Seen::Hand { found, answer, approach } => {
+            FrameContent::Hand { found, answer, approach } => {
                 self.strip.add(Some(&answer.classes));
                 let mask = &found.prepared.mask;
                 let scale = f64::from(drawn[0]) / mask.width().max(1) as f64;
@@ -89,7 +88,7 @@ impl Annotator {
                 hand(&mut canvas, (place, scale), AXIS * f64::from(room[1]), found, approach);
                 says(&mut canvas, room[0], answer);
             }
-            Seen::Nothing(why) => {
+            FrameContent::Nothing(why) => {
                 self.strip.add(None);
                 let (first, rest) = why.split_once(": ").unwrap_or((why, ""));
                 canvas.darken((0, 0), (room[0], HEADLINE + LINE));
@@ -101,7 +100,12 @@ impl Annotator {
         let number = format!("frame {number}");
         let width = Font::BODY.width_of(&number);
         canvas.text((room[0].saturating_sub(width + INDENT), 6), width, Font::BODY, &number, colour::FAINT);
-        self.strip.draw(&mut canvas, room[1], room[0], matches!(seen, Seen::Hand { approach: Some(_), .. }));
+        self.strip.draw(
+            &mut canvas,
+            room[1],
+            room[0],
+            matches!(seen, FrameContent::Hand { approach: Some(_), .. }),
+        );
         canvas.into_image()
     }
 }

@@ -38,7 +38,7 @@ pub enum SaveError {
 
 impl Format {
     /// The format that a path's extension names: `.png`, `.jpg` or `.jpeg`, in any case.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?;
         let is = |name: &str| extension.eq_ignore_ascii_case(name);
         match () {
@@ -69,7 +69,7 @@ impl Format {
 /// # Errors
 /// [`SaveError`]: where the extension names no format, or the file cannot be written.
 pub fn save(image: &RgbImage, path: &Path) -> Result<(), SaveError> {
-    let format = Format::of(path).ok_or_else(|| SaveError::Format(path.to_owned()))?;
+    let format = Format::from_path(path).ok_or_else(|| SaveError::Format(path.to_owned()))?;
     let bytes = format.encode(image)?;
     let mut file = AtomicFile::create(path)?;
     file.write_all(&bytes)?;

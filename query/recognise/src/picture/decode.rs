@@ -26,7 +26,9 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     // At a byte a channel: turning needs the picture twice.
     image.apply_orientation(decoded.orientation);
     let (width, height) = (image.width() as usize, image.height() as usize);
-    let pixels = image.into_rgb8().as_chunks().0.to_vec();
+    // The decoder's own memory, unless it is not of whole pixels.
+    let pixels = bytemuck::allocation::try_cast_vec(image.into_rgb8().into_raw())
+        .unwrap_or_else(|(_, bytes)| bytes.as_chunks().0.to_vec());
     let picture =
         Picture::new(width, height, pixels).ok_or_else(|| DecodeError::Damaged("no pixels".into()))?;
     Ok(Decoded { picture, is_jpeg: decoded.format == Format::Jpeg, warnings: decoded.warnings })

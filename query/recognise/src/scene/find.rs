@@ -49,31 +49,31 @@ const MOST_SURE: f32 = 3.0;
 
 /// A hand that was found, and what it holds, by the network's coarse masks.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct Detection {
     masks: Masks,
     /// Where its joints are, if that was known before.
     joints: Option<Joints>,
 }
 
 /// Finds the hand in a picture; `None` where the network sees none.
-pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Found> {
+pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
     let mut eye = Eye::new(network, picture);
     let (whole, patch) = first_patch(&mut eye)?;
     let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
-    let mut square = Square { centre: whole.to_picture().of(patch.centre), side, turn: 0.0 };
+    let mut square = Square { centre: whole.to_picture().apply(patch.centre), side, turn: 0.0 };
     square.turn = upright(&mut eye, &square);
-    Some(Found { masks: fitted(&mut eye, square), joints: None })
+    Some(Detection { masks: fitted(&mut eye, square), joints: None })
 }
 
 /// The hand whose joints were found by something else, and what it holds.
-pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Found {
+pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Detection {
     let mut eye = Eye::new(network, picture);
     let (mut square, is_upright) = joints.square();
     if !is_upright {
         square.turn = upright(&mut eye, &square);
     }
-    Found { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
+    Detection { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
 }
 
 /// The hand that was found in the frame before this one, where it is still about there; `None`
@@ -81,12 +81,12 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Fo
 ///
 /// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
 /// needs at most: where the arm comes from is known, and only how it has turned since is looked at.
-pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Found) -> Option<Found> {
+pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> Option<Detection> {
     let mut eye = Eye::new(network, picture);
     let (square, area) = (before.masks.square, before.masks.hand_area());
     let whole = Masks::of_square(&mut eye, Square::around(picture));
     if let Some(largest) = largest_patch(whole.part(Part::Hand), whole.side).filter(|p| p.area > LEAST) {
-        let place = square.from_picture().of(whole.square.to_picture().of(largest.centre));
+        let place = square.from_picture().apply(whole.square.to_picture().apply(largest.centre));
         if !place.iter().all(|share| (0.0..1.0).contains(share)) {
             return None;
         }
@@ -102,7 +102,7 @@ pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Found) -> Opti
     let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
     let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
     let masks = Masks::of_square(&mut eye, Square { turn: direction.turn(), ..fitted });
-    is_still_there(&masks).then_some(Found { masks, joints: None })
+    is_still_there(&masks).then_some(Detection { masks, joints: None })
 }
 
 /// What is seen in a square once it fits the hand in it.
@@ -186,7 +186,7 @@ fn first_patch(eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
     squares.filter_map(seen).max_by(|a, b| a.1.area.total_cmp(&b.1.area))
 }
 
-impl Found {
+impl Detection {
     /// The square that the hand stands upright in.
     pub fn square(&self) -> Square {
         self.masks.square
@@ -200,8 +200,8 @@ impl Found {
     /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in
     /// pixels.
     pub(crate) fn skin(&self, place: [f64; 2]) -> f32 {
-        let logit = |part| self.masks.at(part, place).unwrap_or(-MOST_SURE);
-        let seen = logit(Part::Hand).max(logit(Part::Forearm)).clamp(-MOST_SURE, MOST_SURE);
+        let [hand, forearm] = self.masks.at([Part::Hand, Part::Forearm], place).unwrap_or([-MOST_SURE; 2]);
+        let seen = hand.max(forearm).clamp(-MOST_SURE, MOST_SURE);
         seen + self.joints.as_ref().map_or(0.0, |joints| joints.hand(place))
     }
 

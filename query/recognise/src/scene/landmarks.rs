@@ -272,7 +272,7 @@ mod tests {
         let lying = flat().map(|[x, y]| [300.0 - y, x]);
         let (square, is_known) = joints(&lying).square();
         assert!(is_known);
-        let [x, y] = square.from_picture().of([100.0, 100.0]);
+        let [x, y] = square.from_picture().apply([100.0, 100.0]);
         assert!(y > 0.7 && (x - 0.5).abs() < 0.2, "the wrist is below: {x} {y}");
     }
 

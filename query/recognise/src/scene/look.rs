@@ -3,13 +3,14 @@
 use grasp_network::Scratch;
 
 use super::network::{Heads, SceneNetwork};
-use super::square::Square;
+use super::square::{Square, Texels};
 use crate::picture::Picture;
 
 /// Looks at squares of one picture.
 pub(super) struct Eye<'a> {
     pub(super) network: &'a SceneNetwork,
     pub(super) picture: &'a Picture,
+    texels: Texels,
     scratch: Scratch,
     planes: Vec<f32>,
 }
@@ -24,13 +25,14 @@ pub(super) struct Patch {
 
 impl<'a> Eye<'a> {
     pub(super) fn new(network: &'a SceneNetwork, picture: &'a Picture) -> Self {
-        Self { network, picture, scratch: Scratch::default(), planes: Vec::new() }
+        let texels = Texels::of(picture);
+        Self { network, picture, texels, scratch: Scratch::default(), planes: Vec::new() }
     }
 
     /// What the network makes of a square, or of its mirror image.
     pub(super) fn look(&mut self, square: &Square, is_mirrored: bool) -> Heads {
         let side = self.network.side();
-        square.planes(self.picture, side, &mut self.planes);
+        square.planes(&self.texels, side, &mut self.planes);
         if is_mirrored {
             self.planes.chunks_exact_mut(3 * side).for_each(|row| row.as_chunks_mut::<3>().0.reverse());
         }
@@ -42,8 +44,9 @@ impl<'a> Eye<'a> {
 pub(super) fn largest_patch(mask: &[f32], side: usize) -> Option<Patch> {
     let mut seen = vec![false; mask.len()];
     let mut best: Option<Patch> = None;
+    let mut stack = Vec::new();
     for start in 0..mask.len() {
-        let mut stack = vec![start];
+        stack.push(start);
         let (mut sum, mut count) = ([0usize; 2], 0usize);
         while let Some(at) = stack.pop() {
             if seen[at] || mask[at] <= 0.0 {

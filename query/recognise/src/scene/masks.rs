@@ -58,7 +58,7 @@ impl Masks {
         let inside = hand.pixels().iter().enumerate().filter(|(_, inside)| **inside != 0);
         let sum = inside.fold([0.0; 3], |sum, (at, _)| {
             let place = [at % width, at / width].map(|v| v as f64 + 0.5);
-            let [x, y] = self.map.of(place);
+            let [x, y] = self.map.apply(place);
             [sum[0] + pixel * x, sum[1] + pixel * y, sum[2] + pixel]
         });
         self.around(sum, sizes)
@@ -74,7 +74,7 @@ impl Masks {
         let area = hand + share * object;
         let centre = [(x + share * object_x) / area, (y + share * object_y) / area];
         let side = sizes * (hand + seen).sqrt() * self.square.side;
-        Some(Square { centre: self.square.to_picture().of(centre), side, ..self.square })
+        Some(Square { centre: self.square.to_picture().apply(centre), side, ..self.square })
     }
 
     /// The sums of the places, right and down, of the cells that are of a part, and their number,
@@ -94,20 +94,28 @@ impl Masks {
         &self.logits[start..start + cells]
     }
 
-    /// The logit of a part at a place of the picture, in pixels; `None` outside the square.
-    pub(super) fn at(&self, part: Part, place: [f64; 2]) -> Option<f32> {
-        let [u, v] = self.map.of(place);
+    /// The logits of parts at a place of the picture, in pixels; `None` outside the square.
+    pub(super) fn at<const PARTS: usize>(
+        &self,
+        parts: [Part; PARTS],
+        place: [f64; 2],
+    ) -> Option<[f32; PARTS]> {
+        let [u, v] = self.map.apply(place);
         if !(0.0..1.0).contains(&u) || !(0.0..1.0).contains(&v) {
             return None;
         }
         let last = self.side - 1;
-        let cell = |share: f64| (share * self.side as f64 - 0.5).clamp(0.0, last as f64);
-        let (x, y) = (cell(u), cell(v));
-        let (fx, fy) = (x.fract() as f32, y.fract() as f32);
-        let (x, y) = (x as usize, y as usize);
-        let mask = self.part(part);
-        let value = |x: usize, y: usize| mask[y.min(last) * self.side + x.min(last)];
-        let row = |y: usize| value(x, y) * (1.0 - fx) + value(x + 1, y) * fx;
-        Some(row(y) * (1.0 - fy) + row(y + 1) * fy)
+        let cell = |share: f64| {
+            let exact = (share * self.side as f64 - 0.5).clamp(0.0, last as f64);
+            let whole = exact as usize;
+            (whole, (exact - whole as f64) as f32)
+        };
+        let ((x, fx), (y, fy)) = (cell(u), cell(v));
+        Some(parts.map(|part| {
+            let mask = self.part(part);
+            let value = |x: usize, y: usize| mask[y.min(last) * self.side + x.min(last)];
+            let row = |y: usize| value(x, y) * (1.0 - fx) + value(x + 1, y) * fx;
+            row(y) * (1.0 - fy) + row(y + 1) * fy
+        }))
     }
 }

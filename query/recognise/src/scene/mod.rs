@@ -3,7 +3,7 @@
 //!
 //! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first,
 //! then at the square around the hand that it has found there, turned so that the arm comes from
-//! below, as in the scenes that it learned to name grasps by. What it has [`Found`] helps colours
+//! below, as in the scenes that it learned to name grasps by. What it has [`Detection`] helps colours
 //! to cut the hand out, and is then looked at once more: a [`Scene`] says which hand it is, and how
 //! likely each grasp is by all that is seen, the object included, by which the neighbours are
 //! weighed.
@@ -17,7 +17,7 @@ mod name;
 mod network;
 mod square;
 
-pub use find::{Found, find, find_at, follow};
+pub use find::{Detection, find, find_at, follow};
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};

@@ -1,6 +1,6 @@
 //! What a hand that was found is, and what it does.
 
-use super::find::Found;
+use super::find::Detection;
 use super::look::Eye;
 use super::network::{SceneNetwork, normalised};
 use super::square::Square;
@@ -17,7 +17,7 @@ const LEAST: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Where the hand was found.
-    pub found: Found,
+    pub found: Detection,
     /// The square in which it was looked at in the end.
     pub square: Square,
     /// The logarithm of how much likelier a right hand is than a left one.
@@ -31,7 +31,7 @@ pub struct Scene {
 
 impl Scene {
     /// Looks at a hand, whose mask was found on the same picture, as a right one and as a left one.
-    pub fn new(network: &SceneNetwork, picture: &Picture, found: Found, hand: &Mask) -> Self {
+    pub fn new(network: &SceneNetwork, picture: &Picture, found: Detection, hand: &Mask) -> Self {
         let square = found.square_of(hand);
         let mut eye = Eye::new(network, picture);
         let [right, left] = [false, true].map(|is_mirrored| looks(&mut eye, &square, is_mirrored));

@@ -13,9 +13,6 @@ pub struct Square {
     pub turn: f64,
 }
 
-/// Samples of a pixel along each side, at most: more than that are not worth their time.
-const MOST_SAMPLES: f64 = 4.0;
-
 impl Square {
     /// The smallest square around a whole picture.
     pub fn around(picture: &Picture) -> Self {
@@ -41,36 +38,105 @@ impl Square {
 
     /// The square as `side` by `side` pixels of red, green and blue, -1 to 1; what lies beyond the
     /// picture's border looks like the border.
-    pub(super) fn planes(&self, picture: &Picture, side: usize, planes: &mut Vec<f32>) {
-        let samples = (self.side / side as f64).ceil().clamp(1.0, MOST_SAMPLES) as usize;
+    pub(super) fn planes(&self, texels: &Texels, side: usize, planes: &mut Vec<f32>) {
+        planes.resize(3 * side * side, 0.0);
+        match (self.side / side as f64).ceil() {
+            4.0.. => self.sampled::<4>(texels, side, planes),
+            3.0.. => self.sampled::<3>(texels, side, planes),
+            2.0.. => self.sampled::<2>(texels, side, planes),
+            _ => self.sampled::<1>(texels, side, planes),
+        }
+    }
+
+    /// The same with so many samples of a pixel along each side. More than four are not worth their
+    /// time.
+    fn sampled<const SAMPLES: usize>(&self, texels: &Texels, side: usize, planes: &mut [f32]) {
         let Map([[ux, vx, x], [uy, vy, y]]) = self.to_picture();
-        let step = 1.0 / (side * samples) as f64;
+        let step = 1.0 / (side * SAMPLES) as f64;
         // Single precision is a hundredth of a pixel at most, and what is asked for most.
         let along = [ux * step, uy * step].map(|v| v as f32);
-        let [last_x, last_y] = [picture.width() - 1, picture.height() - 1];
-        let (width, rgb) = (picture.width(), picture.rgb());
-        let share = 2.0 / (255 * samples * samples) as f32;
-        let mut sums = vec![[0u32; 3]; side];
-        planes.clear();
+        let share = 2.0 / (255 * SAMPLES * SAMPLES) as f32;
+        let mut sums = vec![Sum::default(); side];
+        let mut places = vec![0u32; side * SAMPLES];
         for row in 0..side {
-            sums.fill([0; 3]);
-            for line in 0..samples {
-                let v = ((row * samples + line) as f64 + 0.5) * step;
+            sums.fill(Sum::default());
+            for line in 0..SAMPLES {
+                let v = ((row * SAMPLES + line) as f64 + 0.5) * step;
                 let start = [x + vx * v + 0.5 * ux * step, y + vy * v + 0.5 * uy * step].map(|v| v as f32);
-                for (column, sum) in sums.iter_mut().enumerate() {
-                    for sample in column * samples..(column + 1) * samples {
-                        // Casting saturates: what is left of the picture or above it is at its
-                        // border.
-                        let px = (start[0] + along[0] * sample as f32) as usize;
-                        let py = (start[1] + along[1] * sample as f32) as usize;
-                        if let Some(rgb) = rgb.get(py.min(last_y) * width + px.min(last_x)) {
-                            sum.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += u32::from(*value));
-                        }
-                    }
+                // All places of a line before their pixels: they are computed several at a time.
+                for (place, sample) in places.iter_mut().zip(0i16..) {
+                    let sample = f32::from(sample);
+                    *place = texels.place(start[0] + along[0] * sample, start[1] + along[1] * sample);
+                }
+                for (sum, places) in sums.iter_mut().zip(places.as_chunks::<SAMPLES>().0) {
+                    places.iter().for_each(|&place| sum.add(texels.at(place)));
                 }
             }
-            planes.extend(sums.iter().flatten().map(|sum| *sum as f32 * share - 1.0));
+            for (pixel, sum) in planes.as_chunks_mut::<3>().0[row * side..].iter_mut().zip(&sums) {
+                let [r, g, b] = sum.channels();
+                *pixel = [r as f32 * share - 1.0, g as f32 * share - 1.0, b as f32 * share - 1.0];
+            }
         }
+    }
+}
+
+/// A picture's pixels as they are sampled.
+pub(super) struct Texels {
+    width: u32,
+    /// The last column and the last row.
+    last: [f32; 2],
+    /// Red, green and blue of each pixel, from the lowest byte on.
+    rgb: Vec<u32>,
+}
+
+impl Texels {
+    pub(super) fn of(picture: &Picture) -> Self {
+        let rgb = picture.rgb().iter().map(|&[r, g, b]| u32::from_le_bytes([r, g, b, 0])).collect();
+        let last = [picture.width(), picture.height()].map(|length| (length - 1) as f32);
+        Self { width: picture.width() as u32, last, rgb }
+    }
+
+    /// Where the pixel around a place is, or that of the border nearest to it.
+    #[inline(always)]
+    fn place(&self, x: f32, y: f32) -> u32 {
+        let [x, y] = [whole(x, self.last[0]), whole(y, self.last[1])];
+        y.wrapping_mul(self.width).wrapping_add(x)
+    }
+
+    fn at(&self, place: u32) -> u32 {
+        self.rgb.get(place as usize).copied().unwrap_or_default()
+    }
+}
+
+/// The whole part of `value`, from 0 to `last`, which is a whole number below 2^22. A cast would do
+/// the same, a value at a time.
+#[inline(always)]
+fn whole(value: f32, last: f32) -> u32 {
+    /// From here on, up to twice as much, the last bit of the mantissa counts 1.
+    const WHOLE: f32 = 8_388_608.0;
+    let value = if value > 0.0 { value } else { 0.0 };
+    let value = if value < last { value } else { last };
+    let nearest = value + WHOLE;
+    let is_above = nearest - WHOLE > value;
+    (nearest.to_bits() & 0x007F_FFFF).wrapping_sub(u32::from(is_above))
+}
+
+/// A sum of at most 257 pixels.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    /// Red in the lower half, blue in the upper one.
+    red_blue: u32,
+    green: u32,
+}
+
+impl Sum {
+    fn add(&mut self, texel: u32) {
+        self.red_blue += texel & 0x00FF_00FF;
+        self.green += texel >> 8 & 0xFF;
+    }
+
+    fn channels(&self) -> [u32; 3] {
+        [self.red_blue & 0xFFFF, self.green, self.red_blue >> 16]
     }
 }
 
@@ -80,7 +146,7 @@ pub struct Map([[f64; 3]; 2]);
 
 impl Map {
     /// Where a place comes to lie.
-    pub fn of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub fn apply(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         self.0.map(|[across, down, shift]| across * u + down * v + shift)
     }
 }
@@ -93,12 +159,12 @@ mod tests {
     fn places_go_there_and_back() {
         let square = Square { centre: [30.0, 50.0], side: 20.0, turn: 0.7 };
         for place in [[0.0, 0.0], [0.2, 0.9], [1.5, -0.5]] {
-            let back = square.from_picture().of(square.to_picture().of(place));
+            let back = square.from_picture().apply(square.to_picture().apply(place));
             assert!(back.iter().zip(place).all(|(a, b)| (a - b).abs() < 1e-12));
         }
         // Turned clockwise by a quarter, what was at the left is at the top.
         let quarter = Square { turn: std::f64::consts::FRAC_PI_2, ..square };
-        let [u, v] = quarter.from_picture().of([20.0, 50.0]);
+        let [u, v] = quarter.from_picture().apply([20.0, 50.0]);
         assert!((u - 0.5).abs() < 1e-12 && v.abs() < 1e-12);
     }
 
@@ -107,9 +173,48 @@ mod tests {
         let rgb = (0..40 * 20).map(|at| if at % 40 < 20 { [255, 0, 0] } else { [0, 0, 255] }).collect();
         let picture = Picture::new(40, 20, rgb).unwrap();
         let mut planes = Vec::new();
-        Square::around(&picture).planes(&picture, 8, &mut planes);
+        Square::around(&picture).planes(&Texels::of(&picture), 8, &mut planes);
         assert_eq!(planes.len(), 8 * 8 * 3);
         assert_eq!(planes[..3], [1.0, -1.0, -1.0]);
         assert_eq!(planes[planes.len() - 3..], [-1.0, -1.0, 1.0]);
+    }
+
+    #[test]
+    fn the_whole_part_is_that_of_a_cast() {
+        let odd =
+            [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, -0.0, 0.499_999_97, 0.999_999_94, 510.999_97];
+        for value in (-2000..40_000).map(|n| n as f32 * 0.0137).chain(odd) {
+            assert_eq!(whole(value, 511.0), (value as u32).min(511), "{value}");
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_the_mean_of_its_samples() {
+        let rgb =
+            (0..90 * 70).map(|at| [at % 90, at / 90, 255 - at % 90 - at / 90].map(|v| v as u8)).collect();
+        let picture = Picture::new(90, 70, rgb).unwrap();
+        let side = 8;
+        for (length, samples) in [(5.0, 1), (15.0, 2), (20.0, 3), (30.0, 4), (90.0, 4)] {
+            let square = Square { centre: [40.0, 30.0], side: length, turn: 0.3 };
+            let mut planes = Vec::new();
+            square.planes(&Texels::of(&picture), side, &mut planes);
+            let map = square.to_picture();
+            for (at, found) in planes.as_chunks::<3>().0.iter().enumerate() {
+                let mut sum = [0.0; 3];
+                for (dx, dy) in (0..samples).flat_map(|dy| (0..samples).map(move |dx| (dx, dy))) {
+                    let place = [(at % side * samples + dx, 90), (at / side * samples + dy, 70)];
+                    let share = place.map(|(v, _)| (v as f64 + 0.5) / (side * samples) as f64);
+                    let [x, y] = map.apply(share).map(|v| v.max(0.0) as usize);
+                    let rgb = picture.rgb()[y.min(69) * 90 + x.min(89)];
+                    sum = std::array::from_fn(|channel| sum[channel] + f64::from(rgb[channel]));
+                }
+                let mean = sum.map(|sum| 2.0 * sum / 255.0 / (samples * samples) as f64 - 1.0);
+                // In single precision a sample between two pixels may fall into the other one.
+                assert!(
+                    found.iter().zip(mean).all(|(a, b)| (f64::from(*a) - b).abs() < 0.02),
+                    "{length}: {at}"
+                );
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@
 use super::light::Light;
 use super::place::{Ellipse, centrality};
 use super::smooth::Smooth;
-use super::{colours, skin};
+use super::{colours, colours::Colours, skin};
 use crate::picture::Picture;
 
 /// The numbers of the adaptation.
@@ -102,28 +102,33 @@ pub fn log_odds(picture: &Picture, params: &AdaptParams, seen: Option<&[f32]>) -
         Some(seen) => published.zip(seen).map(|(skin, seen)| skin + params.seen_first * seen).collect(),
     };
     let bins: Vec<u16> = picture.rgb().iter().map(|&rgb| colours::bin(rgb)).collect();
+    let mut colours = Colours::of(&bins);
     let smooth = Smooth::new(picture, params.reach, params.edge);
     let centred = centrality(width, height, params.centre);
+    // How much each pixel is taken for hand, and what a step needs for itself.
+    let (mut hand, mut spare) = (vec![0.0; trained.len()], Vec::new());
     let mut colour = trained.clone();
     let mut placed = trained.clone();
-    smooth.apply(&mut placed);
+    smooth.apply(&mut placed, &mut spare);
     for _ in 0..params.rounds {
-        let shares: Vec<f32> = placed.iter().map(|&odds| probability(params.decision * odds)).collect();
-        let counted = colours::log_odds(&bins, &shares, &centred, params.doubt);
-        for ((colour, &trained), counted) in colour.iter_mut().zip(&trained).zip(counted) {
+        for ((hand, &odds), centred) in hand.iter_mut().zip(&placed).zip(&centred) {
+            *hand = probability(params.decision * odds) * centred;
+        }
+        for ((colour, &trained), counted) in
+            colour.iter_mut().zip(&trained).zip(colours.log_odds(&hand, params.doubt))
+        {
             *colour = params.gamma * trained + (1.0 - params.gamma) * counted;
         }
-        let hand: Vec<f32> = shares.iter().zip(&centred).map(|(share, centred)| share * centred).collect();
-        let distances = Ellipse::of(width, &hand).distances(width, height);
-        for ((placed, colour), distance) in placed.iter_mut().zip(&colour).zip(distances) {
+        Ellipse::of(width, &hand).distances(width, height, &mut spare);
+        for ((placed, colour), distance) in placed.iter_mut().zip(&colour).zip(&spare) {
             *placed = colour - (params.off * (distance - params.near)).clamp(0.0, params.most_off);
         }
         if let Some(seen) = seen {
             placed.iter_mut().zip(seen).for_each(|(placed, seen)| *placed += params.seen * seen);
         }
-        smooth.apply(&mut placed);
+        smooth.apply(&mut placed, &mut spare);
     }
-    smooth.apply(&mut colour);
+    smooth.apply(&mut colour, &mut spare);
     Odds { colour, placed }
 }
 

@@ -92,6 +92,18 @@ pub fn with_companions(hand: &Mask, odds: &[f32], params: &CompanionParams) -> M
     let (labels, regions) = label(&Mask::from_values(width, height, &likely, |v| v == 1), value);
     let mean = hand.pixels().iter().enumerate().filter(|(_, inside)| **inside != 0);
     let mean = mean.map(|(index, _)| value(index)).sum::<f64>() / area.max(1) as f64;
+    let mut belongs: Vec<bool> = regions
+        .iter()
+        .map(|region| {
+            (params.least * area as f32..=area as f32).contains(&(region.area as f32))
+                && region.sum / region.area as f64 >= f64::from(params.alike) * mean
+                && region.on_border as f32 <= params.border * radius
+        })
+        .collect();
+    // Mostly there is none, and no distance has to be known.
+    if !belongs.contains(&true) {
+        return hand.clone();
+    }
     let thirds = distance::thirds(width, height, |at| hand.pixels()[at] != 0, false);
     let mut nearest = vec![u32::MAX; regions.len()];
     for (&label, &thirds) in labels.iter().zip(&thirds) {
@@ -99,17 +111,10 @@ pub fn with_companions(hand: &Mask, odds: &[f32], params: &CompanionParams) -> M
             *nearest = thirds.min(*nearest);
         }
     }
-    let belongs: Vec<bool> = regions
-        .iter()
-        .zip(nearest)
-        .map(|(region, nearest)| {
-            (params.least * area as f32..=area as f32).contains(&(region.area as f32))
-                && nearest as f32 <= 3.0 * params.distance * radius
-                && region.sum / region.area as f64 >= f64::from(params.alike) * mean
-                && region.on_border as f32 <= params.border * radius
-        })
-        .collect();
-    let kept: Vec<u8> = labels
+    for (belongs, nearest) in belongs.iter_mut().zip(nearest) {
+        *belongs &= nearest as f32 <= 3.0 * params.distance * radius;
+    }
+    let kept = labels
         .iter()
         .zip(hand.pixels())
         .map(|(&label, &inside)| {
@@ -117,7 +122,7 @@ pub fn with_companions(hand: &Mask, odds: &[f32], params: &CompanionParams) -> M
             inside | u8::from(joined == Some(&true))
         })
         .collect();
-    Mask::from_values(width, height, &kept, |v| v == 1)
+    Mask::from_inside(width, height, kept)
 }
 
 fn best(

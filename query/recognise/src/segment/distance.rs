@@ -1,6 +1,8 @@
 //! How far each pixel is from a set of pixels: the chamfer distance with steps 3 and 4 (Borgefors
 //! 1986).
 
+use super::Mask;
+
 /// A distance that no picture reaches.
 const FAR: u32 = u32::MAX / 2;
 
@@ -40,6 +42,28 @@ pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool
         .take(height)
         .flat_map(|row| row.iter().skip(1).take(width).copied())
         .collect()
+}
+
+/// The place in a mask that is farthest from its outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Deepest {
+    /// Column and row in pixels; of several places, the first.
+    pub(super) x: usize,
+    /// See [`Self::x`].
+    pub(super) y: usize,
+    /// Thirds of a pixel to the nearest that is outside.
+    pub(super) thirds: u32,
+}
+
+impl Deepest {
+    /// Beyond the picture counts as outside, so that an arm cut by the border does not pass for a
+    /// palm. `None` where nothing is inside.
+    pub(super) fn of(mask: &Mask) -> Option<Self> {
+        let (width, pixels) = (mask.width(), mask.pixels());
+        let distances = thirds(width, mask.height(), |at| pixels[at] == 0, true);
+        let (at, &thirds) = distances.iter().enumerate().rev().max_by_key(|&(_, &distance)| distance)?;
+        (thirds > 0).then_some(Self { x: at % width, y: at / width, thirds })
+    }
 }
 
 #[cfg(test)]

@@ -7,9 +7,16 @@ use super::Mask;
 ///
 /// The border repeats, because an arm that leaves the picture must not be eaten there.
 pub fn median3x3(mask: &Mask) -> Mask {
+    let majority = counts3x3(mask).into_iter().map(|count| u8::from(count >= 5)).collect();
+    Mask::from_inside(mask.width(), mask.height(), majority)
+}
+
+/// How many pixels are inside of each pixel's 3 x 3 neighbourhood; beyond the border the border's
+/// own pixel repeats.
+pub(super) fn counts3x3(mask: &Mask) -> Vec<u8> {
     let (width, height) = (mask.width(), mask.height());
     if width == 0 || height == 0 {
-        return mask.clone();
+        return Vec::new();
     }
     // Sums over columns first: each pixel is then added three times instead of nine.
     let pixels = mask.pixels();
@@ -28,7 +35,7 @@ pub fn median3x3(mask: &Mask) -> Mask {
         counts
             .extend(left.iter().zip(middle).zip(right).map(|((left, middle), right)| left + middle + right));
     }
-    Mask::from_values(width, height, &counts, |count| count >= 5)
+    counts
 }
 
 #[cfg(test)]

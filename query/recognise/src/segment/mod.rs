@@ -31,6 +31,7 @@ pub use mask::{Mask, MaskError};
 pub use quality::Quality;
 
 use crate::picture::Picture;
+use distance::Deepest;
 
 /// What finds the hand in a camera picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,22 +116,23 @@ pub(crate) fn segment_seen(
         places.map(|place| seen(place.map(|v| (v as f64 + 0.5) * factor as f64))).collect()
     });
     let fewest = component::MIN_PIXELS / (factor * factor);
-    let (small, quality) = find(&shrunk, fewest, params, seen.as_deref())?;
+    let (small, deepest, quality) = find(&shrunk, fewest, params, seen.as_deref())?;
     let mut skin = refine::enlarge(&small, &shrunk, picture, factor);
     for _ in 1..params.median_passes {
         skin = median::median3x3(&skin);
     }
-    let hand = wrist::cut_forearm(&skin, &small, factor);
+    let hand = wrist::cut_at_wrist(&skin, &small, deepest, factor);
     Some(Segmentation { skin, hand, quality })
 }
 
-/// The hand and its forearm in a small picture; a hand has at least `fewest` pixels.
+/// The hand and its forearm in a small picture, with their deepest place; a hand has at least
+/// `fewest` pixels.
 fn find(
     picture: &Picture,
     fewest: usize,
     params: &SegmentParams,
     seen: Option<&[f32]>,
-) -> Option<(Mask, Quality)> {
+) -> Option<(Mask, Option<Deepest>, Quality)> {
     let (width, height) = (picture.width(), picture.height());
     let odds = adapt::log_odds(picture, &params.adapt, seen);
     let mut mask = hysteresis::grow(width, height, &odds.placed, params.sure, params.likely);
@@ -143,8 +145,9 @@ fn find(
         return None;
     }
     let whole = band::bridge(&component::with_companions(&hand, &odds.colour, &params.companions));
-    let quality = Quality::of(&whole, &odds.colour);
-    Some((whole, quality))
+    let deepest = Deepest::of(&whole);
+    let quality = Quality::of(&whole, deepest, &odds.colour);
+    Some((whole, deepest, quality))
 }
 
 /// Log-odds of the published model below which a colour is no skin under any light.

@@ -29,15 +29,18 @@ impl Ellipse {
     pub(super) fn of(width: usize, weights: &[f32]) -> Self {
         let height = weights.len() / width.max(1);
         // Moments of columns first: a whole row of numbers is added at once.
-        let mut columns = vec![[0f32; 3]; width];
+        let [mut all, mut by_y, mut by_yy] = [(); 3].map(|()| vec![0f32; width]);
         for (y, row) in weights.chunks_exact(width.max(1)).enumerate() {
             let y = y as f32 / height as f32 - 0.5;
-            for (column, &weight) in columns.iter_mut().zip(row) {
-                *column = [column[0] + weight, column[1] + weight * y, column[2] + weight * y * y];
+            let columns = all.iter_mut().zip(&mut by_y).zip(&mut by_yy);
+            for (((all, by_y), by_yy), &weight) in columns.zip(row) {
+                *all += weight;
+                *by_y += weight * y;
+                *by_yy += weight * y * y;
             }
         }
         let (mut sum, mut x1, mut y1, mut xx, mut xy, mut yy) = (1e-9, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (x, [all, by_y, by_yy]) in columns.into_iter().enumerate() {
+        for (x, ((all, by_y), by_yy)) in all.into_iter().zip(by_y).zip(by_yy).enumerate() {
             let x = x as f32 / width as f32 - 0.5;
             sum += all;
             x1 += all * x;
@@ -55,18 +58,18 @@ impl Ellipse {
         Self { mean, spread }
     }
 
-    /// The squared Mahalanobis distance of every pixel of a picture, row by row.
-    pub(super) fn distances(&self, width: usize, height: usize) -> Vec<f32> {
+    /// Writes the squared Mahalanobis distance of every pixel of a picture, row by row, into
+    /// `distances`, whatever that held.
+    pub(super) fn distances(&self, width: usize, height: usize, distances: &mut Vec<f32>) {
         let (a, b, c) = self.spread;
         let scale = 1.0 / (a * c - b * b).max(1e-9);
         let columns: Vec<f32> = (0..width).map(|x| x as f32 / width as f32 - 0.5 - self.mean.0).collect();
-        let mut distances = Vec::with_capacity(width * height);
+        distances.clear();
         for y in 0..height {
             let dy = y as f32 / height as f32 - 0.5 - self.mean.1;
             distances
                 .extend(columns.iter().map(|dx| (c * dx * dx - 2.0 * b * dx * dy + a * dy * dy) * scale));
         }
-        distances
     }
 }
 
@@ -86,14 +89,17 @@ mod tests {
         let (width, height) = (40, 20);
         let inside = |at: usize| (24..36).contains(&(at % width)) && (4..8).contains(&(at / width));
         let weights: Vec<f32> = (0..width * height).map(|at| f32::from(u8::from(inside(at)))).collect();
-        let distances = Ellipse::of(width, &weights).distances(width, height);
+        let mut distances = vec![f32::NAN; 3];
+        Ellipse::of(width, &weights).distances(width, height, &mut distances);
         assert!((0..width * height).filter(|&at| inside(at)).all(|at| distances[at] < 6.0));
         assert!(distances[(height - 1) * width] > 40.0);
     }
 
     #[test]
     fn nothing_at_all_makes_a_wide_berth_and_no_nan() {
-        let distances = Ellipse::of(4, &[0.0; 16]).distances(4, 4);
+        let mut distances = Vec::new();
+        Ellipse::of(4, &[0.0; 16]).distances(4, 4, &mut distances);
+        assert_eq!(distances.len(), 16);
         assert!(distances.iter().all(|distance| distance.is_finite()));
     }
 }

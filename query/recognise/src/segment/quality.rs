@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::{Mask, distance};
+use super::Mask;
+use super::distance::{self, Deepest};
 
 /// How far the surroundings of a mask reach, in radii of a disc of its area.
 const AROUND: f64 = 0.4;
@@ -24,8 +25,9 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Of a mask, whose picture's pixels have these log-odds of skin by colour.
-    pub(super) fn of(mask: &Mask, odds: &[f32]) -> Self {
+    /// Of a mask and its deepest place, whose picture's pixels have these log-odds of skin by
+    /// colour.
+    pub(super) fn of(mask: &Mask, deepest: Option<Deepest>, odds: &[f32]) -> Self {
         let (width, height, pixels) = (mask.width(), mask.height(), mask.pixels());
         let radius = (mask.area().max(1) as f64 / PI).sqrt();
         let reach = 3.0 * (AROUND * radius).max(LEAST_AROUND);
@@ -37,8 +39,7 @@ impl Quality {
                 skin += usize::from(odds > 0.0);
             }
         }
-        let depth = distance::thirds(width, height, |at| pixels[at] == 0, true);
-        let deepest = f64::from(depth.into_iter().max().unwrap_or(0)) / 3.0;
+        let deepest = f64::from(deepest.map_or(0, |deepest| deepest.thirds)) / 3.0;
         let on_border: usize = mask.on_sides().iter().sum();
         Self {
             on_border: on_border as f64 / (2 * (width + height)).max(1) as f64,
@@ -52,15 +53,15 @@ impl Quality {
 /// The length of the mask's outline in pixels: sides of pixels between inside and outside, taken to
 /// run at any angle, of which the mean length is pi / 4 of the steps that draw it.
 fn outline(mask: &Mask) -> f64 {
-    let mut steps = 0usize;
-    for y in 0..mask.height() {
-        for x in 0..mask.width() {
-            let here = mask.get(x, y);
-            steps += usize::from(here && (x == 0 || y == 0));
-            steps += usize::from(here != mask.get(x + 1, y)) + usize::from(here != mask.get(x, y + 1));
-        }
-    }
-    steps as f64 * std::f64::consts::FRAC_PI_4
+    let differences =
+        |a: &[u8], b: &[u8]| -> usize { a.iter().zip(b).map(|(a, b)| usize::from(a ^ b)).sum() };
+    let width = mask.width().max(1);
+    let rows = || mask.pixels().chunks_exact(width);
+    let across: usize = rows().map(|row| differences(row, &row[1..])).sum();
+    let down: usize = rows().zip(rows().skip(1)).map(|(above, below)| differences(above, below)).sum();
+    let on_border: usize = mask.on_sides().iter().sum();
+    // The first pixel is in the first row and the first column, and counts once.
+    (across + down + on_border - usize::from(mask.get(0, 0))) as f64 * std::f64::consts::FRAC_PI_4
 }
 
 #[cfg(test)]
@@ -75,7 +76,8 @@ mod tests {
         let inside: Vec<bool> = (0..SIDE * SIDE).map(place).map(|(x, y)| is_hand(x, y)).collect();
         let odds: Vec<f32> =
             (0..SIDE * SIDE).map(place).map(|(x, y)| if is_skin(x, y) { 2.0 } else { -2.0 }).collect();
-        Quality::of(&Mask::from_values(SIDE, SIDE, &inside, |v| v), &odds)
+        let mask = Mask::from_values(SIDE, SIDE, &inside, |v| v);
+        Quality::of(&mask, Deepest::of(&mask), &odds)
     }
 
     fn disc(x: f32, y: f32) -> bool {

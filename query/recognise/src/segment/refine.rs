@@ -2,11 +2,13 @@
 //! picture has it.
 
 use super::Mask;
+use super::median::counts3x3;
 use crate::picture::Picture;
 
 /// Half the side of the window, in pixels of the small picture, over which the colours on both
 /// sides of the border are averaged.
 const RADIUS: usize = 3;
+const _: () = assert!((2 * RADIUS + 1).pow(2) * 255 <= u16::MAX as usize, "a window's sums must fit");
 /// Added to the squared difference of both sides' colours: where they are alike, colour has little
 /// say.
 const ALIKE: f32 = 200.0;
@@ -23,13 +25,16 @@ pub(super) fn enlarge(small: &Mask, shrunk: &Picture, picture: &Picture, factor:
     let (width, height) = (picture.width(), picture.height());
     let (across, down) = (small.width(), small.height());
     let sums = Sums::of(small, shrunk);
+    let counts = counts3x3(small);
     let mut inside = vec![0u8; width * height];
     for y in 0..down {
         for x in 0..across {
             let here = small.get(x, y);
             let rows = y * factor..((y + 1) * factor).min(height);
             let columns = x * factor..((x + 1) * factor).min(width);
-            let Some(border) = Border::near(small, x, y).then(|| sums.around(x, y)).flatten() else {
+            // Where all of its neighbours are on a pixel's own side there is no border.
+            let is_near = !matches!(counts[y * across + x], 0 | 9);
+            let Some(border) = is_near.then(|| sums.around(x, y)).flatten() else {
                 if here {
                     rows.for_each(|row| inside[row * width..][columns.clone()].fill(1));
                 }
@@ -44,7 +49,7 @@ pub(super) fn enlarge(small: &Mask, shrunk: &Picture, picture: &Picture, factor:
             }
         }
     }
-    Mask::from_values(width, height, &inside, |v| v == 1)
+    Mask::from_inside(width, height, inside)
 }
 
 /// Between the small mask's pixels: 1 inside, -1 outside, interpolated bilinearly.
@@ -69,14 +74,6 @@ struct Border {
 }
 
 impl Border {
-    /// Whether the eight neighbours of a pixel and itself lie on different sides.
-    fn near(small: &Mask, x: usize, y: usize) -> bool {
-        let here = small.get(x, y);
-        (y.saturating_sub(1)..=(y + 1).min(small.height() - 1)).any(|ny| {
-            (x.saturating_sub(1)..=(x + 1).min(small.width() - 1)).any(|nx| small.get(nx, ny) != here)
-        })
-    }
-
     /// Where a colour lies between both sides: towards 0.5 at the hand's, -0.5 at the other's.
     fn side(&self, rgb: [u8; 3]) -> f32 {
         let (mut along, mut length) = (0.0, 0.0);
@@ -95,28 +92,29 @@ struct Sums {
     width: usize,
     height: usize,
     /// (width + 1) x (height + 1) corners: red, green, blue and count of the hand's pixels, then of
-    /// all.
-    corners: Vec<[u32; 8]>,
+    /// all. Each is what is left of a sum once whole multiples of 2^16 are taken away: a window's
+    /// own sums are smaller, and are found exactly.
+    corners: Vec<[u16; 8]>,
 }
 
 impl Sums {
     fn of(mask: &Mask, picture: &Picture) -> Self {
         let (width, height) = (picture.width(), picture.height());
         let stride = width + 1;
-        let mut corners = vec![[0u32; 8]; stride * (height + 1)];
+        let mut corners = vec![[0u16; 8]; stride * (height + 1)];
         for (y, (row, inside)) in
             picture.rgb().chunks_exact(width).zip(mask.pixels().chunks_exact(width)).enumerate()
         {
-            let mut line = [0u32; 8];
-            for (x, (&[r, g, b], &inside)) in row.iter().zip(inside).enumerate() {
-                let value = [u32::from(r), u32::from(g), u32::from(b), 1];
-                for (channel, value) in value.into_iter().enumerate() {
-                    line[channel] += value * u32::from(inside);
-                    line[channel + 4] += value;
-                }
-                let above = corners[y * stride + x + 1];
-                corners[(y + 1) * stride + x + 1] =
-                    std::array::from_fn(|channel| above[channel] + line[channel]);
+            let mut line = [0u16; 8];
+            let (above, here) = corners[y * stride..][..2 * stride].split_at_mut(stride);
+            let corners = above.iter().zip(here).skip(1);
+            for ((&[r, g, b], &inside), (above, here)) in row.iter().zip(inside).zip(corners) {
+                let all = [r, g, b, 1].map(u16::from);
+                let hand = all.map(|value| value * u16::from(inside));
+                let values = [hand, all];
+                let values = values.as_flattened();
+                line = std::array::from_fn(|channel| line[channel].wrapping_add(values[channel]));
+                *here = std::array::from_fn(|channel| above[channel].wrapping_add(line[channel]));
             }
         }
         Self { width, height, corners }
@@ -129,12 +127,14 @@ impl Sums {
         let (top, bottom) = (y.saturating_sub(RADIUS), (y + RADIUS + 1).min(self.height));
         let [a, b, c, d] =
             [corner(right, bottom), corner(left, top), corner(left, bottom), corner(right, top)];
-        let sum: [u32; 8] = std::array::from_fn(|channel| a[channel] + b[channel] - c[channel] - d[channel]);
+        let sum: [u16; 8] = std::array::from_fn(|channel| {
+            a[channel].wrapping_add(b[channel]).wrapping_sub(c[channel]).wrapping_sub(d[channel])
+        });
         let (inside, all) = (sum[3], sum[7]);
         if inside == 0 || inside == all {
             return None;
         }
-        let mean = |total: u32, count: u32| total as f32 / count as f32;
+        let mean = |total: u16, count: u16| f32::from(total) / f32::from(count);
         Some(Border {
             hand: std::array::from_fn(|channel| mean(sum[channel], inside)),
             other: std::array::from_fn(|channel| mean(sum[channel + 4] - sum[channel], all - inside)),

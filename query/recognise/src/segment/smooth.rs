@@ -53,15 +53,15 @@ impl Smooth {
         Self { width, height, passes }
     }
 
-    /// Filters `values`, one a pixel, in place.
-    pub(super) fn apply(&self, values: &mut [f32]) {
+    /// Filters `values`, one a pixel, in place. `turned` is memory that it works in.
+    pub(super) fn apply(&self, values: &mut [f32], turned: &mut Vec<f32>) {
         // Along rows each value waits for the one before; along columns a whole row goes at once.
         // So rows are made columns.
-        let mut turned = vec![0f32; values.len()];
+        turned.resize(values.len(), 0.0);
         for pass in &self.passes {
-            transpose(self.width, values, &mut turned);
-            along_columns(self.height, &mut turned, &pass.left);
-            transpose(self.height, &turned, values);
+            transpose(self.width, values, turned);
+            along_columns(self.height, turned, &pass.left);
+            transpose(self.height, turned, values);
             along_columns(self.width, values, &pass.above);
         }
     }
@@ -69,10 +69,20 @@ impl Smooth {
 
 /// Turns rows of `width` values into columns.
 fn transpose(width: usize, from: &[f32], to: &mut [f32]) {
+    /// Rows at a time: a line of the cache is then touched once for so many values.
+    const ROWS: usize = 8;
     let height = from.len() / width;
-    for (y, row) in from.chunks_exact(width).enumerate() {
-        for (x, value) in row.iter().enumerate() {
-            to[x * height + y] = *value;
+    for (first, rows) in (0..).step_by(ROWS).zip(from.chunks(ROWS * width)) {
+        if rows.len() == ROWS * width {
+            let lines: [&[f32]; ROWS] = std::array::from_fn(|line| &rows[line * width..][..width]);
+            for (x, column) in to.chunks_exact_mut(height).enumerate() {
+                let values: [f32; ROWS] = std::array::from_fn(|line| lines[line][x]);
+                column[first..][..ROWS].copy_from_slice(&values);
+            }
+        } else {
+            for (y, row) in (first..).zip(rows.chunks_exact(width)) {
+                row.iter().enumerate().for_each(|(x, value)| to[x * height + y] = *value);
+            }
         }
     }
 }
@@ -105,10 +115,22 @@ mod tests {
         // Noise of one sign on each side.
         let mut values: Vec<f32> =
             (0..400).map(|at| (if at % 20 < 10 { 1.0 } else { -1.0 }) * (at * 7 % 5) as f32).collect();
-        Smooth::new(&picture, 10.0, 60.0).apply(&mut values);
+        Smooth::new(&picture, 10.0, 60.0).apply(&mut values, &mut Vec::new());
         for (at, &value) in values.iter().enumerate() {
             let expected = if at % 20 < 10 { 2.0 } else { -2.0 };
             assert!((value - expected).abs() < 1.2, "{at}: {value}");
+        }
+    }
+
+    #[test]
+    fn a_transposed_picture_has_each_value_in_its_place() {
+        for (width, height) in [(1, 1), (8, 8), (7, 20), (33, 17), (24, 9)] {
+            let from: Vec<f32> = (0..width * height).map(|at| at as f32).collect();
+            let mut to = vec![-1.0; from.len()];
+            transpose(width, &from, &mut to);
+            for (at, value) in to.iter().enumerate() {
+                assert_eq!(*value, from[at % height * width + at / height], "{width} x {height}: {at}");
+            }
         }
     }
 
@@ -121,7 +143,7 @@ mod tests {
             let rgb = (0..values.len()).map(|at| [(at as u8).wrapping_mul(grey); 3]).collect();
             let picture = Picture::new(width, height, rgb).unwrap();
             let mut smooth = values.clone();
-            Smooth::new(&picture, 10.0, 60.0).apply(&mut smooth);
+            Smooth::new(&picture, 10.0, 60.0).apply(&mut smooth, &mut Vec::new());
             let least = values.iter().copied().fold(f32::INFINITY, f32::min) - 1e-4;
             let most = values.iter().copied().fold(f32::NEG_INFINITY, f32::max) + 1e-4;
             prop_assert!(smooth.iter().all(|value| (least..=most).contains(value)));

@@ -5,7 +5,8 @@
 //! the wrist is the narrowest place on that way. A region that does not reach the border ends at a
 //! sleeve, or is a hand alone: it is left as it is.
 
-use super::{Mask, distance};
+use super::Mask;
+use super::distance::Deepest;
 
 /// Where the search for the wrist begins and ends, in radii of the palm's circle from its centre.
 const SEARCH: std::ops::RangeInclusive<f32> = 1.0..=2.4;
@@ -20,25 +21,37 @@ struct Circle {
     radius: f32,
 }
 
+impl Circle {
+    /// The largest one that fits a region with this deepest place.
+    fn around(deepest: Deepest) -> Self {
+        Self { x: deepest.x as f32, y: deepest.y as f32, radius: deepest.thirds as f32 / 3.0 }
+    }
+}
+
 /// The region without its forearm; unchanged where no forearm leaves the picture.
 ///
 /// `scale` is how many of the region's pixels one of `outline`'s spans: the wrist is looked for in
 /// `outline`, the region itself or the same at a smaller size.
 pub fn cut_forearm(region: &Mask, outline: &Mask, scale: usize) -> Mask {
-    let Some(cut) = find_cut(outline) else {
+    cut_at_wrist(region, outline, Deepest::of(outline), scale)
+}
+
+/// The same where the deepest place of `outline` is known.
+pub(super) fn cut_at_wrist(region: &Mask, outline: &Mask, deepest: Option<Deepest>, scale: usize) -> Mask {
+    let Some(cut) = deepest.and_then(|deepest| find_cut(outline, Circle::around(deepest))) else {
         return region.clone();
     };
     let (width, height) = (region.width(), region.height());
     let place = |at: usize| (at as f32 + 0.5) / scale.max(1) as f32 - 0.5;
+    let across: Vec<f32> = (0..width).map(|x| (place(x) - cut.centre.x) * cut.axis.0).collect();
     let mut kept = region.pixels().to_vec();
-    for y in 0..height {
-        for x in 0..width {
-            if cut.along(place(x), place(y)) > cut.at {
-                kept[y * width + x] = 0;
-            }
+    for (y, row) in kept.chunks_exact_mut(width.max(1)).enumerate() {
+        let down = (place(y) - cut.centre.y) * cut.axis.1;
+        for (kept, across) in row.iter_mut().zip(&across) {
+            *kept &= u8::from(across + down <= cut.at);
         }
     }
-    let kept = Mask::from_values(width, height, &kept, |v| v == 1);
+    let kept = Mask::from_inside(width, height, kept);
     if kept.area() == 0 { region.clone() } else { kept }
 }
 
@@ -59,8 +72,7 @@ impl Cut {
     }
 }
 
-fn find_cut(region: &Mask) -> Option<Cut> {
-    let palm = largest_circle(region)?;
+fn find_cut(region: &Mask, palm: Circle) -> Option<Cut> {
     let (exit_x, exit_y, exit_width) = widest_exit(region)?;
     if exit_width < ARM_WIDTH * palm.radius {
         return None;
@@ -115,20 +127,6 @@ fn widest_exit(region: &Mask) -> Option<(f32, f32, f32)> {
         .max_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-/// The largest circle that fits: where the distance to the outside is largest.
-///
-/// Beyond the picture counts as outside, so that an arm cut by the border does not pass for a palm.
-fn largest_circle(region: &Mask) -> Option<Circle> {
-    let (width, pixels) = (region.width(), region.pixels());
-    let distances = distance::thirds(width, region.height(), |at| pixels[at] == 0, true);
-    let (index, &thirds) = distances.iter().enumerate().rev().max_by_key(|&(_, &distance)| distance)?;
-    (thirds > 0).then(|| Circle {
-        x: (index % width) as f32,
-        y: (index / width) as f32,
-        radius: thirds as f32 / 3.0,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,7 +173,7 @@ mod tests {
 
     #[test]
     fn the_largest_circle_of_a_disc_is_the_disc() {
-        let circle = largest_circle(&hand_and_arm(60)).unwrap();
+        let circle = Circle::around(Deepest::of(&hand_and_arm(60)).unwrap());
         assert!((circle.x - 60.0).abs() <= 3.0 && (circle.y - 50.0).abs() <= 3.0, "{circle:?}");
         assert!((circle.radius - 20.0).abs() <= 2.0, "{circle:?}");
     }

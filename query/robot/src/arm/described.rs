@@ -76,8 +76,9 @@ impl Arm {
     /// # Errors
     /// [`RobotError::UnknownArm`].
     pub fn built_in(name: &str) -> Result<Self, RobotError> {
+        let known = || Self::names().collect::<Vec<_>>().join(", ");
         let text = built_in(&BUILT_IN, name)
-            .map_err(|known| RobotError::UnknownArm { name: name.to_owned(), known })?;
+            .ok_or_else(|| RobotError::UnknownArm { name: name.to_owned(), known: known() })?;
         Self::parse(name, text)
     }
 

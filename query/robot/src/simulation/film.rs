@@ -5,7 +5,7 @@ use rapier3d::math::{Pose, Vector};
 
 use super::trial::{Error, Outcome, Plan};
 use super::world::World;
-use crate::{From, Object, Shape};
+use crate::{ApproachSide, Object, Shape};
 
 /// How many times finer a frame is drawn.
 const FINER: u32 = 2;
@@ -62,8 +62,8 @@ impl Plan {
 fn captions(plan: &Plan, outcome: &Outcome) -> [String; FRAMES] {
     let (from, distance) = plan.way();
     let side = match from {
-        Some(From::Top) => "above",
-        Some(From::Side) => "beside",
+        Some(ApproachSide::Top) => "above",
+        Some(ApproachSide::Side) => "beside",
         None => "below",
     };
     // Without a sign: what moves by less than half a millimetre does not move.

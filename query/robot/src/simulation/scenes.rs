@@ -1,6 +1,6 @@
 //! Objects on a table that come with the program, each with the grasp and the approach that fit it.
 
-use crate::{From, Object, RobotError};
+use crate::{ApproachSide, Object, RobotError};
 
 /// An object and how it is taken.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +10,7 @@ pub struct Scene {
     /// The robot's grasp.
     pub grasp: &'static str,
     /// From where the hand comes.
-    pub from: From,
+    pub from: ApproachSide,
     /// Whether the hand's turn about the vertical makes no difference to the object.
     pub is_round: bool,
     text: &'static str,
@@ -21,56 +21,56 @@ pub const SCENES: [Scene; 8] = [
     Scene {
         name: "cylinder-upright",
         grasp: "wrap",
-        from: From::Side,
+        from: ApproachSide::Side,
         is_round: true,
         text: include_str!("../../../data/objects/cylinder-upright.toml"),
     },
     Scene {
         name: "cylinder-lying",
         grasp: "wrap",
-        from: From::Top,
+        from: ApproachSide::Top,
         is_round: false,
         text: include_str!("../../../data/objects/cylinder-lying.toml"),
     },
     Scene {
         name: "box",
         grasp: "wrap",
-        from: From::Top,
+        from: ApproachSide::Top,
         is_round: false,
         text: include_str!("../../../data/objects/box.toml"),
     },
     Scene {
         name: "sphere",
         grasp: "wrap",
-        from: From::Top,
+        from: ApproachSide::Top,
         is_round: true,
         text: include_str!("../../../data/objects/sphere.toml"),
     },
     Scene {
         name: "disc",
         grasp: "precision-disc",
-        from: From::Top,
+        from: ApproachSide::Top,
         is_round: true,
         text: include_str!("../../../data/objects/disc.toml"),
     },
     Scene {
         name: "block",
         grasp: "two-finger-thumb",
-        from: From::Top,
+        from: ApproachSide::Top,
         is_round: false,
         text: include_str!("../../../data/objects/block.toml"),
     },
     Scene {
         name: "stick",
         grasp: "wrap",
-        from: From::Side,
+        from: ApproachSide::Side,
         is_round: true,
         text: include_str!("../../../data/objects/stick.toml"),
     },
     Scene {
         name: "handle",
         grasp: "wrap",
-        from: From::Side,
+        from: ApproachSide::Side,
         is_round: true,
         text: include_str!("../../../data/objects/handle.toml"),
     },

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::barrett::FINGERS;
 use super::world::{Begin, DT, World};
 use crate::placed::Placed;
-use crate::{Frame, From, Object, RobotError, RobotHand};
+use crate::{ApproachSide, Frame, Object, RobotError, RobotHand};
 
 /// The phases' lengths in seconds.
 const SETTLE: f32 = 0.15;
@@ -134,8 +134,8 @@ impl Plan {
     }
 
     /// From where the hand comes, and how far, in metres.
-    pub(super) fn way(&self) -> (Option<From>, f64) {
-        (From::of(&self.approach), self.distance)
+    pub(super) fn way(&self) -> (Option<ApproachSide>, f64) {
+        (ApproachSide::nearest(&self.approach), self.distance)
     }
 
     /// What is grasped.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grasp_robot::{
-    Arm, Camera, Frame, Object, Problem, RobotError, RobotHand, Seen, Setting, Strategy, moveit,
+    Arm, Camera, Frame, Object, ObservedHand, Problem, RobotError, RobotHand, Setting, Strategy, moveit,
 };
 use nalgebra::{Isometry3, Translation3};
 
@@ -128,7 +128,7 @@ impl Robot {
     /// [`NoGrasp`]: where it cannot be.
     pub(crate) fn grasp(&self, hand: &Hand, object: Option<&PoseStamped>) -> Result<Grasp, NoGrasp> {
         let placed = object.map(|pose| self.placed(pose, &hand.header.frame_id)).transpose()?;
-        let seen = Seen {
+        let seen = ObservedHand {
             grasp: hand.grasp().0.to_owned(),
             side: hand.side,
             camera_from_hand: hand.rotation,

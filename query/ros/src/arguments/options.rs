@@ -8,7 +8,7 @@ use clap::builder::BoolishValueParser;
 use clap::{ArgAction, CommandFactory as _, Parser, ValueEnum};
 use grasp_index::Effort;
 use grasp_recognise::segment::{Finder, SegmentParams};
-use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions};
+use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
 use ros2_client::ParameterValue;
 
 const EXAMPLES: &str = "\
@@ -75,11 +75,11 @@ pub(crate) struct Options {
     #[arg(long, value_enum, default_value_t = AcceptChoice::Calibrated)]
     accept: AcceptChoice,
     /// How many neighbours vote; 0: what the index was calibrated with.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=MOST_NEIGHBOURS as i64))]
     k: u32,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose
     /// neighbours are nearest.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(1..=360))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(1..=MOST_ROLLS as i64))]
     rolls: u32,
     /// How far before the camera the hand is said to be, in metres, where no object's pose says
     /// it: one picture does not.

@@ -13,8 +13,6 @@ use grasp_recognise::{Accept, HandChoice, RecogniseOptions};
 const MOST_ROLLS: usize = 36;
 /// The most neighbours that one request may ask for.
 const MOST_K: usize = 1000;
-/// The success that `eps` alone asks for, as in the paper.
-const DEFAULT_SUCCESS: f64 = 0.95;
 
 /// Options of a picture's request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
@@ -168,9 +166,9 @@ fn is_false(value: &bool) -> bool {
 impl PictureParameters {
     /// The parameters that mean these options; a service that is sent them recognises as this
     /// program would.
-    pub fn of(options: &RecogniseOptions) -> Self {
+    pub fn from_options(options: &RecogniseOptions) -> Self {
         let vote = options.vote;
-        let Efforts { recall, eps, success, probes, exact } = Efforts::of(options.effort);
+        let Efforts { recall, eps, success, probes, exact } = Efforts::from_effort(options.effort);
         let mut parameters = Self {
             recall,
             eps,
@@ -262,8 +260,8 @@ impl SearchParameters {
     }
 
     /// The parameters that mean these options.
-    pub fn of(options: &SearchOptions) -> Self {
-        let Efforts { recall, eps, success, probes, exact } = Efforts::of(options.effort);
+    pub fn from_options(options: &SearchOptions) -> Self {
+        let Efforts { recall, eps, success, probes, exact } = Efforts::from_effort(options.effort);
         Self { k: Some(options.k), recall, eps, success, probes, exact, shortlist: false }
     }
 
@@ -308,7 +306,7 @@ struct Efforts {
 }
 
 impl Efforts {
-    fn of(effort: Effort) -> Self {
+    fn from_effort(effort: Effort) -> Self {
         let none = Self::default();
         match effort {
             Effort::Recall(recall) => Self { recall: Some(recall), ..none },
@@ -332,7 +330,7 @@ impl Efforts {
                 if !(eps.is_finite() && eps >= 0.0) {
                     return Err(ParameterError::Eps(eps));
                 }
-                let success = share("success", success.unwrap_or(DEFAULT_SUCCESS))?;
+                let success = share("success", success.unwrap_or(Effort::DEFAULT_SUCCESS))?;
                 Ok(Effort::Success { eps, success })
             }
             (.., Some(0)) => Err(ParameterError::Probes),
@@ -370,7 +368,7 @@ mod tests {
         ) {
             let vote = VoteOptions { sigma, euler_mean, ..VoteOptions::default() };
             let options = RecogniseOptions { hand, rolls, k, effort, vote, accept, ..RecogniseOptions::default() };
-            let sent = serde_urlencoded::to_string(PictureParameters::of(&options)).unwrap();
+            let sent = serde_urlencoded::to_string(PictureParameters::from_options(&options)).unwrap();
             let found = serde_urlencoded::from_str::<PictureParameters>(&sent).unwrap().options().unwrap();
             prop_assert_eq!(format!("{found:?}"), format!("{options:?}"));
         }

@@ -24,7 +24,7 @@ impl Drawings {
     pub(super) fn new(out: &Path, pictures: usize) -> anyhow::Result<Self> {
         let (name, folder) = (out.display(), folder_like(out));
         let ends_in_slash = out.to_string_lossy().ends_with(is_separator);
-        match Format::of(out) {
+        match Format::from_path(out) {
             _ if ends_in_slash || out.is_dir() => Ok(Self::Folder(out.to_owned())),
             Some(_) if pictures > 1 => {
                 bail!(
@@ -54,7 +54,7 @@ impl Drawings {
     ///
     /// # Errors
     /// Where the picture is one frame of several, and there is one file for all.
-    pub(super) fn of(&self, picture: &str, frame: Option<u64>) -> anyhow::Result<PathBuf> {
+    pub(super) fn path(&self, picture: &str, frame: Option<u64>) -> anyhow::Result<PathBuf> {
         match (self, frame) {
             // A picture alone on standard input is frame 0.
             (Self::File(file), None | Some(0)) => Ok(file.clone()),
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn one_file_is_not_drawn_over_by_frame_after_frame() {
         let drawings = Drawings::File("why.png".into());
-        assert!(drawings.of("-", Some(0)).is_ok(), "it may be the only one");
-        assert!(drawings.of("-", Some(1)).is_err());
+        assert!(drawings.path("-", Some(0)).is_ok(), "it may be the only one");
+        assert!(drawings.path("-", Some(1)).is_err());
     }
 }

@@ -15,7 +15,7 @@ use grasp_serve::wire::parameters::PictureParameters;
 use grasp_serve::wire::{DESCRIBED, Format};
 
 /// A picture's answer, or the record of why the service was not asked or did not want it.
-enum Told {
+enum Reply {
     /// The picture's name, and what the service says.
     Service(String, Answer),
     Own(Record),
@@ -29,14 +29,14 @@ impl Recognise {
         images: &[PathBuf],
         drawings: Option<&Drawings>,
     ) -> anyhow::Result<u8> {
-        // What is wrong with a mask or a robot is told in the same words, and before anything is
+        // What is wrong with a mask or a robot is said in the same words, and before anything is
         // sent.
         self.source()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let client = Client::new(address.clone(), token);
         let mut output =
-            Output { form: self.form(), status: crate::cli::status::SUCCESS, out: io::stdout().lock() };
+            Output { form: self.form(), status: grasp_program::status::SUCCESS, out: io::stdout().lock() };
         if let Some(camera) = self.robot.device()? {
             self.feed_remote(Feed::camera(camera)?, &client, drawings, &mut output)?;
         }
@@ -51,15 +51,15 @@ impl Recognise {
                     let name = path.display().to_string();
                     match picture::read(path) {
                         Ok(bytes) => self.ask(&client, drawings, name, None, bytes),
-                        Err(error) => Ok(Told::Own(Record::not_recognised(name, None, &error.into()))),
+                        Err(error) => Ok(Reply::Own(Record::not_recognised(name, None, &error.into()))),
                     }
                 };
-                let told: Vec<anyhow::Result<Told>> = match batch {
+                let replies: Vec<anyhow::Result<Reply>> = match batch {
                     [single] => vec![ask(single)],
                     several => several.par_iter().map(ask).collect(),
                 };
-                for told in told {
-                    output.write_told(&told?)?;
+                for reply in replies {
+                    output.write_reply(&reply?)?;
                 }
             }
         }
@@ -75,11 +75,11 @@ impl Recognise {
     ) -> anyhow::Result<()> {
         let name = feed.name();
         feed.each_frame(|frame, bytes| {
-            let told = match bytes {
+            let reply = match bytes {
                 Ok(bytes) => self.ask(client, drawings, name.clone(), frame, bytes)?,
-                Err(record) => Told::Own(record),
+                Err(record) => Reply::Own(record),
             };
-            output.write_told(&told)
+            output.write_reply(&reply)
         })
     }
 
@@ -90,7 +90,7 @@ impl Recognise {
         name: String,
         frame: Option<u64>,
         bytes: Vec<u8>,
-    ) -> anyhow::Result<Told> {
+    ) -> anyhow::Result<Reply> {
         let read = |path: &Path| picture::read(path);
         let (robot, described) = self.robot.hand()?.unzip();
         let described = described.flatten();
@@ -114,7 +114,7 @@ impl Recognise {
             timings: self.timings,
             robot: robot.map(|name| if described.is_some() { DESCRIBED } else { name }.to_owned()),
             arm: arm.map(|name| if arm_file.is_some() { DESCRIBED } else { name }.to_owned()),
-            ..PictureParameters::of(&self.recognise.options())
+            ..PictureParameters::from_options(&self.recognise.options())
         };
         let wanted = match self.form() {
             Form::Json => Format::Json,
@@ -124,17 +124,17 @@ impl Recognise {
         let answer = match client.recognise(&parameters, &parts, wanted) {
             Ok(answer) => answer,
             Err(ClientError::Refused { is_picture: true, message, .. }) => {
-                return Ok(Told::Own(Record::failed(name, frame, "too_large", message)));
+                return Ok(Reply::Own(Record::failed(name, frame, "too_large", message)));
             }
             Err(error) => return Err(error.into()),
         };
         if let (Some(drawings), true) = (drawings, answer.is_answer) {
             let drawing = client.recognise(&parameters, &parts, Format::Drawing)?;
-            self.drawn(&name, frame, drawings.of(&name, frame), |path| {
+            self.drawn(&name, frame, drawings.path(&name, frame), |path| {
                 Ok(explain::save(&decoded(&drawing.body)?, path)?)
             });
         }
-        Ok(Told::Service(human::name(&name, frame), answer))
+        Ok(Reply::Service(human::name(&name, frame), answer))
     }
 }
 
@@ -144,10 +144,10 @@ fn decoded(png: &[u8]) -> image::ImageResult<image::RgbImage> {
 }
 
 impl<W: Write> Output<W> {
-    fn write_told(&mut self, told: &Told) -> anyhow::Result<()> {
-        let (name, answer) = match told {
-            Told::Own(record) => return self.write(record),
-            Told::Service(name, answer) => (name, answer),
+    fn write_reply(&mut self, reply: &Reply) -> anyhow::Result<()> {
+        let (name, answer) = match reply {
+            Reply::Own(record) => return self.write(record),
+            Reply::Service(name, answer) => (name, answer),
         };
         self.status = self.status.max(answer.exit);
         if self.form == Form::Moveit && answer.is_answer {

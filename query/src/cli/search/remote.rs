@@ -49,7 +49,7 @@ impl Search {
     pub(super) fn ask(&self, address: &Address, queries: &[f32], dim: usize) -> anyhow::Result<Found> {
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let client = Client::new(address.clone(), token);
-        let parameters = SearchParameters::of(&self.options());
+        let parameters = SearchParameters::from_options(&self.options());
         let mut found = Found { neighbours: Vec::new(), names: HashMap::new() };
         let rows = (MOST_NEIGHBOURS / self.k).min(MOST_BYTES / (4 * dim.max(1))).max(1);
         for queries in queries.chunks(rows * dim.max(1)) {

@@ -60,9 +60,9 @@ pub(super) struct Output {
     frames: Sink,
     /// Records as JSON Lines.
     records: Option<Sink>,
-    /// What was last told of in text, where there is neither JSON nor a video on standard output:
+    /// What was last printed as text, where there is neither JSON nor a video on standard output:
     /// the grasp, or why there is none.
-    told: Option<String>,
+    printed: Option<String>,
 }
 
 impl Output {
@@ -75,7 +75,7 @@ impl Output {
             );
         }
         let frames_sink = Sink::new(frames)?;
-        Ok(Self { frames: frames_sink, records: records.map(Sink::new).transpose()?, told: None })
+        Ok(Self { frames: frames_sink, records: records.map(Sink::new).transpose()?, printed: None })
     }
 
     /// Writes a frame and its record.
@@ -87,20 +87,20 @@ impl Output {
                 line.push(b'\n');
                 records.write(&line)?;
             }
-            None => self.tell(record)?,
+            None => self.print_change(record)?,
         }
         Ok(())
     }
 
-    /// Tells a person of a frame whose grasp is not that of the frame before.
-    fn tell(&mut self, record: &Record) -> io::Result<()> {
+    /// Prints a frame whose grasp is not that of the frame before.
+    fn print_change(&mut self, record: &Record) -> io::Result<()> {
         let (what, of) = match record {
             Record::Answer(answer) => (answer.grasp.clone(), human::name(&answer.file, answer.frame)),
             Record::Failure(failure) => {
                 (failure.error.message.clone(), human::name(&failure.file, failure.frame))
             }
         };
-        if self.told.as_ref() == Some(&what) {
+        if self.printed.as_ref() == Some(&what) {
             return Ok(());
         }
         let probability = match record {
@@ -108,7 +108,7 @@ impl Output {
             _ => String::new(),
         };
         let line = grasp_terminal::text::printable_lines(&format!("{of}: {what}{probability}\n"));
-        self.told = Some(what);
+        self.printed = Some(what);
         // Standard output is the video where that goes there.
         match &self.frames {
             Sink::Standard(_) => io::stderr().write_all(line.as_bytes()).or(Ok(())),

@@ -129,15 +129,7 @@ fn distribution(page: &Page<'_>, kind: &KindResult, vertical: [f64; 2]) {
         else {
             continue;
         };
-        let mut share = 0.0;
-        let mut points = vec![(0.0, 0.0)];
-        for (n, error) in errors.iter().enumerate() {
-            points.push((*error, share));
-            share = 100.0 * (n + 1) as f64 / errors.len() as f64;
-            points.push((*error, share));
-        }
-        points.push((180.0, share));
-        chart.line(&points, colour);
+        chart.shares(errors, 180.0, colour);
         let text = format!("{}: mean {mean:.1}°, median {median:.1}° of {}", set.set, errors.len());
         chart.text((176.0, 18.0), 21.0 - 17.0 * at as f64, Anchor::Right, colour, &text);
     }

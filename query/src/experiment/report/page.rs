@@ -79,7 +79,7 @@ struct Cards<'a> {
 struct Card<'a> {
     shown: &'a Shown,
     /// A `data:` address, or why there is none.
-    picture: Result<String, String>,
+    picture: anyhow::Result<String>,
     answer: String,
 }
 
@@ -193,7 +193,7 @@ impl<'a> Cards<'a> {
 
 impl<'a> Card<'a> {
     fn new(shown: &'a Shown, folder: &Path) -> Self {
-        let picture = thumbnail::address(&folder.join(&shown.file)).map_err(|error| error.to_string());
+        let picture = thumbnail::address(&folder.join(&shown.file));
         let stated = shown.probability.unwrap_or_default();
         let answer = match (&shown.grasp, &shown.most_probable) {
             (None, _) => "no hand found".to_owned(),

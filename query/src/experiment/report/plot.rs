@@ -51,14 +51,6 @@ fn rotation(page: &Page<'_>, findings: &Findings) {
     let axes = [Axis::from_zero(180.0, 30.0, "°"), Axis::from_zero(100.0, 20.0, " %")];
     let chart = page.chart(PANELS[1], VERTICAL, "Share within an error", "error of the rotation", axes);
     for (_, errors, colour) in curves {
-        let mut points = vec![(0.0, 0.0)];
-        let mut share = 0.0;
-        for (n, error) in errors.iter().enumerate() {
-            points.push((*error, share));
-            share = 100.0 * (n + 1) as f64 / errors.len() as f64;
-            points.push((*error, share));
-        }
-        points.push((180.0, share));
-        chart.line(&points, colour);
+        chart.shares(errors, 180.0, colour);
     }
 }

@@ -138,7 +138,7 @@ mod tests {
             other_hand: None,
             scene: None,
         };
-        let [sure, unsure] = [0.01, 0.36].map(|skin| model.of(&evidence(skin)));
+        let [sure, unsure] = [0.01, 0.36].map(|skin| model.value(&evidence(skin)));
         assert!(sure > 0.8 && unsure < 0.2, "{sure} {unsure}");
     }
 }

@@ -61,12 +61,12 @@ pub struct Fitted {
     /// The model, fitted to seven tenths of the pictures.
     pub model: Trust,
     /// What it is worth on those and on the rest.
-    pub worth: Vec<Worth>,
+    pub worth: Vec<TrustScore>,
 }
 
 /// What stated probabilities are worth on some of the pictures.
 #[derive(Clone, Debug, Serialize)]
-pub struct Worth {
+pub struct TrustScore {
     /// What they show.
     pub scene: Scene,
     /// Whether the labelled hand was given, or both were tried.
@@ -127,7 +127,7 @@ impl<'a> Recognisers<'a> {
         if label.kind == Kind::Camera {
             let bytes = picture::read(&folder.join(&label.file)).map_err(RecogniseError::from);
             let prepared = bytes.and_then(|bytes| Prepared::decode(&bytes, &MaskSource::Camera, params));
-            return Ok(self.of(&shown(Scene::Camera, 1.0), prepared));
+            return Ok(self.samples_of(&shown(Scene::Camera, 1.0), prepared));
         }
         let (whole, mask) = labelled_hand(folder, label)?;
         let Some(hand) = compose::cut_out(&whole, &mask) else { return Ok(Vec::new()) };
@@ -135,7 +135,7 @@ impl<'a> Recognisers<'a> {
         let composed = (0..BACKGROUNDS).flat_map(|number| {
             let picture = compose::hand(&hand, &mut Draws::of(&label.file, number));
             picture.map_or_else(Vec::new, |picture| {
-                self.of(&shown, Prepared::new(picture, false, &MaskSource::Camera, params))
+                self.samples_of(&shown, Prepared::new(picture, false, &MaskSource::Camera, params))
             })
         });
         Ok(composed.collect())
@@ -148,12 +148,12 @@ impl<'a> Recognisers<'a> {
         let shown = Shown { scene: Scene::Empty, part, weight: 1.0, grasp: OTHER, hand };
         let picture = compose::no_hand(&mut Draws::of("no hand", number));
         picture.map_or_else(Vec::new, |picture| {
-            self.of(&shown, Prepared::new(picture, false, &MaskSource::Camera, &self.segment))
+            self.samples_of(&shown, Prepared::new(picture, false, &MaskSource::Camera, &self.segment))
         })
     }
 
     /// Where no hand was found, there is no answer to trust.
-    fn of(&self, shown: &Shown<'_>, prepared: Result<Prepared, RecogniseError>) -> Vec<Sample> {
+    fn samples_of(&self, shown: &Shown<'_>, prepared: Result<Prepared, RecogniseError>) -> Vec<Sample> {
         let Ok(prepared) = prepared else { return Vec::new() };
         let [left, right] = &self.given;
         let given = if shown.hand == Side::Left { left } else { right };
@@ -200,7 +200,7 @@ impl Sample {
     }
 
     fn trust(&self, model: &Trust) -> f64 {
-        model.of(&self.evidence).unwrap_or(1.0)
+        model.trust(&self.evidence).unwrap_or(1.0)
     }
 }
 
@@ -219,7 +219,7 @@ impl Fitted {
                 sample.scene == scene && sample.hand_is_given == hand_is_given && sample.part == part
             };
             let chosen: Vec<&Sample> = samples.iter().filter(is_meant).collect();
-            Worth::new((scene, hand_is_given, part == Part::Choose), &chosen, &model)
+            TrustScore::new((scene, hand_is_given, part == Part::Choose), &chosen, &model)
         };
         let scenes = [Scene::Camera, Scene::Composed, Scene::Empty];
         let hands = scenes.into_iter().flat_map(|scene| [(scene, false), (scene, true)]);
@@ -233,7 +233,7 @@ impl Fitted {
     pub fn text(&self) -> String {
         let mut text = String::new();
         for worth in &self.worth {
-            let Worth { scene, n, right, unknown, above_before, above, .. } = worth;
+            let TrustScore { scene, n, right, unknown, above_before, above, .. } = worth;
             let scene = match scene {
                 Scene::Camera => "camera pictures",
                 Scene::Composed => "composed",
@@ -281,7 +281,7 @@ impl Fitted {
     }
 }
 
-impl Worth {
+impl TrustScore {
     fn new(
         (scene, hand_is_given, is_fitted): (Scene, bool, bool),
         samples: &[&Sample],
@@ -304,8 +304,8 @@ impl Worth {
             n: samples.len(),
             right: samples.iter().filter(|sample| sample.is_right).count(),
             unknown: samples.iter().filter(|sample| sample.trust(model) < model.least).count(),
-            ece_before: Reliability::of(before()).expected_error(),
-            ece: Reliability::of(after()).expected_error(),
+            ece_before: Reliability::from_answers(before()).expected_error(),
+            ece: Reliability::from_answers(after()).expected_error(),
             above_before: above(&mut before()),
             above: above(&mut after()),
         }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::error::Found;
+use super::error::CameraDevice;
 
 /// The device that is meant by a camera's number or path; `None` where the text is neither.
 pub fn device(text: &str) -> Option<PathBuf> {
@@ -18,7 +18,7 @@ pub fn device(text: &str) -> Option<PathBuf> {
 /// The devices of a folder like `/dev` that are called `videoN`, by their numbers, with the names
 /// that a folder like `/sys/class/video4linux` has for them.
 #[cfg_attr(not(all(target_os = "linux", feature = "camera")), allow(dead_code, reason = "none are read"))]
-pub(super) fn devices_in(devices: &Path, names: &Path) -> Vec<Found> {
+pub(super) fn devices_in(devices: &Path, names: &Path) -> Vec<CameraDevice> {
     let numbered = |entry: io::Result<std::fs::DirEntry>| {
         let name = entry.ok()?.file_name().into_string().ok()?;
         let number: u32 = name.strip_prefix("video")?.parse().ok()?;
@@ -31,14 +31,14 @@ pub(super) fn devices_in(devices: &Path, names: &Path) -> Vec<Found> {
         let name = std::fs::read(names.join(&device).join("name")).unwrap_or_default();
         let name = String::from_utf8_lossy(&name).trim().to_owned();
         let name = if name.is_empty() { "without a name".to_owned() } else { name };
-        Found { path: devices.join(device), name }
+        CameraDevice { path: devices.join(device), name }
     });
     found.collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::error::found_in_words;
+    use super::super::error::devices_in_words;
     use super::*;
 
     #[test]
@@ -64,8 +64,8 @@ mod tests {
             found.iter().map(|camera| camera.path.clone()).collect::<Vec<_>>(),
             [folder.path().join("video2"), folder.path().join("video10")]
         );
-        let words = found_in_words(&found).replace(&folder.path().display().to_string(), "/dev");
+        let words = devices_in_words(&found).replace(&folder.path().display().to_string(), "/dev");
         insta::assert_snapshot!(words, @r"there are /dev/video2 (HD \u{1b}[2J Cam), /dev/video10 (without a name)");
-        insta::assert_snapshot!(found_in_words(&devices_in(Path::new("/none"), Path::new("/none"))), @"no camera is connected; pictures, and streams of them, can be read from files and `-`");
+        insta::assert_snapshot!(devices_in_words(&devices_in(Path::new("/none"), Path::new("/none"))), @"no camera is connected; pictures, and streams of them, can be read from files and `-`");
     }
 }

@@ -9,12 +9,12 @@ use grasp_terminal::text::printable;
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
     /// There is no such device.
-    #[error("there is no camera {}: {}", path.display(), found_in_words(found))]
+    #[error("there is no camera {}: {}", path.display(), devices_in_words(found))]
     Missing {
         /// The device.
         path: PathBuf,
         /// The cameras that there are.
-        found: Vec<Found>,
+        found: Vec<CameraDevice>,
     },
     /// It must not be opened.
     #[error(
@@ -26,12 +26,12 @@ pub enum CameraError {
     #[error("the camera {} is in use by another program: close that first", .0.display())]
     Busy(PathBuf),
     /// It is a device that gives no pictures.
-    #[error("{} is no camera that gives pictures: {}", path.display(), found_in_words(found))]
+    #[error("{} is no camera that gives pictures: {}", path.display(), devices_in_words(found))]
     NoCamera {
         /// The device.
         path: PathBuf,
         /// The cameras that there are.
-        found: Vec<Found>,
+        found: Vec<CameraDevice>,
     },
     /// It gives pictures in other formats only.
     #[error(
@@ -59,14 +59,14 @@ pub enum CameraError {
 
 /// A camera of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct CameraDevice {
     /// Its device.
     pub path: PathBuf,
     /// What its driver calls it.
     pub name: String,
 }
 
-pub(super) fn found_in_words(found: &[Found]) -> String {
+pub(super) fn devices_in_words(found: &[CameraDevice]) -> String {
     if found.is_empty() {
         return "no camera is connected; pictures, and streams of them, can be read from files and `-`"
             .into();

@@ -13,6 +13,6 @@ mod v4l2;
 pub use devices::device;
 #[cfg(not(all(target_os = "linux", feature = "camera")))]
 pub use elsewhere::Camera;
-pub use error::{CameraError, Found};
+pub use error::{CameraDevice, CameraError};
 #[cfg(all(target_os = "linux", feature = "camera"))]
 pub use v4l2::Camera;

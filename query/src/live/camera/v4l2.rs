@@ -10,7 +10,7 @@ use linuxvideo::stream::ReadStream;
 use linuxvideo::{BufType, BufTypes, Device, Fract};
 
 use super::devices::devices_in;
-use super::error::{CameraError, Found};
+use super::error::{CameraDevice, CameraError};
 
 /// What a camera is asked for; it gives what of its own is nearest. More pixels are not worth their
 /// time: hands are looked for at half that.
@@ -152,9 +152,9 @@ fn encoded(form: Form, frame: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// The cameras that can be asked for pictures, and those that must not be opened.
-fn cameras() -> Vec<Found> {
+fn cameras() -> Vec<CameraDevice> {
     let all = devices_in(Path::new("/dev"), Path::new("/sys/class/video4linux"));
-    let captures = |camera: &Found| {
+    let captures = |camera: &CameraDevice| {
         Device::open(&camera.path)
             .map_or(true, |device| device.supported_buf_types().contains(BufTypes::VIDEO_CAPTURE))
     };

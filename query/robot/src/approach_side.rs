@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 
 /// From where the hand comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema), schema(as = From))]
 #[serde(rename_all = "lowercase")]
-pub enum From {
+pub enum ApproachSide {
     /// From above; the palm's x is the world's, the fingers close along y.
     Top,
     /// Along the world's x; the fingers close along y.
     Side,
 }
 
-impl From {
+impl ApproachSide {
     /// How a palm that comes from there is turned in the world.
     pub fn turned(self) -> UnitQuaternion<f64> {
         let (x, z) = match self {
@@ -29,7 +29,7 @@ impl From {
 
     /// From where a hand comes that moves along `approach`, of unit length in the world: the nearer
     /// of both, `None` where it comes from below.
-    pub fn of(approach: &Vector3<f64>) -> Option<Self> {
+    pub fn nearest(approach: &Vector3<f64>) -> Option<Self> {
         match -approach.z {
             down if down > FRAC_1_SQRT_2 => Some(Self::Top),
             down if down > -FRAC_1_SQRT_2 => Some(Self::Side),
@@ -52,11 +52,11 @@ mod tests {
 
     #[test]
     fn a_palm_that_comes_from_there_comes_from_there() {
-        for from in [From::Top, From::Side] {
-            assert_eq!(From::of(&(from.turned() * Vector3::z())), Some(from));
+        for from in [ApproachSide::Top, ApproachSide::Side] {
+            assert_eq!(ApproachSide::nearest(&(from.turned() * Vector3::z())), Some(from));
         }
-        assert_eq!(From::of(&Vector3::z()), None);
-        assert_eq!(From::of(&Vector3::new(0.6, 0.0, -0.8)), Some(From::Top));
-        assert_eq!(From::of(&Vector3::new(0.0, 0.8, 0.6)), Some(From::Side));
+        assert_eq!(ApproachSide::nearest(&Vector3::z()), None);
+        assert_eq!(ApproachSide::nearest(&Vector3::new(0.6, 0.0, -0.8)), Some(ApproachSide::Top));
+        assert_eq!(ApproachSide::nearest(&Vector3::new(0.0, 0.8, 0.6)), Some(ApproachSide::Side));
     }
 }

@@ -1,0 +1,71 @@
+//! From the command line to the exit status.
+
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use clap::Parser;
+use grasp_terminal::error::message;
+use grasp_terminal::text::printable_lines;
+
+use crate::global::Global;
+use crate::status::{ERROR, SUCCESS};
+
+/// Parses the command line, runs it and turns the outcome into an exit status: that of `run`, or
+/// [`ERROR`] and a message. `program` is its name and version; `global` finds what every subcommand
+/// understands among its arguments.
+pub fn start<A: Parser>(
+    program: [&'static str; 2],
+    global: impl Fn(&mut A) -> &mut Global,
+    run: impl FnOnce(&A) -> anyhow::Result<u8>,
+) -> ExitCode {
+    let (mut arguments, command) = match parse::<A>() {
+        Ok(parsed) => parsed,
+        Err(message) => return end_with_usage(&message),
+    };
+    let shared = global(&mut arguments);
+    let [name, _] = program;
+    shared.program = name;
+    let (log, threads) = (shared.log, shared.start_threads());
+    let work = || match threads.and_then(|()| run(&arguments)) {
+        Ok(status) => status,
+        Err(error) if is_closed_pipe(&error) => SUCCESS,
+        Err(error) => {
+            tracing::error!(subject = name, "{}", message(error.chain()));
+            ERROR
+        }
+    };
+    ExitCode::from(grasp_log::run(&log, program, &command, work))
+}
+
+/// The command line, and the name of its command.
+fn parse<A: Parser>() -> clap::error::Result<(A, String)> {
+    let matches = A::command().try_get_matches()?;
+    let command = matches.subcommand_name().unwrap_or_default().to_owned();
+    Ok((A::from_arg_matches(&matches)?, command))
+}
+
+fn end_with_usage(message: &clap::Error) -> ExitCode {
+    // `--help` and `--version` come this way too, with exit code 0.
+    let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
+    match print_usage(message) {
+        Ok(()) => ExitCode::from(status),
+        Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
+        Err(_) => ExitCode::from(ERROR),
+    }
+}
+
+/// Prints a usage error, or the help that was asked for. An argument with control characters, such
+/// as the odd name of a file that begins with a dash, is escaped, which costs the colours.
+fn print_usage(message: &clap::Error) -> io::Result<()> {
+    let plain = message.render().to_string();
+    let safe = printable_lines(&plain);
+    if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
+}
+
+/// A reader that has seen enough (`| head`) is no failure of ours.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>())
+        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}
