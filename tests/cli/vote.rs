@@ -172,11 +172,12 @@ fn a_wooden_wall_of_the_colour_of_skin_is_warned_of_and_not_stated() {
             .arg(small_index())
             .args(arguments))
     };
-    // The scene network sees no hand in it, or one that it does not name.
+    // The scene network takes a plank for a hand, and does not name what it holds.
     let seen = recognise(&["--json", "--segment", "scene"]);
     let record = &seen.json_lines()[0];
-    assert_eq!(seen.status, 1);
-    assert!(record["error"]["kind"] == "no_hand" || record["grasp"] == "unknown", "{record}");
+    assert_eq!((record["grasp"].as_str(), seen.status), (Some("unknown"), 1), "{record}");
+    assert!(record["probability"].as_f64().unwrap() < 0.25, "as good as a guess: {record}");
+    assert!(!kinds(record).is_empty(), "{record}");
     let found = recognise(&["--json", "--segment", "skin"]);
     let record = &found.json_lines()[0];
     assert!(record["probability"].as_f64().unwrap() < 0.25, "as good as a guess: {record}");
@@ -210,7 +211,7 @@ fn sample_pictures_that_are_classed_rightly_keep_their_answers() {
         // So few views are no sure ground to say which hand it is.
         command.args(["recognise", "--json", "--hand", "right", "--accept", accept, "--index"]);
         command.arg(small_index());
-        for name in ["01-large-diameter", "02-small-diameter", "12-precision-disc"] {
+        for name in ["01-large-diameter", "02-small-diameter", "09-pinch", "12-precision-disc"] {
             command.arg(pictures().join(format!("camera/{name}.jpg")));
         }
         run(&mut command).json_lines()

@@ -90,7 +90,7 @@ fn a_hand_that_moves_is_followed_to_the_answers_of_a_search() {
     assert!(20 * alike >= 19 * all && 20 * turned_alike >= 19 * all, "{told}");
     // Where it is unsure of the grasp, a look of another turn may name another: as often the right
     // one.
-    assert!(20 * same >= 17 * all && right[1] + all / 20 >= right[0], "{told}");
+    assert!(20 * same >= 17 * all && right[1] >= right[0], "{told}");
 }
 
 #[test]
