@@ -147,7 +147,7 @@ fn joints_say_which_of_two_hands_is_meant() {
     let (width, height) = (pinch.width() as f64, pinch.height() as f64);
     let shares = |shift: f64| JOINTS.map(|[x, y]| [(x + shift) / (2.0 * width), y / height]);
     for by in [Finder::Scene, Finder::Skin] {
-        let params = SegmentParams { by, ..SegmentParams::default() };
+        let params = SegmentParams { by: by.clone(), ..SegmentParams::default() };
         for (picture, shift) in [(beside(&pinch, &ball), 0.0), (beside(&ball, &pinch), width)] {
             let landmarks = Landmarks::new(&shares(shift), LandmarkUnit::Share).unwrap();
             let found = Prepared::new(picture, false, &MaskSource::Landmarks(landmarks), &params).unwrap();

@@ -92,3 +92,28 @@ fn a_service_takes_them_beside_the_picture() {
     let (status, told) = form(&away);
     assert!(status == 400 && told.contains("no landmark lies in the picture of 640 x 480 pixels"), "{told}");
 }
+
+#[test]
+fn networks_of_ones_own_are_asked_for_together_with_their_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let refuse = |arguments: &[&str]| {
+        let refused = run(program("grasp-query")
+            .args(["recognise", "--index"])
+            .arg(small_index())
+            .arg(pictures().join("camera/09-pinch.jpg"))
+            .args(arguments)
+            .current_dir(folder.path()));
+        assert_eq!(refused.status, 2, "{arguments:?}");
+        refused.stderr
+    };
+    let alone = refuse(&["--segment", "landmarks"]);
+    assert!(alone.contains("--landmarks-models <DIR>"), "{alone}");
+    let unused = refuse(&["--landmarks-models", "networks"]);
+    insta::assert_snapshot!(unused);
+    // The feature is off by default.
+    let both = ["--segment", "landmarks", "--landmarks-models", "networks"];
+    insta::assert_snapshot!(refuse(&both));
+    let served =
+        refuse(&["--server", "http://127.0.0.1:9", "--segment", "landmarks", "--landmarks-models", "."]);
+    insta::assert_snapshot!(served);
+}

@@ -40,7 +40,7 @@ fn measure(index: &Index, path: &std::path::Path) -> Result<(), Box<dyn Error>> 
     let ways = [Finder::Scene, Finder::Skin];
     let mut rounds: [Vec<Vec<Step>>; 2] = Default::default();
     for _ in 0..ROUNDS {
-        for (by, rounds) in ways.into_iter().zip(&mut rounds) {
+        for (by, rounds) in ways.iter().zip(&mut rounds) {
             rounds.push(once(index, &bytes, by)?);
         }
     }
@@ -61,9 +61,9 @@ fn measure(index: &Index, path: &std::path::Path) -> Result<(), Box<dyn Error>> 
 }
 
 /// The steps of one recognition; then parts of its segmentation, done once more by themselves.
-fn once(index: &Index, bytes: &[u8], by: Finder) -> Result<Vec<Step>, Box<dyn Error>> {
+fn once(index: &Index, bytes: &[u8], by: &Finder) -> Result<Vec<Step>, Box<dyn Error>> {
     let mut options = RecogniseOptions::default();
-    options.segment.by = by;
+    options.segment.by = by.clone();
     let started = Instant::now();
     let found = Recogniser::new(index, options).recognise(bytes, &MaskSource::Camera)?;
     let all = milliseconds(started);
@@ -74,7 +74,7 @@ fn once(index: &Index, bytes: &[u8], by: Finder) -> Result<Vec<Step>, Box<dyn Er
     let small = decoded.shrunk_to(WORKING_SIDE);
     let shrinking = milliseconds(started);
     let started = Instant::now();
-    if by == Finder::Scene {
+    if *by == Finder::Scene {
         std::hint::black_box(scene::find(SceneNetwork::built_in(), &small));
     }
     let finding = milliseconds(started);

@@ -2,6 +2,8 @@
 
 use grasp_index::{HandImageError, SearchError};
 
+#[cfg(feature = "landmarks")]
+use crate::mediapipe::HandNetworksError;
 use crate::picture::DecodeError;
 use crate::scene::LandmarksError;
 use crate::segment::MaskError;
@@ -15,6 +17,10 @@ pub enum SourceError {
     /// So do landmarks.
     #[error(transparent)]
     Landmarks(#[from] LandmarksError),
+    /// The networks that find them cannot be run.
+    #[cfg(feature = "landmarks")]
+    #[error(transparent)]
+    Networks(#[from] HandNetworksError),
 }
 
 /// Why a picture has no answer.
@@ -44,6 +50,8 @@ impl RecogniseError {
             Self::Decode(error) => error.kind(),
             Self::Source(SourceError::Mask(_)) => "mask",
             Self::Source(SourceError::Landmarks(_)) => "landmarks",
+            #[cfg(feature = "landmarks")]
+            Self::Source(SourceError::Networks(_)) => "landmarks",
             Self::NoHand => "no_hand",
             Self::Hand(_) => "hand_too_small",
             Self::Search(_) => "search",

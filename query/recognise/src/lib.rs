@@ -5,8 +5,8 @@
 //! neighbours vote (Sections IV and V), [`sequence`] and [`prior`] add what earlier frames and the
 //! object say, and [`orientation`] puts the hand's rotation into words.
 //!
-//! The feature `schema` describes the types that stand in records for OpenAPI; it is off by
-//! default.
+//! Two features are off by default: `schema` describes the types that stand in records for OpenAPI,
+//! and `landmarks` finds hands by MediaPipe's networks, which the user has as files.
 
 mod accept;
 mod belief;
@@ -14,6 +14,8 @@ mod doubtful;
 mod error;
 mod evidence;
 mod hypothesis;
+#[cfg(feature = "landmarks")]
+mod mediapipe;
 mod options;
 pub mod orientation;
 pub mod picture;
@@ -34,6 +36,8 @@ pub use accept::Doubt;
 pub use error::{RecogniseError, SourceError};
 pub use evidence::Evidence;
 pub use hypothesis::Hypothesis;
+#[cfg(feature = "landmarks")]
+pub use mediapipe::{HandNetworks, HandNetworksError, NetworkFault};
 pub use options::{Accept, DEFAULT_ROLLS, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
 pub use recogniser::Recogniser;
 pub use recognition::Recognition;

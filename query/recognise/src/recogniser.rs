@@ -92,7 +92,7 @@ impl<'a> Recogniser<'a> {
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
-        let model = Trust::of_descriptor(&self.index.catalogue().descriptor, self.options.segment.by);
+        let model = Trust::of_descriptor(&self.index.catalogue().descriptor, &self.options.segment.by);
         let trust = model.trust(&evidence).filter(|_| is_calibrated);
         let applied = trust.filter(|_| self.options.temper);
         let classes = best.vote.classes.len();

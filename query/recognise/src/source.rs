@@ -3,6 +3,8 @@
 use grasp_index::{BACKGROUND, HandImage, HandImageError};
 
 use crate::error::{RecogniseError, SourceError};
+#[cfg(feature = "landmarks")]
+use crate::mediapipe::HandNetworks;
 use crate::picture::{self, Picture, WORKING_SIDE};
 use crate::scene::{self, Detection, Joints, Landmarks, Scene, SceneNetwork};
 use crate::segment::depth::{DepthRange, mask_from_depth};
@@ -86,24 +88,23 @@ impl Prepared {
         let found = match source {
             MaskSource::Camera => {
                 let picture = picture.shrunk_to(WORKING_SIDE);
-                return match params.by {
-                    Finder::Scene => {
-                        let found = scene::find(SceneNetwork::built_in(), &picture);
-                        Self::of_found(picture, found.ok_or(RecogniseError::NoHand)?, params)
-                    }
+                return match &params.by {
+                    Finder::Scene => Self::of_scene(picture, params),
                     Finder::Skin => Self::of_skin(picture, None, params),
+                    #[cfg(feature = "landmarks")]
+                    Finder::Landmarks(networks) => Self::of_networks(picture, networks, params),
                 };
             }
             MaskSource::Landmarks(landmarks) => {
                 let joints = landmarks.of_picture(width, height).map_err(SourceError::Landmarks)?;
                 let joints = joints.shrunk(picture.shrink_factor(WORKING_SIDE));
                 let picture = picture.shrunk_to(WORKING_SIDE);
-                return match params.by {
-                    Finder::Scene => {
+                return match &params.by {
+                    Finder::Skin => Self::of_skin(picture, Some(&joints), params),
+                    _ => {
                         let found = scene::find_at(SceneNetwork::built_in(), &picture, &joints);
                         Self::of_found(picture, found, params)
                     }
-                    Finder::Skin => Self::of_skin(picture, Some(&joints), params),
                 };
             }
             MaskSource::Segmented => not_black(&picture, is_jpeg),
@@ -133,7 +134,7 @@ impl Prepared {
     }
 
     /// Finds the hand in the next frame of a video, beginning where `tracker` has it from the frame
-    /// before; with [`Finder::Skin`] as in any picture.
+    /// before; but for [`Finder::Scene`] as in any picture.
     ///
     /// # Errors
     /// [`RecogniseError::NoHand`].
@@ -142,7 +143,7 @@ impl Prepared {
         tracker: &mut Tracker,
         params: &SegmentParams,
     ) -> Result<Self, RecogniseError> {
-        if params.by == Finder::Skin {
+        if params.by != Finder::Scene {
             return Self::new(picture, true, &MaskSource::Camera, params);
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
@@ -174,6 +175,26 @@ impl Prepared {
         let found = cut.ok_or(RecogniseError::NoHand)?;
         let (skin, quality) = (Some(found.skin), Some(found.quality));
         Ok(Self { picture, mask: found.hand, skin, scene: None, quality })
+    }
+
+    /// Finds the hand by the scene network.
+    fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
+        let found = scene::find(SceneNetwork::built_in(), &picture);
+        Self::of_found(picture, found.ok_or(RecogniseError::NoHand)?, params)
+    }
+
+    /// Finds the hand by MediaPipe's networks; where they find none, or nothing about the joints
+    /// looks like one, by the scene network.
+    #[cfg(feature = "landmarks")]
+    fn of_networks(
+        picture: Picture,
+        networks: &HandNetworks,
+        params: &SegmentParams,
+    ) -> Result<Self, RecogniseError> {
+        let found = scene::find_by_joints(networks, SceneNetwork::built_in(), &picture);
+        let found = found.map_err(SourceError::Networks)?;
+        let cut = found.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
+        cut.map_or_else(|| Self::of_scene(picture, params), Ok)
     }
 
     /// Cuts out a hand that the scene network has found, by colour and by what that has seen.

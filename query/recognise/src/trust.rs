@@ -78,11 +78,11 @@ impl Trust {
     /// The model that the program holds for a descriptor, and for what has found the hand:
     /// distances to neighbours, and how far the other hand's lie, mean something else for a learned
     /// one, and where the scene network looks, that says more than they do.
-    pub fn of_descriptor(descriptor: &DescriptorParams, by: Finder) -> &'static Self {
+    pub fn of_descriptor(descriptor: &DescriptorParams, by: &Finder) -> &'static Self {
         match (by, descriptor.kind) {
-            (Finder::Scene, _) => &OF_SCENES,
             (Finder::Skin, DescriptorKind::Learned { .. }) => &OF_LEARNED,
             (Finder::Skin, _) => &OF_GRADIENTS,
+            (_, _) => &OF_SCENES,
         }
     }
 

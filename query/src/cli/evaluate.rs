@@ -47,7 +47,7 @@ impl Evaluate {
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
         let recognise = &self.labelled.recognise;
-        let outcomes = self.labelled.score(&selected, &index, recognise.options(), global)?;
+        let outcomes = self.labelled.score(&selected, &index, recognise.options()?, global)?;
         if let Some(path) = &self.predictions {
             write_predictions(path, &outcomes).with_context(|| format!("cannot write {}", path.display()))?;
         }

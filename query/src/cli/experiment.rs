@@ -12,7 +12,7 @@ use tracing::warn;
 use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
-use super::options::{FrameArguments, SegmentBy, parse_share};
+use super::options::{FrameArguments, SegmentArguments, parse_share};
 use super::overwriting::refuse_overwriting;
 use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
@@ -145,9 +145,8 @@ struct TrustArguments {
     labels: Vec<PathBuf>,
     #[command(flatten)]
     index: IndexFile,
-    /// What finds the hands.
-    #[arg(long, value_enum, default_value_t = SegmentBy::Scene)]
-    segment: SegmentBy,
+    #[command(flatten)]
+    segment: SegmentArguments,
     /// The trust below which a hand is unknown.
     #[arg(long, value_name = "P", default_value_t = Trust::built_in().least, value_parser = parse_share)]
     least: f64,
@@ -207,7 +206,7 @@ impl PaperArguments {
         let classes: Vec<Class> =
             classes.map(|class| Class { grasp: class.name.clone(), cutkosky: class.cutkosky }).collect();
         let selected = self.labelled.read(&index)?;
-        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options(), global)?;
+        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options()?, global)?;
         let path = self.index.path().display().to_string();
         let paper = Paper::new(self.labelled.table(), path, classes, &outcomes, &selected.broken);
         if let Some(folder) = &self.out {
@@ -234,13 +233,13 @@ impl ShapesArguments {
             );
         }
         let selected = self.labelled.selection.read(&classes)?;
+        let options = self.labelled.recognise.options()?;
         let score = |(path, index): &(&PathBuf, Index)| -> anyhow::Result<Scored> {
-            let options = self.labelled.recognise.options();
             Ok(Scored {
                 index: path.display().to_string(),
                 hand_shapes: index.catalogue().hand_shapes.len(),
                 entries: index.len(),
-                outcomes: self.labelled.score(&selected, index, options, global)?,
+                outcomes: self.labelled.score(&selected, index, options.clone(), global)?,
             })
         };
         let scored: Vec<Scored> = indexes.iter().map(score).collect::<Result<_, _>>()?;
@@ -260,7 +259,7 @@ impl UnknownArguments {
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
         // What is measured here must not have been decided before.
         let options =
-            RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options() };
+            RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options()? };
         let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
         let mut broken = selected.broken.clone();
         if let Some(others) = others {
@@ -288,7 +287,7 @@ impl TrustArguments {
         let classes = index.catalogue().class_names();
         let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
         let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
-        let recognisers = Recognisers::new(&index, self.segment.into());
+        let recognisers = Recognisers::new(&index, self.segment.finder()?);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
@@ -332,11 +331,7 @@ impl TrustArguments {
             parts.into_iter().rev().collect::<PathBuf>().display().to_string()
         };
         let labels: Vec<String> = self.labels.iter().map(last_two).collect();
-        let segment = match self.segment {
-            SegmentBy::Scene => "",
-            SegmentBy::Skin => " --segment skin",
-        };
-        let (labels, least) = (labels.join(" "), self.least);
+        let (labels, segment, least) = (labels.join(" "), self.segment.named(), self.least);
         format!("grasp-query experiment trust {labels}{segment} --least {least} --out trust.toml")
     }
 }
@@ -346,7 +341,7 @@ impl SequenceArguments {
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
         // A frame that is unknown by itself may count for something with the others.
-        let options = RecogniseOptions { accept: Accept::Always, ..self.labelled.recognise.options() };
+        let options = RecogniseOptions { accept: Accept::Always, ..self.labelled.recognise.options()? };
         let outcomes = self.labelled.score(&selected, &index, options, global)?;
         let sequences =
             Sequences::new(self.labelled.table(), &outcomes, &selected.broken, self.frames.params());

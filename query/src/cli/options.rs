@@ -1,8 +1,15 @@
 //! Options of recognition that several subcommands share.
 
+use std::path::{Path, PathBuf};
+
+#[cfg(feature = "landmarks")]
+use anyhow::Context as _;
+use anyhow::bail;
 use grasp_index::VoteOptions;
 
 use super::effort::EffortArguments;
+#[cfg(feature = "landmarks")]
+use grasp_recognise::HandNetworks;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
 use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
@@ -17,9 +24,8 @@ pub(super) struct RecogniseArguments {
     /// nearer.
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
-    /// What finds the hand in a camera picture.
-    #[arg(long, value_enum, default_value_t = SegmentBy::Scene)]
-    segment: SegmentBy,
+    #[command(flatten)]
+    segment: SegmentArguments,
     #[command(flatten)]
     effort: EffortArguments,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose
@@ -73,23 +79,72 @@ impl From<HandArgument> for HandChoice {
     }
 }
 
+/// What finds the hand.
+#[derive(Debug, clap::Args)]
+pub(super) struct SegmentArguments {
+    /// What finds the hand in a camera picture.
+    #[arg(long, value_enum, default_value_t = SegmentBy::Scene)]
+    segment: SegmentBy,
+    /// Where --segment landmarks has its networks: a folder with palm_detection.onnx and
+    /// hand_landmark.onnx, made of MediaPipe's as docs/landmarks.md says.
+    #[arg(long, value_name = "DIR", required_if_eq("segment", "landmarks"))]
+    landmarks_models: Option<PathBuf>,
+}
+
 /// `--segment`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum SegmentBy {
+enum SegmentBy {
     /// A network that was trained on scenes, and the colour of skin: it knows hands by their shape,
     /// and sees the object.
     Scene,
     /// The colour of skin, as in the paper.
     Skin,
+    /// MediaPipe's networks, which find the hand's joints and say which hand it is, and then the
+    /// network of scenes. They are files of yours (--landmarks-models).
+    Landmarks,
 }
 
-impl From<SegmentBy> for Finder {
-    fn from(argument: SegmentBy) -> Self {
-        match argument {
-            SegmentBy::Scene => Self::Scene,
-            SegmentBy::Skin => Self::Skin,
+impl SegmentArguments {
+    /// What finds the hands.
+    ///
+    /// # Errors
+    /// Where networks that are asked for cannot be used, or none are asked for that are named.
+    pub(super) fn finder(&self) -> anyhow::Result<Finder> {
+        match (self.segment, &self.landmarks_models) {
+            (SegmentBy::Scene, None) => Ok(Finder::Scene),
+            (SegmentBy::Skin, None) => Ok(Finder::Skin),
+            (SegmentBy::Landmarks, Some(folder)) => by_landmarks(folder),
+            (SegmentBy::Landmarks, None) => bail!("--segment landmarks needs --landmarks-models DIR"),
+            (SegmentBy::Scene | SegmentBy::Skin, Some(folder)) => bail!(
+                "the networks in {} are for --segment landmarks: add that, or leave them out",
+                folder.display()
+            ),
         }
     }
+
+    /// The same as options, without folders that are only here.
+    pub(super) fn named(&self) -> &'static str {
+        match self.segment {
+            SegmentBy::Scene => "",
+            SegmentBy::Skin => " --segment skin",
+            SegmentBy::Landmarks => " --segment landmarks --landmarks-models DIR",
+        }
+    }
+}
+
+#[cfg(feature = "landmarks")]
+fn by_landmarks(folder: &Path) -> anyhow::Result<Finder> {
+    let networks = HandNetworks::read(folder)
+        .context("--segment landmarks needs two networks, made as docs/landmarks.md says")?;
+    Ok(Finder::Landmarks(networks))
+}
+
+#[cfg(not(feature = "landmarks"))]
+fn by_landmarks(_: &Path) -> anyhow::Result<Finder> {
+    bail!(
+        "--segment landmarks is not part of this program: install it with `cargo install --locked --path query \
+         --features landmarks` (docs/landmarks.md)"
+    )
 }
 
 /// `--accept`.
@@ -102,8 +157,13 @@ enum AcceptChoice {
 }
 
 impl RecogniseArguments {
-    pub(super) fn options(&self) -> RecogniseOptions {
-        RecogniseOptions {
+    /// The options of recognition.
+    ///
+    /// # Errors
+    /// As [`SegmentArguments::finder`].
+    pub(super) fn options(&self) -> anyhow::Result<RecogniseOptions> {
+        let by = self.segment.finder()?;
+        Ok(RecogniseOptions {
             hand: self.hand.into(),
             rolls: self.rolls,
             k: self.k,
@@ -119,9 +179,18 @@ impl RecogniseArguments {
                 (None, AcceptChoice::Always) => Accept::Always,
                 (None, AcceptChoice::Calibrated) => Accept::Calibrated,
             },
-            segment: SegmentParams { by: self.segment.into(), ..SegmentParams::default() },
+            segment: SegmentParams { by, ..SegmentParams::default() },
             ..RecogniseOptions::default()
+        })
+    }
+
+    /// Rejects networks of one's own where a service is to find the hand.
+    #[cfg(feature = "serve")]
+    pub(super) fn refuse_networks(&self) -> anyhow::Result<()> {
+        if self.segment.segment == SegmentBy::Landmarks {
+            bail!("a service finds hands by itself: with --server, leave out --segment landmarks");
         }
+        Ok(())
     }
 
     /// Whether the program finds out the hand itself.

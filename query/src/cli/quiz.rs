@@ -69,8 +69,8 @@ impl Quizzing {
         refuse_overwriting(&self.out, [self.labelled.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_if_there()?;
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
-        let recogniser =
-            index.as_ref().map(|index| Recogniser::new(index, self.labelled.recognise.options()));
+        let recognise = self.labelled.recognise.options()?;
+        let recogniser = index.as_ref().map(|index| Recogniser::new(index, recognise));
         let labelled_masks = self.labelled.labelled_masks;
         let options = QuizOptions { seed: self.seed, limit, labelled_masks, recogniser };
         let (quiz, errors) = make(&self.labelled.selection, &self.out, &options)?;

@@ -164,7 +164,7 @@ impl Recognise {
         }
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
-        let recogniser = Recogniser::new(&index, self.recognise.options());
+        let recogniser = Recogniser::new(&index, self.recognise.options()?);
         let setup = Setup { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(setup.prior.clone()));
 

@@ -50,7 +50,7 @@ impl ReportArguments {
             selected.labels.iter().map(|label| selected.folder.join(&label.file)).collect();
         refuse_overwriting(&self.out, pictures.iter().map(PathBuf::as_path))?;
         let recognise = &self.labelled.recognise;
-        let outcomes = self.labelled.score(&selected, &index, recognise.options(), global)?;
+        let outcomes = self.labelled.score(&selected, &index, recognise.options()?, global)?;
         let source = Source {
             labels: self.labelled.table(),
             index: self.index.path().display().to_string(),

@@ -109,7 +109,7 @@ impl ImitationArguments {
         let hand = self.robot.find()?;
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
-        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options(), global)?;
+        let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options()?, global)?;
         let bar = global.progress().bar(outcomes.len() as u64, "simulating", "trials");
         let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
         drop(bar);

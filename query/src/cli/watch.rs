@@ -96,7 +96,7 @@ impl Watch {
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let mut watching = Watching {
-            recogniser: Recogniser::new(&index, self.recognise.options()),
+            recogniser: Recogniser::new(&index, self.recognise.options()?),
             robot,
             tracker: Tracker::default(),
             filter: Filter::new(self.frames.params(), None),

@@ -2,11 +2,15 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+#[cfg(feature = "landmarks")]
+use super::joints::{HandJoints, Seeker};
 use super::landmarks::Joints;
 use super::look::{Eye, Patch, largest_patch};
 use super::masks::{Masks, Part};
 use super::network::SceneNetwork;
 use super::square::Square;
+#[cfg(feature = "landmarks")]
+use crate::mediapipe::{HandNetworks, HandNetworksError};
 use crate::picture::Picture;
 use crate::segment::Mask;
 
@@ -53,6 +57,9 @@ pub struct Detection {
     masks: Masks,
     /// Where its joints are, if that was known before.
     joints: Option<Joints>,
+    /// The logarithm of how much likelier a right hand is than a left one, by what else has seen
+    /// it.
+    pub(super) right_odds: f64,
 }
 
 /// Finds the hand in a picture; `None` where the network sees none.
@@ -63,7 +70,7 @@ pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
     let mut square = Square { centre: whole.to_picture().apply(patch.centre), side, turn: 0.0 };
     square.turn = upright(&mut eye, &square);
-    Some(Detection { masks: fitted(&mut eye, square), joints: None })
+    Some(Detection { masks: fitted(&mut eye, square), joints: None, right_odds: 0.0 })
 }
 
 /// The hand whose joints were found by something else, and what it holds.
@@ -73,7 +80,29 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> De
     if !is_upright {
         square.turn = upright(&mut eye, &square);
     }
-    Detection { masks: fitted(&mut eye, square), joints: Some(joints.clone()) }
+    Detection { masks: fitted(&mut eye, square), joints: Some(joints.clone()), right_odds: 0.0 }
+}
+
+/// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds a
+/// hand, and what it holds; `None` where they find none.
+///
+/// # Errors
+/// Where the networks cannot be run.
+#[cfg(feature = "landmarks")]
+pub fn find_by_joints(
+    networks: &HandNetworks,
+    network: &SceneNetwork,
+    picture: &Picture,
+) -> Result<Option<Detection>, HandNetworksError> {
+    let mut seeker = Seeker::new(networks, picture);
+    let mut seen = seeker.in_picture()?;
+    if let (None, Some(found)) = (&seen, find(network, picture)) {
+        seen = seeker.about(&found.square())?;
+    }
+    Ok(seen.map(|HandJoints { joints, right_odds, .. }| Detection {
+        right_odds,
+        ..find_at(network, picture, &joints)
+    }))
 }
 
 /// The hand that was found in the frame before this one, where it is still about there; `None`
@@ -102,7 +131,7 @@ pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> 
     let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
     let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
     let masks = Masks::of_square(&mut eye, Square { turn: direction.turn(), ..fitted });
-    is_still_there(&masks).then_some(Detection { masks, joints: None })
+    is_still_there(&masks).then_some(Detection { masks, joints: None, right_odds: 0.0 })
 }
 
 /// What is seen in a square once it fits the hand in it.

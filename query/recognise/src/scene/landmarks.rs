@@ -45,6 +45,9 @@ const SOFT: f64 = 0.005;
 /// far from every joint is another hand. They are large because colours take what else has seen the
 /// hand at a tenth ([`crate::segment::adapt::AdaptParams`]).
 const MOST_SURE: [f64; 2] = [-60.0, 6.0];
+/// The same where nobody has looked at what a tracker says.
+#[cfg(feature = "landmarks")]
+const UNSEEN: [f64; 2] = [-3.0, 3.0];
 /// The side of the square that is looked at first, in lengths of the hand.
 const SIDE: f64 = 1.6;
 /// A palm that is shorter than this in the picture, in lengths of the hand, does not show where the
@@ -115,6 +118,8 @@ pub struct Joints {
     points: [[f64; 2]; 21],
     /// About how long the hand is: as its longest finger, or its knuckles, say.
     length: f64,
+    /// The least and the most log-odds of a hand by them.
+    sure: [f64; 2],
 }
 
 /// What is wrong with landmarks.
@@ -175,12 +180,25 @@ impl Joints {
     fn new(points: [[f64; 2]; 21]) -> Self {
         let bone = |[from, to]: [usize; 2]| distance(points[from], points[to]);
         let fingers = BONES.chunks(4).skip(1).map(|bones| bones.iter().copied().map(bone).sum());
-        Self { points, length: fingers.fold(bone(KNUCKLES) / BREADTH, f64::max) }
+        Self { points, length: fingers.fold(bone(KNUCKLES) / BREADTH, f64::max), sure: MOST_SURE }
+    }
+
+    /// About how long the hand is, in pixels.
+    #[cfg(feature = "landmarks")]
+    pub(super) fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The same where they may be another hand's, or another thing's.
+    #[cfg(feature = "landmarks")]
+    pub(super) fn doubted(self) -> Self {
+        Self { sure: UNSEEN, ..self }
     }
 
     /// The same hand in a picture that is `factor` times as small.
     pub(crate) fn shrunk(&self, factor: usize) -> Self {
-        Self::new(self.points.map(|place| place.map(|v| v / factor as f64)))
+        let shrunk = Self::new(self.points.map(|place| place.map(|v| v / factor as f64)));
+        Self { sure: self.sure, ..shrunk }
     }
 
     /// The square around the hand, and whether it shows where the arm comes from: it comes from
@@ -204,7 +222,7 @@ impl Joints {
         let bones = BONES.iter().map(|ends| from_bone(place, ends.map(|at| self.points[at])));
         let away = if is_palm { 0.0 } else { bones.fold(f64::INFINITY, f64::min) };
         let odds = (HALF_FINGER * length - away) / (SOFT * length);
-        odds.clamp(MOST_SURE[0], MOST_SURE[1]) as f32
+        odds.clamp(self.sure[0], self.sure[1]) as f32
     }
 }
 

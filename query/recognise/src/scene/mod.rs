@@ -10,6 +10,8 @@
 
 mod find;
 mod join;
+#[cfg(feature = "landmarks")]
+mod joints;
 mod landmarks;
 mod look;
 mod masks;
@@ -17,6 +19,8 @@ mod name;
 mod network;
 mod square;
 
+#[cfg(feature = "landmarks")]
+pub use find::find_by_joints;
 pub use find::{Detection, find, find_at, follow};
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;

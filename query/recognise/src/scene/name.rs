@@ -36,9 +36,9 @@ impl Scene {
         let mut eye = Eye::new(network, picture);
         let [right, left] = [false, true].map(|is_mirrored| looks(&mut eye, &square, is_mirrored));
         Self {
+            right_odds: 0.5 * (right.odds - left.odds) + found.right_odds,
             found,
             square,
-            right_odds: 0.5 * (right.odds - left.odds),
             grasps: network.grasps.clone(),
             by_side: [right.grasps, left.grasps],
         }

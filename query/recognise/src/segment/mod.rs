@@ -30,17 +30,22 @@ mod tests_support;
 pub use mask::{Mask, MaskError};
 pub use quality::Quality;
 
+#[cfg(feature = "landmarks")]
+use crate::mediapipe::HandNetworks;
 use crate::picture::Picture;
 use distance::Deepest;
 
 /// What finds the hand in a camera picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Finder {
     /// A network that was trained on scenes ([`crate::scene`]).
     #[default]
     Scene,
     /// The colour of skin, as in the paper's Section III ([`segment`]).
     Skin,
+    /// MediaPipe's networks find the hand's joints, and from there the network of scenes goes on.
+    #[cfg(feature = "landmarks")]
+    Landmarks(HandNetworks),
 }
 
 /// The numbers of the segmentation; log-odds in natural units, above 0 where skin is the likelier.

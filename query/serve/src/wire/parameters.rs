@@ -183,9 +183,10 @@ impl PictureParameters {
             literal_sigma: vote.literal_sigma,
             euler_mean: vote.euler_mean,
             segment: match options.segment.by {
-                // An older service does not know the parameter.
-                Finder::Scene => None,
                 Finder::Skin => Some(SegmentBy::Skin),
+                // An older service does not know the parameter, and none has networks of its
+                // clients'.
+                _ => None,
             },
             ..Self::default()
         };

@@ -32,6 +32,7 @@ impl Recognise {
         // What is wrong with a mask or a robot is said in the same words, and before anything is
         // sent.
         self.source()?;
+        self.recognise.refuse_networks()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let client = Client::new(address.clone(), token);
@@ -114,7 +115,7 @@ impl Recognise {
             timings: self.timings,
             robot: robot.map(|name| if described.is_some() { DESCRIBED } else { name }.to_owned()),
             arm: arm.map(|name| if arm_file.is_some() { DESCRIBED } else { name }.to_owned()),
-            ..PictureParameters::from_options(&self.recognise.options())
+            ..PictureParameters::from_options(&self.recognise.options()?)
         };
         let wanted = match self.form() {
             Form::Json => Format::Json,
