@@ -1,8 +1,10 @@
 //! `grasp-builder train`.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
+use grasp_network::Network;
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
@@ -19,8 +21,9 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Train
 /// Stopped at any moment, the same command goes on from the checkpoint, and writes the same bytes
 /// as if it had not been stopped, on any number of threads.
 ///
-/// The network that comes with this program was trained by the default options, and so on all
-/// recorded poses.
+/// The learned descriptor's network that comes with this program was trained by the default
+/// options, and so on all recorded poses; the scene network twice, the second time `--from` the
+/// first.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -28,6 +31,8 @@ Examples:
   grasp-builder build --descriptor learned --network hand.network --out grasp.idx
                                                              an index that is searched by it
   grasp-builder train --out small.network --samples 300000   ten minutes, for a first look
+  grasp-builder train --out more.network --from hand.network --keep 50 --seed 8
+                                                             go on with a trained network, and average the two
   grasp-builder train --out left-out.network --hold-out-poses
                                                              how well are unknown poses told apart?")]
 pub(crate) struct Train {
@@ -41,6 +46,14 @@ pub(crate) struct Train {
     /// shipped network of that kind was shown: 3,200,000 (hand), 1,600,000 (scene).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
+    /// Begin with the weights of a trained network of the same kind, and not with random ones. Give
+    /// another seed than it was trained with: else it is shown the same pictures again.
+    #[arg(long, value_name = "NETWORK")]
+    from: Option<PathBuf>,
+    /// Average the trained weights with those that it began with, of which so many percent count:
+    /// less is forgotten of pictures unlike renders. The curve is of the trained weights.
+    #[arg(long, value_name = "PERCENT", requires = "from", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=99))]
+    keep: u8,
     /// What all randomness comes from.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
@@ -60,17 +73,20 @@ pub(crate) struct Train {
 impl Train {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        let start = self.from.as_deref().map(read_network).transpose()?;
         let options = Options {
             kind: self.kind,
             samples: self.samples.unwrap_or_else(|| self.kind.default_samples()),
             seed: self.seed,
             hold_out_poses: self.hold_out_poses,
             validate_every: self.validate_every,
+            start: start.as_ref().map(Network::fingerprint),
+            keep_percent: self.keep,
         };
         let files = self.files();
         let schedule = Schedule::standard(self.kind);
         let Trained { network, curve } =
-            train(&options, schedule, &files, global.progress(), &interrupt::check)?;
+            train(&options, schedule, start.as_ref(), &files, global.progress(), &interrupt::check)?;
         let mut stdout = std::io::stdout().lock();
         let samples = counted(schedule.samples(schedule.steps(options.samples)), ["sample", "samples"]);
         writeln!(
@@ -106,4 +122,9 @@ impl Train {
             "nothing was trained yet; run the same command again".to_owned()
         }
     }
+}
+
+fn read_network(path: &Path) -> anyhow::Result<Network> {
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", shown(path)))?;
+    Network::from_bytes(&bytes).with_context(|| format!("cannot begin with {}", shown(path)))
 }

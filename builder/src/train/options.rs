@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Samples from one validation to the next, unless others are asked for.
 pub const DEFAULT_VALIDATE_EVERY: u64 = 100_000;
 
-/// The learning rate after the warm-up.
-pub(super) const PEAK_RATE: f32 = 2e-3;
+/// The learning rate after the warm-up, of random weights and of a trained network's.
+const PEAK_RATE: f32 = 2e-3;
+const PEAK_RATE_OF_TRAINED: f32 = 1e-3;
 /// The share of a batch that is augmented hard, at first.
 const HARD_AT_FIRST: f64 = 0.1;
 /// How fast that share rises: by so much over all steps, were there no limit.
@@ -52,21 +53,37 @@ pub struct Options {
     pub hold_out_poses: bool,
     /// Samples from one validation to the next.
     pub validate_every: u64,
+    /// The fingerprint of the network whose weights it begins with; random ones without.
+    pub start: Option<u64>,
+    /// How much of that network's weights the network that is written has, in percent; the rest is
+    /// of the trained ones.
+    pub keep_percent: u8,
 }
 
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, samples, seed, hold_out_poses, validate_every } = self;
+        let Self { kind, samples, seed, hold_out_poses, validate_every, start, keep_percent } = self;
         if *kind == Kind::Scene {
             write!(formatter, "--kind scene ")?;
         }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
-        if *hold_out_poses { write!(formatter, " --hold-out-poses") } else { Ok(()) }
+        if *hold_out_poses {
+            write!(formatter, " --hold-out-poses")?;
+        }
+        if let Some(start) = start {
+            write!(formatter, " --from the network {start:016x}")?;
+        }
+        if *keep_percent > 0 { write!(formatter, " --keep {keep_percent}") } else { Ok(()) }
     }
 }
 
 impl Options {
+    /// The learning rate after the warm-up.
+    pub(super) fn peak_rate(&self) -> f32 {
+        if self.start.is_some() { PEAK_RATE_OF_TRAINED } else { PEAK_RATE }
+    }
+
     /// The recorded poses that are trained on.
     pub(super) fn poses(&self) -> PoseGroup {
         if self.hold_out_poses { PoseGroup::Kept } else { PoseGroup::All }

@@ -54,7 +54,8 @@ pub struct Trained {
     pub curve: Vec<Row>,
 }
 
-/// Trains a network, from the checkpoint where there is one, and writes it.
+/// Trains a network, from the checkpoint where there is one, and writes it. It begins with the
+/// weights of `start`, whose fingerprint is in the options, or with random ones.
 ///
 /// # Errors
 /// Where a file cannot be read or written, the checkpoint is of a training with other options, a
@@ -63,19 +64,21 @@ pub struct Trained {
 pub fn train(
     options: &Options,
     schedule: Schedule,
+    start: Option<&Network>,
     files: &Files,
     progress: Progress,
     check: Check<'_>,
 ) -> anyhow::Result<Trained> {
     match options.kind {
-        Kind::Hand => train_on::<Hand>(options, schedule, files, progress, check),
-        Kind::Scene => train_on::<Scene>(options, schedule, files, progress, check),
+        Kind::Hand => train_on::<Hand>(options, schedule, start, files, progress, check),
+        Kind::Scene => train_on::<Scene>(options, schedule, start, files, progress, check),
     }
 }
 
 fn train_on<C: Course>(
     options: &Options,
     schedule: Schedule,
+    start: Option<&Network>,
     files: &Files,
     progress: Progress,
     check: Check<'_>,
@@ -87,7 +90,7 @@ fn train_on<C: Course>(
         drop(AtomicFile::create(path)?);
     }
     let saved = checkpoint::read(&files.checkpoint, options)?;
-    let mut training = Training::<C>::new(options, schedule, saved)?;
+    let mut training = Training::<C>::new(options, schedule, start, saved, check)?;
     if !training.is_done() {
         let scenes = C::validation_scenes(&schedule) + training.scenes_at_start();
         let work = progress.bar(scenes, "rendering", "scenes");
@@ -96,7 +99,12 @@ fn train_on<C: Course>(
         drop(work);
         finish(&mut training, options, &validation, files, progress, check)?;
     }
-    let network = training.network()?;
+    let network = match start {
+        Some(start) if options.keep_percent > 0 => {
+            average(start, &training.network()?, options.keep_percent)?
+        }
+        _ => training.network()?,
+    };
     let rows = training.state().curve.clone();
     curve::write(&files.curve, &rows)?;
     let written = out.write_all(network.as_bytes());
@@ -107,6 +115,16 @@ fn train_on<C: Course>(
         removed.with_context(|| format!("cannot remove {}", files.checkpoint.display()))?;
     }
     Ok(Trained { network, curve: rows })
+}
+
+/// So many percent of the weights of one network and the rest of another's, which began with it:
+/// what is new is learned, and what pictures of other kinds were known by is not forgotten (Wortsman
+/// et al., "Robust fine-tuning of zero-shot models", CVPR 2022).
+fn average(start: &Network, trained: &Network, percent: u8) -> anyhow::Result<Network> {
+    let share = f32::from(percent) / 100.0;
+    let weights = start.weights().into_iter().zip(trained.weights());
+    let weights = weights.map(|(start, trained)| start + (1.0 - share) * (trained - start)).collect();
+    Network::from_weights(start.architecture().clone(), weights).context("the networks have no average")
 }
 
 /// Does all rounds, and saves the state every now and then and when the work is stopped.

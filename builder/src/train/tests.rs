@@ -4,14 +4,23 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use grasp_network::Network;
 use grasp_terminal::Progress;
+use grasp_train::Trainer;
 use tempfile::TempDir;
 
-use super::{Files, Kind, Options, Schedule, Trained, train};
+use super::{Course, Files, Kind, Options, Scene, Schedule, Trained, train};
 use crate::interrupt::Interrupted;
 
-const OPTIONS: Options =
-    Options { kind: Kind::Hand, samples: 170, seed: 7, hold_out_poses: false, validate_every: 80 };
+const OPTIONS: Options = Options {
+    kind: Kind::Hand,
+    samples: 170,
+    seed: 7,
+    hold_out_poses: false,
+    validate_every: 80,
+    start: None,
+    keep_percent: 0,
+};
 /// Twenty-one steps in three rounds.
 const SCHEDULE: Schedule = Schedule {
     batch: 8,
@@ -32,7 +41,8 @@ fn run(options: &Options, folder: &Path, threads: usize, checks: u64) -> anyhow:
         _ => Err(Interrupted),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    pool.install(|| train(options, SCHEDULE, &files(folder), Progress::hidden(), &check))
+    let start = options.start.map(|_| small_network());
+    pool.install(|| train(options, SCHEDULE, start.as_ref(), &files(folder), Progress::hidden(), &check))
 }
 
 fn files(folder: &Path) -> Files {
@@ -52,6 +62,49 @@ fn threads_and_interruptions_change_no_byte() {
     for (kind, pieces) in [(Kind::Hand, 46), (Kind::Scene, 22)] {
         changes_no_byte(&Options { kind, ..OPTIONS }, pieces);
     }
+}
+
+/// A trained scene network, whatever it has learned.
+fn small_network() -> Network {
+    let architecture = Scene::new(&OPTIONS).architecture();
+    let trainer = Trainer::new(&architecture, 0, 3).unwrap();
+    Network::from_weights(architecture, trainer.weights()).unwrap()
+}
+
+#[test]
+fn a_training_that_begins_with_a_network_is_the_same_again() {
+    let start = Some(small_network().fingerprint());
+    changes_no_byte(&Options { kind: Kind::Scene, start, ..OPTIONS }, 22);
+}
+
+#[test]
+fn an_average_lies_between_what_was_begun_with_and_what_was_trained() {
+    let start = small_network();
+    let options = Options { kind: Kind::Scene, start: Some(start.fingerprint()), ..OPTIONS };
+    let weights = |keep_percent| {
+        let folder = tempfile::tempdir().unwrap();
+        run(&Options { keep_percent, ..options.clone() }, folder.path(), 2, u64::MAX)
+            .unwrap()
+            .network
+            .weights()
+    };
+    let (start, trained, average) = (start.weights(), weights(0), weights(25));
+    assert_ne!(start, trained);
+    for ((start, trained), average) in start.iter().zip(&trained).zip(&average) {
+        let expected = 0.25 * start + 0.75 * trained;
+        assert!((average - expected).abs() < 1e-3 * expected.abs().max(1.0), "{average} {expected}");
+    }
+}
+
+#[test]
+fn a_network_of_another_kind_is_nothing_to_begin_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { start: Some(small_network().fingerprint()), ..OPTIONS };
+    let error = run(&options, folder.path(), 2, u64::MAX).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the network to begin with is of another shape than those that are trained now"
+    );
 }
 
 /// Stopped after every so many pieces of work, a training writes what it writes in one go.

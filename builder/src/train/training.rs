@@ -13,9 +13,12 @@ use super::checkpoint::State;
 use super::course::{Course, Lesson, Showing};
 use super::curve::{MeanLosses, Row};
 use super::figures::Figure;
-use super::options::{PEAK_RATE, hard_samples};
+use super::options::hard_samples;
 use super::window::{Window, render_all};
 use super::{Options, Schedule, joints};
+
+/// Batches that show what values the layers of a network have that a training begins with.
+const BATCHES_AT_START: u64 = 8;
 
 /// A training that goes on where its state says.
 pub(super) struct Training<C: Course> {
@@ -28,16 +31,20 @@ pub(super) struct Training<C: Course> {
 
 impl<C: Course> Training<C> {
     /// Goes on from a checkpoint, or begins.
-    pub(super) fn new(options: &Options, schedule: Schedule, saved: Option<State>) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        options: &Options,
+        schedule: Schedule,
+        start: Option<&Network>,
+        saved: Option<State>,
+        check: Check<'_>,
+    ) -> anyhow::Result<Self> {
         let course = C::new(options);
         let architecture = course.architecture();
-        let state = match saved {
-            Some(state) => state,
-            None => State {
-                trainer: Trainer::new(&architecture, joints::COUNT, options.seed_of_weights())?,
-                curve: Vec::new(),
-                losses: MeanLosses::default(),
-            },
+        let begin = |trainer| State { trainer, curve: Vec::new(), losses: MeanLosses::default() };
+        let state = match (saved, start) {
+            (Some(state), _) => state,
+            (None, Some(start)) => begin(warm_start(options, &schedule, &course, start, check)?),
+            (None, None) => begin(Trainer::new(&architecture, joints::COUNT, options.seed_of_weights())?),
         };
         ensure!(
             *state.trainer.architecture() == architecture && state.trainer.joints() == joints::COUNT,
@@ -124,6 +131,25 @@ impl<C: Course> Training<C> {
     }
 }
 
+/// Begins with a trained network: samples of the first part show what its layers' values are.
+fn warm_start<C: Course>(
+    options: &Options,
+    schedule: &Schedule,
+    course: &C,
+    start: &Network,
+    check: Check<'_>,
+) -> anyhow::Result<Trainer> {
+    ensure!(
+        *start.architecture() == course.architecture(),
+        "the network to begin with is of another shape than those that are trained now"
+    );
+    let mut window = Window::new(schedule.window);
+    window.advance(render_part(course, schedule, 0, check)?);
+    let batches = (0..BATCHES_AT_START).map(|step| batch(options, schedule, course, &window, step).inputs);
+    let inputs: Vec<f32> = batches.flatten().collect();
+    Ok(Trainer::from_network(start, joints::COUNT, options.seed_of_weights(), &inputs)?)
+}
+
 /// Learns from a batch; a validation follows where it is due, and at the end.
 fn step(
     options: &Options,
@@ -135,7 +161,7 @@ fn step(
 ) -> anyhow::Result<()> {
     let State { trainer, curve, losses } = state;
     let (before, steps) = (trainer.steps(), schedule.steps(options.samples));
-    let found = trainer.step(batch, learning_rate(PEAK_RATE, before, steps))?;
+    let found = trainer.step(batch, learning_rate(options.peak_rate(), before, steps))?;
     if !found.total().is_finite() {
         bail!("the training has diverged at step {before}: its losses are not finite; another seed may help");
     }

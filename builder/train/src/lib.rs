@@ -55,6 +55,7 @@ mod plan;
 mod random;
 mod rotation;
 mod trainer;
+mod warm_start;
 
 pub use batch::{Batch, BatchError, LossWeights, Target};
 pub use checkpoint::CheckpointError;

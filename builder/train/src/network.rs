@@ -188,6 +188,11 @@ impl Activations {
         }
     }
 
+    /// A layer's values before normalisation: a convolution's, by its number, or the embedding's.
+    pub(crate) fn raw(&self, layer: usize) -> &[f32] {
+        &self.layers[layer].raw
+    }
+
     /// Moves running statistics towards those of the last batch: `decay` is the share that stays.
     pub(crate) fn update_statistics(&self, plan: &Plan, decay: f32, statistics: &mut [f32]) {
         for (layer, block) in self.layers.iter().zip(&plan.blocks) {

@@ -33,6 +33,21 @@ pub(crate) struct State {
     pub(crate) statistics: Vec<f32>,
 }
 
+impl State {
+    /// Before the first step.
+    pub(crate) fn at_start(plan: Plan, seed: u64, parameters: Vec<f32>, statistics: Vec<f32>) -> Self {
+        Self {
+            seed,
+            steps: 0,
+            moments: Moments::new(plan.parameters),
+            averaged: parameters.clone(),
+            parameters,
+            statistics,
+            plan,
+        }
+    }
+}
+
 /// A network in training.
 ///
 /// Work is done on the threads of the rayon pool that calls. The same seed and batches give the
@@ -56,15 +71,7 @@ impl Trainer {
     pub fn new(architecture: &Architecture, joints: usize, seed: u64) -> Result<Self, ArchitectureError> {
         let plan = Plan::new(architecture, joints)?;
         let (parameters, statistics) = (initial(&plan, seed), initial_statistics(&plan));
-        Ok(Self::from_state(State {
-            seed,
-            steps: 0,
-            moments: Moments::new(plan.parameters),
-            averaged: parameters.clone(),
-            parameters,
-            statistics,
-            plan,
-        }))
+        Ok(Self::from_state(State::at_start(plan, seed, parameters, statistics)))
     }
 
     pub(crate) fn from_state(state: State) -> Self {

@@ -120,6 +120,13 @@ impl Network {
         self.fingerprint
     }
 
+    /// The weights in the order that [`Architecture`] describes, as [`Self::from_weights`] has
+    /// rounded them.
+    pub fn weights(&self) -> Vec<f32> {
+        let (_, _, weights) = file::decode(&self.file).expect("a network's own bytes");
+        weights.into_iter().map(f32::from).collect()
+    }
+
     /// The network's shape.
     pub fn architecture(&self) -> &Architecture {
         &self.architecture

@@ -4,6 +4,7 @@ mod checkpoint;
 mod gradient;
 mod learning;
 mod reference;
+mod warm_start;
 
 use crate::{Batch, LossWeights, Target, Trainer, rotation_of};
 use grasp_network::{Architecture, Convolution, Masks};
