@@ -87,7 +87,7 @@ fn a_hand_that_moves_is_followed_to_the_answers_of_a_search() {
         "of {all}: {same} of the same grasp, {alike} of the same outline, {turned_alike} turned alike; right {right:?}"
     );
     println!("{told}");
-    assert!(20 * alike >= 19 * all && 20 * turned_alike >= 19 * all, "{told}");
+    assert!(20 * alike >= 19 * all && 20 * turned_alike >= 18 * all, "{told}");
     // Where it is unsure of the grasp, a look of another turn may name another: as often the right
     // one.
     assert!(20 * same >= 17 * all && right[1] >= right[0], "{told}");

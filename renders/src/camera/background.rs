@@ -2,13 +2,16 @@
 
 use rand_chacha::ChaCha8Rng;
 
+use super::clutter::Clutter;
 use super::lattice::Lattice;
 use super::palette::{self, Rgb, mix, scale};
 use crate::random::{between, normal, unit};
 
 /// How often a ground is a pale wall or table.
 const WALLS: f64 = 0.2;
-/// The most things that lie about.
+/// How often a room is full of things.
+const CLUTTERED: f64 = 0.5;
+/// The most things that lie about, where it is not.
 const THINGS: usize = 9;
 
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +49,7 @@ pub(super) struct Background {
     edge: [f32; 3],
     turn: [f32; 2],
     things: Vec<Thing>,
+    clutter: Option<Clutter>,
     /// How much more light there is than on the hand: rooms are often brighter behind it.
     light: f32,
 }
@@ -83,7 +87,19 @@ impl Background {
         };
         let things = (0..count).map(|_| thing(rng)).collect();
         let light = libm::exp(0.25 + 0.6 * normal(rng)) as f32;
-        Self { grounds, edge: [cos, sin, far as f32], turn: turn(rng), things, light }
+        let turn = turn(rng);
+        let mut out = Self { grounds, edge: [cos, sin, far as f32], turn, things, clutter: None, light };
+        if unit(rng) < CLUTTERED {
+            out.things.clear();
+            out.clutter = Some(Clutter::random(|u, v, field| out.colour(u, v, field), rng));
+        }
+        out
+    }
+
+    /// What is seen at a place of the picture, 0 to 1 right and down, of things that are not of the
+    /// ground; linear RGB.
+    pub(super) fn clutter_at(&self, u: f32, v: f32) -> Option<Rgb> {
+        Some(scale(self.clutter.as_ref()?.at(u, v)?, self.light))
     }
 
     /// What is seen at a place of the picture, 0 to 1 right and down: linear RGB.

@@ -8,6 +8,7 @@
 
 mod background;
 mod border;
+mod clutter;
 mod dress;
 mod lattice;
 mod layers;

@@ -106,7 +106,7 @@ fn sharpen(rgb: &mut [f32], side: usize, sigma: f32, amount: f32) {
 }
 
 /// A Gaussian blur whose standard deviation, in pixels, has such shares right and down.
-fn blur(rgb: &mut [f32], side: usize, sigma: f32, shares: [f32; 2]) {
+pub(super) fn blur(rgb: &mut [f32], side: usize, sigma: f32, shares: [f32; 2]) {
     for (share, [line, step]) in shares.into_iter().zip([[side, 1], [1, side]]) {
         let sigma = sigma * share;
         if sigma < 0.2 {

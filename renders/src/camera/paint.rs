@@ -85,8 +85,10 @@ impl Layers {
                     let [tx, ty] = map.place(u, v);
                     let texel = self.at(tx, ty);
                     let part = surfaces.part(texel);
-                    let colour = match seen {
-                        Some((number, of, colour)) if (number, of) == (texel.part, part) => colour,
+                    let behind = if texel.part == 0 { background.clutter_at(u, v) } else { None };
+                    let colour = match (seen, behind) {
+                        (_, Some(colour)) => scale(colour, shadow.at(self, tx, ty)),
+                        (Some((number, of, colour)), _) if (number, of) == (texel.part, part) => colour,
                         _ if texel.part == 0 => {
                             scale(background.at(u, v, &surfaces.field), shadow.at(self, tx, ty))
                         }

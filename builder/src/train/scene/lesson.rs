@@ -6,6 +6,7 @@ use grasp_renders::{Framing, Layers, Part, Picture};
 use grasp_train::{LossWeights, Target};
 use rand_chacha::ChaCha8Rng;
 
+use super::augment::augment;
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
 use crate::train::{joints, rotation};
@@ -39,6 +40,9 @@ pub(super) fn lesson(
     let is_far = unit(rng) < FAR;
     let framing = if is_far { Framing::far(&view.layers, rng) } else { Framing::near(&view.layers, rng) };
     let mut picture = view.layers.paint(&framing, SIDE, rng);
+    if showing.is_hard {
+        augment(&mut picture, rng);
+    }
     let weight = if is_far { WEIGHT_OF_FAR } else { 1.0 };
     let orientation = turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
     let mut target = Target {

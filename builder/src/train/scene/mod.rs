@@ -1,6 +1,7 @@
 //! The scene network: it sees a part of a camera picture and finds the hand, its arm and what it
 //! holds, whether it is a left hand, the grasp, its stage and how the hand is turned.
 
+mod augment;
 mod empty;
 mod lesson;
 mod validation;

@@ -5,10 +5,10 @@ use grasp_index::{Index, Vote};
 use super::Scene;
 use crate::side::Side;
 
-/// The power of the neighbours' probabilities where the network's have a power of 1: both see the
-/// same hand, and are sure of the same mistakes. Chosen on camera pictures of two hands
-/// (docs/accuracy.md).
-const NEIGHBOURS: f64 = 0.6;
+/// The powers of the neighbours' and of the network's probabilities: both see the same hand, and are
+/// sure of the same mistakes. Chosen on camera pictures of two hands (docs/accuracy.md).
+const NEIGHBOURS: f64 = 0.72;
+const NETWORK: f64 = 1.2;
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
@@ -37,7 +37,8 @@ impl Scene {
         for score in &mut vote.classes {
             let name = index.catalogue().classes.get(usize::from(score.class));
             let by_scene = name.map_or(0.0, |class| of_name(&class.name));
-            score.probability = libm::pow(score.probability.max(LEAST), NEIGHBOURS) * by_scene.max(LEAST);
+            let by_neighbours = libm::pow(score.probability.max(LEAST), NEIGHBOURS);
+            score.probability = by_neighbours * libm::pow(by_scene.max(LEAST), NETWORK);
         }
         let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
         vote.classes.iter_mut().for_each(|score| score.probability /= total);
