@@ -23,7 +23,7 @@ pub const LEARNED: &str = "learned";
 /// Where there is no such name, or the file holds no network.
 pub fn by_name(name: &str, network: Option<&Path>) -> anyhow::Result<DescriptorModel> {
     if name == LEARNED {
-        let network = network.map_or_else(shipped_network, read_network)?;
+        let network = network.map_or_else(shipped_network, |path| read_network(path).map(Arc::new))?;
         return Ok(DescriptorModel::learned(network)?);
     }
     let params =
@@ -44,10 +44,11 @@ pub fn shipped_network() -> anyhow::Result<Arc<Network>> {
     Ok(Arc::clone(NETWORK.get_or_init(|| Arc::new(network))))
 }
 
-fn read_network(path: &Path) -> anyhow::Result<Arc<Network>> {
+/// Reads a network's file.
+pub(crate) fn read_network(path: &Path) -> anyhow::Result<Network> {
     let cannot = || format!("cannot use the network {}", path.display());
     let bytes = fs::read(path).with_context(cannot)?;
-    Ok(Arc::new(Network::from_bytes(&bytes).with_context(cannot)?))
+    Network::from_bytes(&bytes).with_context(cannot)
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! `grasp-builder train`.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context as _;
 use grasp_network::Network;
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
 use super::seed::DEFAULT_SEED;
+use crate::descriptor::read_network;
 use crate::interrupt;
 use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Trained, train};
 
@@ -122,9 +122,4 @@ impl Train {
             "nothing was trained yet; run the same command again".to_owned()
         }
     }
-}
-
-fn read_network(path: &Path) -> anyhow::Result<Network> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", shown(path)))?;
-    Network::from_bytes(&bytes).with_context(|| format!("cannot begin with {}", shown(path)))
 }

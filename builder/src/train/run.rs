@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use grasp_index::AtomicFile;
 use grasp_network::Network;
 use grasp_terminal::Progress;
@@ -58,7 +58,8 @@ pub struct Trained {
 /// weights of `start`, whose fingerprint is in the options, or with random ones.
 ///
 /// # Errors
-/// Where a file cannot be read or written, the checkpoint is of a training with other options, a
+/// Where `start` is not the network that the options name or is of another kind, a file cannot be
+/// read or written, the checkpoint is of a training with other options, a
 /// scene cannot be rendered, the training diverges, or `check` has stopped the work: what was
 /// trained until then is in the checkpoint.
 pub fn train(
@@ -69,6 +70,10 @@ pub fn train(
     progress: Progress,
     check: Check<'_>,
 ) -> anyhow::Result<Trained> {
+    ensure!(
+        options.start == start.map(Network::fingerprint),
+        "the options name another network to begin with than the one that is given"
+    );
     match options.kind {
         Kind::Hand => train_on::<Hand>(options, schedule, start, files, progress, check),
         Kind::Scene => train_on::<Scene>(options, schedule, start, files, progress, check),
@@ -118,8 +123,8 @@ fn train_on<C: Course>(
 }
 
 /// So many percent of the weights of one network and the rest of another's, which began with it:
-/// what is new is learned, and what pictures of other kinds were known by is not forgotten (Wortsman
-/// et al., "Robust fine-tuning of zero-shot models", CVPR 2022).
+/// what is new is learned, and less is forgotten of pictures unlike those (Wortsman et al., "Robust
+/// fine-tuning of zero-shot models", CVPR 2022).
 fn average(start: &Network, trained: &Network, percent: u8) -> anyhow::Result<Network> {
     let share = f32::from(percent) / 100.0;
     let weights = start.weights().into_iter().zip(trained.weights());

@@ -103,7 +103,7 @@ fn a_network_of_another_kind_is_nothing_to_begin_with() {
     let error = run(&options, folder.path(), 2, u64::MAX).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the network to begin with is of another shape than those that are trained now"
+        "the network to begin with is of another shape than this kind's: give one that was trained with the same --kind"
     );
 }
 

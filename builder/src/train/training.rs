@@ -141,7 +141,7 @@ fn warm_start<C: Course>(
 ) -> anyhow::Result<Trainer> {
     ensure!(
         *start.architecture() == course.architecture(),
-        "the network to begin with is of another shape than those that are trained now"
+        "the network to begin with is of another shape than this kind's: give one that was trained with the same --kind"
     );
     let mut window = Window::new(schedule.window);
     window.advance(render_part(course, schedule, 0, check)?);

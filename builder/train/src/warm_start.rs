@@ -90,8 +90,8 @@ fn moments(values: &[f32], planes: usize) -> Vec<(f64, f64)> {
 
 /// Splits what a block does into a normalisation and the rest.
 ///
-/// A normalised layer does not depend on its kernels' size, but how far a step moves them does: they
-/// get that of the random ones.
+/// A normalised layer does not depend on its kernels' size, but how far a step moves them does:
+/// they get that of the random ones.
 fn normalise(
     block: &Block,
     moments: &[(f64, f64)],

@@ -96,8 +96,8 @@ impl Background {
         out
     }
 
-    /// What is seen at a place of the picture, 0 to 1 right and down, of things that are not of the
-    /// ground; linear RGB.
+    /// What is seen at a place of the picture, 0 to 1 right and down, where the room is full of
+    /// things: linear RGB. `None` where [`Self::at`] says what is seen.
     pub(super) fn clutter_at(&self, u: f32, v: f32) -> Option<Rgb> {
         Some(scale(self.clutter.as_ref()?.at(u, v)?, self.light))
     }

@@ -1,8 +1,8 @@
 //! Rooms full of things: shapes that lie one on another until little of the ground is seen.
 //!
-//! Their sizes follow a power law, as those of things in photographs do: the dead-leaves model,
-//! whose pictures have the statistics of natural ones (Lee, Mumford and Huang, "Occlusion models
-//! for natural images", IJCV 2001).
+//! The dead-leaves model (Lee, Mumford and Huang, "Occlusion models for natural images", IJCV
+//! 2001). There the density of sizes falls with their cube; here every octave of sizes is as
+//! frequent, for behind a hand shelves, tables and arms are what misleads.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -21,7 +21,8 @@ const SIZES: [f64; 2] = [0.03, 0.6];
 const BLURRED: f64 = 0.35;
 const BLUR: [f64; 2] = [0.5, 3.0];
 
-/// What is seen of things at each cell of the picture; of the ground, nothing.
+/// What is seen at each cell of the picture; `None` where that is the ground and nothing shades or
+/// blurs it.
 #[derive(Debug, Clone)]
 pub(super) struct Clutter(Vec<Option<Rgb>>);
 
@@ -86,7 +87,7 @@ impl Clutter {
         Self(cells)
     }
 
-    /// What is seen at a place of the picture, 0 to 1 right and down, unless it is the ground.
+    /// What is seen at a place of the picture, 0 to 1 right and down; `None` as in a cell.
     pub(super) fn at(&self, u: f32, v: f32) -> Option<Rgb> {
         let cell = |at: f32| ((at * SIDE as f32).max(0.0) as usize).min(SIDE - 1);
         self.0[cell(v) * SIDE + cell(u)]

@@ -83,8 +83,8 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> De
     Detection { masks: fitted(&mut eye, square), joints: Some(joints.clone()), right_odds: 0.0 }
 }
 
-/// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds a
-/// hand, and what it holds; `None` where they find none.
+/// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds
+/// a hand, and what it holds; `None` where they find none.
 ///
 /// # Errors
 /// Where the networks cannot be run.

@@ -5,8 +5,8 @@ use grasp_index::{Index, Vote};
 use super::Scene;
 use crate::side::Side;
 
-/// The powers of the neighbours' and of the network's probabilities: both see the same hand, and are
-/// sure of the same mistakes. Chosen on camera pictures of two hands (docs/accuracy.md).
+/// The powers of the neighbours' and of the network's probabilities: both see the same hand, and
+/// are sure of the same mistakes. Chosen on camera pictures of two hands (docs/accuracy.md).
 const NEIGHBOURS: f64 = 0.72;
 const NETWORK: f64 = 1.2;
 /// The least probability that is taken seriously: neither is so sure.
