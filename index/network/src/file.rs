@@ -17,10 +17,9 @@
 //! The magic, the version, the length and the hash stay where they are in every version.
 
 use crate::architecture::{Architecture, Convolution};
-use crate::layer::Layer;
+use crate::layer::{Layer, Stored};
 use crate::masks::Masks;
 use crate::weights::WeightsError;
-use half::f16;
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -84,7 +83,7 @@ pub enum ReadError {
 }
 
 /// The bytes of a file, for an architecture that has been validated.
-pub(crate) fn encode(architecture: &Architecture, weights: &[f16]) -> Vec<u8> {
+pub(crate) fn encode(architecture: &Architecture, weights: &[Stored]) -> Vec<u8> {
     let Architecture { side, planes, convolutions, embedding, heads, masks } = architecture;
     let length = start(architecture) + size_of_val(weights) + HASH;
     let version = if masks.is_some() { WITH_MASKS } else { PLAIN };
@@ -98,7 +97,7 @@ pub(crate) fn encode(architecture: &Architecture, weights: &[f16]) -> Vec<u8> {
         convolutions.iter().flat_map(|Convolution { kernel, stride, outputs }| [kernel, stride, outputs]);
     let masks = masks.iter().flat_map(|Masks { convolution, count, cells }| [convolution, count, cells]);
     bytes.extend(sizes.chain(convolutions).chain(masks).flat_map(|value| value.to_le_bytes()));
-    bytes.extend(weights.iter().flat_map(|weight| weight.to_le_bytes()));
+    bytes.extend(weights.as_flattened());
     let hash = xxh3_64(&bytes);
     bytes.extend(hash.to_le_bytes());
     bytes
@@ -106,7 +105,7 @@ pub(crate) fn encode(architecture: &Architecture, weights: &[f16]) -> Vec<u8> {
 
 /// The architecture, its layers and the weights, of which the number is right; their values have
 /// not been checked.
-pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, Vec<f16>), ReadError> {
+pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, &[Stored]), ReadError> {
     check_whole(bytes)?;
     let malformed =
         |expected: usize| ReadError::Malformed { expected: expected as u64, found: bytes.len() as u64 };
@@ -131,13 +130,12 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, Vec<f16>
     let layers = architecture.layers().map_err(WeightsError::from)?;
     let parameters: usize = layers.iter().map(Layer::parameters).sum();
     let start = start(&architecture);
-    let expected = start + parameters * size_of::<f16>() + HASH;
+    let expected = start + parameters * size_of::<Stored>() + HASH;
     let weights = bytes
         .get(start..bytes.len() - HASH)
         .filter(|_| bytes.len() == expected)
         .ok_or_else(|| malformed(expected))?;
-    let weights = weights.as_chunks::<2>().0.iter().map(|weight| f16::from_le_bytes(*weight));
-    Ok((architecture, layers, weights.collect()))
+    Ok((architecture, layers, weights.as_chunks().0))
 }
 
 /// Checks what holds in every version: the magic, the length and the hash.

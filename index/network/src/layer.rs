@@ -3,6 +3,9 @@
 /// Outputs that are computed together.
 pub(crate) const LANES: usize = 32;
 
+/// A weight or a bias as a file has it: `f16`, little-endian.
+pub(crate) type Stored = [u8; 2];
+
 /// What follows a layer's sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rectifier {

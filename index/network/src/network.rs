@@ -1,7 +1,7 @@
 //! A network that is ready to run, and the memory that it runs in.
 
 use crate::architecture::Architecture;
-use crate::layer::Layer;
+use crate::layer::{Layer, Stored};
 use crate::masks::Masks;
 use crate::packed::{Borders, Packed};
 use crate::path::Path;
@@ -65,7 +65,8 @@ impl Network {
     /// outputs might not be finite.
     pub fn from_weights(architecture: Architecture, weights: Vec<f32>) -> Result<Self, WeightsError> {
         let layers = architecture.layers()?;
-        let rounded: Vec<f16> = weights.iter().copied().map(f16::from_f32).collect();
+        let rounded: Vec<Stored> =
+            weights.iter().map(|weight| f16::from_f32(*weight).to_le_bytes()).collect();
         drop(weights);
         let file = file::encode(&architecture, &rounded);
         Self::new(architecture, layers, &rounded, file)
@@ -79,17 +80,17 @@ impl Network {
     /// [`Self::from_weights`] rejects.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         let (architecture, layers, weights) = file::decode(bytes)?;
-        Ok(Self::new(architecture, layers, &weights, bytes.to_vec())?)
+        Ok(Self::new(architecture, layers, weights, bytes.to_vec())?)
     }
 
     fn new(
         architecture: Architecture,
         layers: Vec<Layer>,
-        weights: &[f16],
+        weights: &[Stored],
         file: Vec<u8>,
     ) -> Result<Self, WeightsError> {
-        let weights = weights::check(&architecture, &layers, weights)?;
-        let mut rest = weights.as_slice();
+        weights::check(&layers, weights)?;
+        let mut rest = weights;
         let mut packed = Vec::with_capacity(layers.len());
         for (at, layer) in layers.iter().enumerate() {
             let (parameters, after) = rest.split_at(layer.parameters());
@@ -101,6 +102,7 @@ impl Network {
             packed.push(Packed::new(layer, parameters, borders));
             rest = after;
         }
+        weights::check_sums(&architecture, &packed)?;
         let fingerprint = xxh3_64(&file);
         Ok(Self { architecture, layers, packed, path: Path::best(), file, fingerprint })
     }
@@ -124,7 +126,7 @@ impl Network {
     /// rounded them.
     pub fn weights(&self) -> Vec<f32> {
         let (_, _, weights) = file::decode(&self.file).expect("a network's own bytes");
-        weights.into_iter().map(f32::from).collect()
+        weights.iter().map(|weight| f16::from_le_bytes(*weight).to_f32()).collect()
     }
 
     /// The network's shape.

@@ -1,11 +1,23 @@
 //! A layer laid out for the inner loops.
 
-use crate::layer::{LANES, Layer, Rectifier};
+use crate::layer::{LANES, Layer, Rectifier, Stored};
+use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 /// The weights of one input for a block of outputs, aligned to cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Lanes(pub(crate) [f32; LANES]);
+
+impl Lanes {
+    /// As many weights as there are, then 0.
+    fn widened(stored: &[Stored]) -> Self {
+        let (mut narrow, mut lanes) = ([f16::ZERO; LANES], [0.0; LANES]);
+        narrow.iter_mut().zip(stored).for_each(|(narrow, stored)| *narrow = f16::from_le_bytes(*stored));
+        narrow.convert_to_f32_slice(&mut lanes);
+        Self(lanes)
+    }
+}
 
 /// Where an output pixel reads and writes.
 #[derive(Clone, Copy, Debug)]
@@ -53,17 +65,14 @@ pub(crate) struct Packed {
 impl Packed {
     /// Packs a layer. `parameters` are its matrix and bias, [`Layer::parameters`] values. Its input
     /// and output lie in buffers with these borders.
-    pub(crate) fn new(layer: &Layer, parameters: &[f32], borders: Borders) -> Self {
+    pub(crate) fn new(layer: &Layer, parameters: &[Stored], borders: Borders) -> Self {
         let outputs = layer.output_planes;
         let (matrix, bias) = parameters.split_at(layer.inputs() * outputs);
         let mut weights = Vec::with_capacity(layer.padded_parameters() / LANES);
         for first in (0..outputs).step_by(LANES) {
-            for row in std::iter::once(bias).chain(matrix.chunks_exact(outputs)) {
-                let block = &row[first..outputs.min(first + LANES)];
-                let mut lanes = [0.0; LANES];
-                lanes[..block.len()].copy_from_slice(block);
-                weights.push(Lanes(lanes));
-            }
+            let block = first..outputs.min(first + LANES);
+            let rows = std::iter::once(bias).chain(matrix.chunks_exact(outputs));
+            weights.extend(rows.map(|row| Lanes::widened(&row[block.clone()])));
         }
         Self {
             weights,
@@ -74,6 +83,21 @@ impl Packed {
             pixels: pixels(layer, borders),
             rectifier: layer.rectifier,
         }
+    }
+
+    /// What the sums can reach, up or down, with inputs to `input`.
+    pub(crate) fn largest_sum(&self, input: f64) -> f64 {
+        let sums_of = |block: &[Lanes]| {
+            let (bias, matrix) = block.split_first().expect("a block begins with its biases");
+            // Sums of a million weights to 65504 are far from the largest `f32`.
+            let mut sums = [0.0f32; LANES];
+            for row in matrix {
+                sums.iter_mut().zip(row.0).for_each(|(sum, weight)| *sum += weight.abs());
+            }
+            let sums = sums.into_iter().zip(bias.0);
+            sums.map(|(sum, bias)| input * f64::from(sum) + f64::from(bias.abs())).fold(0.0, f64::max)
+        };
+        self.blocks().map(sums_of).fold(0.0, f64::max)
     }
 
     /// The blocks of outputs: the biases, then the rows of the matrix.

@@ -1,7 +1,8 @@
 //! What weights a network may have.
 
 use crate::architecture::Architecture;
-use crate::layer::Layer;
+use crate::layer::{Layer, Stored};
+use crate::packed::Packed;
 use crate::supported::ArchitectureError;
 use half::f16;
 use thiserror::Error;
@@ -45,47 +46,38 @@ pub enum WeightsError {
     },
 }
 
-/// Checks the weights of a network with these layers. Returns them as `f32`, which is exact.
-///
-/// Where no sum overflows, none is infinite or NaN, and so no result depends on how a processor
-/// treats those.
-pub(crate) fn check(
-    architecture: &Architecture,
-    layers: &[Layer],
-    weights: &[f16],
-) -> Result<Vec<f32>, WeightsError> {
+/// Weights that are looked at together, before it is known which of them is wrong.
+const TOGETHER: usize = 1024;
+
+/// Checks that there are as many weights as these layers have, all of them finite.
+pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsError> {
     let expected = layers.iter().map(Layer::parameters).sum();
     if weights.len() != expected {
         return Err(WeightsError::Count { expected, found: weights.len() });
     }
-    if let Some(at) = weights.iter().position(|weight| !weight.is_finite()) {
-        return Err(WeightsError::NotFinite { at, value: weights[at].to_f32() });
+    let is_finite = |weight: &Stored| f16::from_le_bytes(*weight).is_finite();
+    let are_finite = |weights: &[Stored]| weights.iter().fold(true, |so_far, w| so_far & is_finite(w));
+    if weights.chunks(TOGETHER).all(are_finite) {
+        return Ok(());
     }
-    let weights: Vec<f32> = weights.iter().map(|weight| weight.to_f32()).collect();
-    let mut rest = weights.as_slice();
-    let mut sums: Vec<f64> = Vec::with_capacity(layers.len());
-    for (at, layer) in layers.iter().enumerate() {
-        let (parameters, after) = rest.split_at(layer.parameters());
-        let input = architecture.source(at).and_then(|source| sums.get(source)).copied();
-        let sum = largest_sum(layer, parameters, input.unwrap_or(f64::from(MAX_INPUT)));
-        if sum > LARGEST_SUM {
-            return Err(WeightsError::Overflow { layer: at, sum });
-        }
-        sums.push(sum);
-        rest = after;
-    }
-    Ok(weights)
+    let wrong = weights.iter().enumerate().find(|(_, weight)| !is_finite(weight));
+    wrong.map_or(Ok(()), |(at, weight)| {
+        Err(WeightsError::NotFinite { at, value: f16::from_le_bytes(*weight).to_f32() })
+    })
 }
 
-/// What the sums of a layer can reach, up or down, with inputs to `input`.
-fn largest_sum(layer: &Layer, parameters: &[f32], input: f64) -> f64 {
-    let outputs = layer.output_planes;
-    let (matrix, bias) = parameters.split_at(layer.inputs() * outputs);
-    let mut sums: Vec<f64> = bias.iter().map(|&bias| f64::from(bias).abs()).collect();
-    for row in matrix.chunks_exact(outputs) {
-        for (sum, &weight) in sums.iter_mut().zip(row) {
-            *sum += input * f64::from(weight).abs();
+/// Checks that no sum overflows, whatever the input.
+///
+/// Then none is infinite or NaN, and so no result depends on how a processor treats those.
+pub(crate) fn check_sums(architecture: &Architecture, packed: &[Packed]) -> Result<(), WeightsError> {
+    let mut sums: Vec<f64> = Vec::with_capacity(packed.len());
+    for (layer, packed) in packed.iter().enumerate() {
+        let input = architecture.source(layer).and_then(|source| sums.get(source)).copied();
+        let sum = packed.largest_sum(input.unwrap_or(f64::from(MAX_INPUT)));
+        if sum > LARGEST_SUM {
+            return Err(WeightsError::Overflow { layer, sum });
         }
+        sums.push(sum);
     }
-    sums.into_iter().fold(0.0, f64::max)
+    Ok(())
 }
