@@ -58,7 +58,8 @@ fn written(folder: &Path) -> [Vec<u8>; 2] {
 
 #[test]
 fn threads_and_interruptions_change_no_byte() {
-    // Of each, scenes to measure by, the first part and some more take so many pieces.
+    // Scenes to measure by, the first part, the next one, and a few steps take so many pieces: each
+    // try gets on, whichever of rendering and steps is the faster.
     for (kind, pieces) in [(Kind::Hand, 46), (Kind::Scene, 22)] {
         changes_no_byte(&Options { kind, ..OPTIONS }, pieces);
     }
@@ -74,7 +75,8 @@ fn small_network() -> Network {
 #[test]
 fn a_training_that_begins_with_a_network_is_the_same_again() {
     let start = Some(small_network().fingerprint());
-    changes_no_byte(&Options { kind: Kind::Scene, start, ..OPTIONS }, 22);
+    // Six more than without a network: those that the first part takes, which is rendered to begin.
+    changes_no_byte(&Options { kind: Kind::Scene, start, ..OPTIONS }, 28);
 }
 
 #[test]
