@@ -59,9 +59,9 @@ pub struct Trained {
 ///
 /// # Errors
 /// Where `start` is not the network that the options name or is of another kind, a file cannot be
-/// read or written, the checkpoint is of a training with other options, a
-/// scene cannot be rendered, the training diverges, or `check` has stopped the work: what was
-/// trained until then is in the checkpoint.
+/// read or written, the checkpoint is of a training with other options, a scene cannot be rendered,
+/// the training diverges, or `check` has stopped the work: what was trained until then is in the
+/// checkpoint.
 pub fn train(
     options: &Options,
     schedule: Schedule,

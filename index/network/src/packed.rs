@@ -89,7 +89,7 @@ impl Packed {
     pub(crate) fn largest_sum(&self, input: f64) -> f64 {
         let sums_of = |block: &[Lanes]| {
             let (bias, matrix) = block.split_first().expect("a block begins with its biases");
-            // Sums of a million weights to 65504 are far from the largest `f32`.
+            // Sums of millions of weights to 65504 are far from the largest `f32`.
             let mut sums = [0.0f32; LANES];
             for row in matrix {
                 sums.iter_mut().zip(row.0).for_each(|(sum, weight)| *sum += weight.abs());

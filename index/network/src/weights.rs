@@ -11,6 +11,9 @@ use thiserror::Error;
 /// does not reach it.
 const LARGEST_SUM: f64 = 1e30;
 
+/// Weights that are checked together, without a branch for each: they are a million.
+const TOGETHER: usize = 1024;
+
 /// The largest input, up or down.
 pub(crate) const MAX_INPUT: f32 = 1024.0;
 
@@ -46,9 +49,6 @@ pub enum WeightsError {
     },
 }
 
-/// Weights that are looked at together, before it is known which of them is wrong.
-const TOGETHER: usize = 1024;
-
 /// Checks that there are as many weights as these layers have, all of them finite.
 pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsError> {
     let expected = layers.iter().map(Layer::parameters).sum();
@@ -57,13 +57,12 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
     }
     let is_finite = |weight: &Stored| f16::from_le_bytes(*weight).is_finite();
     let are_finite = |weights: &[Stored]| weights.iter().fold(true, |so_far, w| so_far & is_finite(w));
-    if weights.chunks(TOGETHER).all(are_finite) {
-        return Ok(());
+    if !weights.chunks(TOGETHER).all(are_finite)
+        && let Some(at) = weights.iter().position(|weight| !is_finite(weight))
+    {
+        return Err(WeightsError::NotFinite { at, value: f16::from_le_bytes(weights[at]).to_f32() });
     }
-    let wrong = weights.iter().enumerate().find(|(_, weight)| !is_finite(weight));
-    wrong.map_or(Ok(()), |(at, weight)| {
-        Err(WeightsError::NotFinite { at, value: f16::from_le_bytes(*weight).to_f32() })
-    })
+    Ok(())
 }
 
 /// Checks that no sum overflows, whatever the input.
