@@ -94,7 +94,7 @@ impl Train {
             "{}: network {:016x}, {:.1} MB, trained on {samples}, seed {}",
             shown(&files.network),
             network.fingerprint(),
-            network.as_bytes().len() as f64 / 1e6,
+            network.to_bytes().len() as f64 / 1e6,
             self.seed
         )?;
         if let Some(last) = curve.last() {

@@ -112,7 +112,7 @@ fn train_on<C: Course>(
     };
     let rows = training.state().curve.clone();
     curve::write(&files.curve, &rows)?;
-    let written = out.write_all(network.as_bytes());
+    let written = out.write_all(&network.to_bytes());
     written.with_context(|| format!("cannot write {}", files.network.display()))?;
     out.commit()?;
     if files.checkpoint.exists() {

@@ -116,7 +116,7 @@ fn changes_no_byte(options: &Options, pieces: u64) {
     let trained = run(options, once, 2, u64::MAX).unwrap();
     let samples: Vec<u64> = trained.curve.iter().map(|row| row.samples).collect();
     assert_eq!(samples, [80, 160, 168]);
-    assert_eq!(trained.network.as_bytes(), written(once)[0]);
+    assert_eq!(trained.network.to_bytes(), written(once)[0]);
     run(options, twice, 1, u64::MAX).unwrap();
     assert!(written(once) == written(twice));
 

@@ -22,7 +22,6 @@ pub struct Network {
     /// The same layers with their weights.
     packed: Vec<Packed>,
     path: Path,
-    file: Vec<u8>,
     fingerprint: u64,
 }
 
@@ -68,8 +67,8 @@ impl Network {
         let rounded: Vec<Stored> =
             weights.iter().map(|weight| f16::from_f32(*weight).to_le_bytes()).collect();
         drop(weights);
-        let file = file::encode(&architecture, &rounded);
-        Self::new(architecture, layers, &rounded, file)
+        let fingerprint = xxh3_64(&file::encode(&architecture, &rounded));
+        Self::new(architecture, layers, &rounded, fingerprint)
     }
 
     /// Reads what [`Self::to_bytes`] has written. Everything is checked: bytes from anywhere return
@@ -80,14 +79,14 @@ impl Network {
     /// [`Self::from_weights`] rejects.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         let (architecture, layers, weights) = file::decode(bytes)?;
-        Ok(Self::new(architecture, layers, weights, bytes.to_vec())?)
+        Ok(Self::new(architecture, layers, weights, xxh3_64(bytes))?)
     }
 
     fn new(
         architecture: Architecture,
         layers: Vec<Layer>,
         weights: &[Stored],
-        file: Vec<u8>,
+        fingerprint: u64,
     ) -> Result<Self, WeightsError> {
         weights::check(&layers, weights)?;
         let mut rest = weights;
@@ -103,18 +102,14 @@ impl Network {
             rest = after;
         }
         weights::check_sums(&architecture, &packed)?;
-        let fingerprint = xxh3_64(&file);
-        Ok(Self { architecture, layers, packed, path: Path::best(), file, fingerprint })
+        Ok(Self { architecture, layers, packed, path: Path::best(), fingerprint })
     }
 
-    /// The bytes of a file: see [`Self::from_bytes`].
+    /// The bytes of a file: see [`Self::from_bytes`]. They are put together anew: who only runs a
+    /// network has its weights in memory once.
     pub fn to_bytes(&self) -> Vec<u8> {
-        self.file.clone()
-    }
-
-    /// The same, borrowed.
-    pub fn as_bytes(&self) -> &[u8] {
-        &self.file
+        let stored: Vec<Stored> = self.stored().map(f16::to_le_bytes).collect();
+        file::encode(&self.architecture, &stored)
     }
 
     /// XXH3 of [`Self::to_bytes`]: networks of the same fingerprint have the same outputs.
@@ -125,8 +120,12 @@ impl Network {
     /// The weights in the order that [`Architecture`] describes, as [`Self::from_weights`] has
     /// rounded them.
     pub fn weights(&self) -> Vec<f32> {
-        let (_, _, weights) = file::decode(&self.file).expect("a network's own bytes");
-        weights.iter().map(|weight| f16::from_le_bytes(*weight).to_f32()).collect()
+        self.stored().map(f16::to_f32).collect()
+    }
+
+    /// The weights as a file has them.
+    fn stored(&self) -> impl Iterator<Item = f16> {
+        self.packed.iter().flat_map(Packed::parameters)
     }
 
     /// The network's shape.
@@ -233,6 +232,7 @@ fn border(layers: &[Layer], at: usize) -> usize {
 /// Networks with the same bytes.
 impl PartialEq for Network {
     fn eq(&self, other: &Self) -> bool {
-        self.file == other.file
+        let weights = self.stored().map(f16::to_bits);
+        self.architecture == other.architecture && weights.eq(other.stored().map(f16::to_bits))
     }
 }

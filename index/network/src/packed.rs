@@ -85,6 +85,18 @@ impl Packed {
         }
     }
 
+    /// The parameters that it was made of: the matrix, then the bias.
+    pub(crate) fn parameters(&self) -> impl Iterator<Item = f16> {
+        let rows = (1..=self.inputs).chain([0]);
+        rows.flat_map(move |row| (0..self.outputs).map(move |output| self.parameter(row, output)))
+    }
+
+    /// A parameter of one output: its bias, then its row of the matrix.
+    fn parameter(&self, row: usize, output: usize) -> f16 {
+        let block = output / LANES * (1 + self.inputs);
+        f16::from_f32(self.weights[block + row].0[output % LANES])
+    }
+
     /// What the sums can reach, up or down, with inputs to `input`.
     pub(crate) fn largest_sum(&self, input: f64) -> f64 {
         let sums_of = |block: &[Lanes]| {

@@ -48,7 +48,7 @@ fn a_round_trip_keeps_every_byte() {
 fn the_format_stays() {
     assert_eq!(network().fingerprint(), 16423724866010552684);
     assert_eq!(masked_network().fingerprint(), 14436974832421869674);
-    let versions = [network(), masked_network()].map(|network| network.as_bytes()[8]);
+    let versions = [network(), masked_network()].map(|network| network.to_bytes()[8]);
     assert_eq!(versions, [1, 2]);
 }
 

@@ -14,6 +14,7 @@ mod building;
 mod error;
 mod found;
 mod index;
+mod landmarks;
 mod mask;
 mod parallel;
 mod picture;

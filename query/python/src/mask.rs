@@ -1,5 +1,5 @@
-//! What tells the hand from the rest: nothing, a mask, a depth picture, or that the picture is
-//! segmented already.
+//! What tells the hand from the rest: nothing, a mask, joints, a depth picture, or that the picture
+//! is segmented already.
 
 use std::path::{Path, PathBuf};
 
@@ -22,18 +22,23 @@ const INSIDE: u8 = 128;
 pub(crate) fn source(
     py: Python<'_>,
     mask: Option<&Bound<'_, PyAny>>,
+    (landmarks, landmark_unit): (Option<&Bound<'_, PyAny>>, &str),
     segmented: bool,
     depth: Option<&Bound<'_, PyAny>>,
     depth_range: Option<(i64, i64)>,
 ) -> PyResult<MaskSource> {
-    if usize::from(mask.is_some()) + usize::from(segmented) + usize::from(depth.is_some()) > 1 {
-        return Err(parameter("only one of mask, segmented and depth can say where the hand is"));
+    let given_ways = [mask.is_some(), landmarks.is_some(), segmented, depth.is_some()];
+    if given_ways.into_iter().filter(|is_given| *is_given).count() > 1 {
+        return Err(parameter("only one of mask, landmarks, segmented and depth can say where the hand is"));
     }
     if depth.is_some() != depth_range.is_some() {
         return Err(parameter("depth and depth_range, (near, far) in the depth picture's unit, go together"));
     }
     if segmented {
         return Ok(MaskSource::Segmented);
+    }
+    if let Some(places) = landmarks {
+        return crate::landmarks::landmarks(places, landmark_unit).map(MaskSource::Landmarks);
     }
     if let Some(mask) = mask {
         return given(py, mask).map(MaskSource::Given);

@@ -175,6 +175,12 @@ impl Recogniser {
     /// mask : str, os.PathLike or numpy.ndarray, optional
     ///     Where the hand is, of the picture's size: a file that is white on black, or an
     ///     array of shape (h, w), bool, or uint8 with hand where it is 128 or more.
+    /// landmarks : array_like of shape (21, 2) or (21, 3), optional
+    ///     Where a tracker has found the hand's joints in a camera picture, right and down:
+    ///     wrist, four of the thumb from its root to its tip, four of each finger from its
+    ///     knuckle to its tip, index finger first, as MediaPipe orders them.
+    /// landmark_unit : {"pixel", "share"}, default "pixel"
+    ///     What they are counted in: pixels, or shares of the picture's width and height.
     /// segmented : bool, default False
     ///     The picture is segmented already: a hand on black.
     /// depth : str, os.PathLike or numpy.ndarray of uint16, shape (h, w), optional
@@ -199,19 +205,25 @@ impl Recogniser {
     ///     Where parameters do not go together.
     /// IndexFileError
     ///     Where the index was changed while it was in use.
-    #[pyo3(signature = (image, mask=None, *, segmented=false, depth=None, depth_range=None))]
+    #[pyo3(signature = (
+        image, mask=None, *, landmarks=None, landmark_unit="pixel", segmented=false, depth=None,
+        depth_range=None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "Python names them")]
     fn recognise<'py>(
         &self,
         py: Python<'py>,
         image: &Bound<'py, PyAny>,
         mask: Option<&Bound<'py, PyAny>>,
+        landmarks: Option<&Bound<'py, PyAny>>,
+        landmark_unit: &str,
         segmented: bool,
         depth: Option<&Bound<'py, PyAny>>,
         depth_range: Option<(i64, i64)>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let index = self.index.get().get()?;
         let input = Input::new(image)?;
-        let source = mask::source(py, mask, segmented, depth, depth_range)?;
+        let source = mask::source(py, mask, (landmarks, landmark_unit), segmented, depth, depth_range)?;
         let answered = py.detach(|| answer(&index, &self.options, &input, &source));
         self.finish(py, &index, &input, answered)
     }

@@ -52,12 +52,19 @@ def test_pictures_without_an_answer_say_why_as_the_program_does(recogniser, inde
 def test_masks_that_do_not_fit_are_refused(recogniser, tmp_path):
     picture = numpy.zeros((40, 50, 3), dtype=numpy.uint8)
     ones = numpy.ones((40, 50), dtype=numpy.uint8)
+    places = numpy.ones((21, 2))
     parameters = [
         ({"mask": ones}, "the mask's greatest value is 1, and a hand is 128 or more: give it as bool"),
         ({"mask": ones.astype(float)}, "a mask of the type float64: bool, or uint8"),
         ({"mask": picture}, r"a mask of the shape \(40, 50, 3\): \(h, w\) is needed"),
         ({"mask": 5}, "a mask is a path, or a NumPy array of bool or uint8"),
-        ({"mask": ones, "segmented": True}, "only one of mask, segmented and depth"),
+        ({"mask": ones, "segmented": True}, "only one of mask, landmarks, segmented and depth"),
+        ({"landmarks": places, "mask": ones}, "only one of mask, landmarks"),
+        ({"landmarks": places[:20]}, "20 landmarks, 21 expected"),
+        ({"landmarks": places[:, :1]}, r"landmarks of the shape \(21, 1\): \(21, 2\) or \(21, 3\) is needed"),
+        ({"landmarks": places * numpy.nan}, "landmark 0 is not at a place"),
+        ({"landmarks": [["a", "b"]] * 21}, "landmarks are of the type"),
+        ({"landmarks": places, "landmark_unit": "m"}, 'landmark_unit is "m": "pixel" or "share" is needed'),
         ({"depth": ones}, "depth and depth_range, .* go together"),
         ({"depth_range": (1, 2)}, "depth and depth_range, .* go together"),
         ({"depth": ones, "depth_range": (1, 2)}, "a depth picture of the type uint8: uint16 is needed"),

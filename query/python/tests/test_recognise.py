@@ -51,6 +51,19 @@ def test_masks_and_segmented_pictures(recogniser, index_path, program, tmp_path)
         assert answer.to_dict() == expected
 
 
+def test_landmarks_of_a_tracker(recogniser, index_path, program):
+    path = PICTURES / "landmarks" / "09-pinch.json"
+    picture = PICTURES / "camera" / "09-pinch.jpg"
+    expected = printed(program, index_path, picture, "--landmarks-json", path)
+    places = numpy.array(json.loads(path.read_text())["landmarks"], float)
+    deep = numpy.column_stack([places, numpy.zeros(21)])
+    shares = places / Image.open(picture).size
+    for given in (places, places.tolist(), deep, places.astype(numpy.int32)):
+        assert recogniser.recognise(picture, landmarks=given).to_dict() == expected
+    by_shares = recogniser.recognise(picture, landmarks=shares, landmark_unit="share")
+    assert by_shares.grasp == expected["grasp"]
+
+
 def test_an_array_is_answered_as_the_same_pixels_in_a_file(recogniser, tmp_path):
     rgb = numpy.asarray(Image.open(CAMERA).convert("RGB"))
     grey = numpy.asarray(Image.open(CAMERA).convert("L"))

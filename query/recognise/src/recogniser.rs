@@ -86,9 +86,8 @@ impl<'a> Recogniser<'a> {
         timings.descriptor_ms += timings::milliseconds(started);
         let mut best =
             hypothesis::best(self.index, &hand_image, prepared.scene.as_ref(), &self.options, &mut timings)?;
-        if let Some(scene) = &prepared.scene {
-            scene.join(self.index, best.side, &mut best.vote);
-        }
+        let side = best.side;
+        let none = prepared.scene.as_ref().map(|scene| scene.join(self.index, side, &mut best.vote));
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -101,12 +100,12 @@ impl<'a> Recogniser<'a> {
                 class.probability = temper(class.probability, trust, classes);
             }
         }
-        let none = prepared.scene.as_ref().map(|scene| scene.none(best.side));
-        let none = none.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
         let doubt = self.options.accept.doubt(self.index, &best, (applied, model.least), &self.options.vote);
-        let doubt = doubt.or(none);
+        let doubt =
+            doubt.or(none.and_then(|probability| self.options.accept.none_of_the_grasps(probability)));
         let warnings = Vec::new();
-        let mut found = Recognition { prepared, hand_image, best, evidence, trust, warnings, doubt, timings };
+        let mut found =
+            Recognition { prepared, hand_image, best, evidence, none, trust, warnings, doubt, timings };
         let is_measured = self.index.catalogue().calibration.measured.is_some();
         found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
         Ok(found)

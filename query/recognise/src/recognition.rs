@@ -23,6 +23,9 @@ pub struct Recognition {
     /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by
     /// it. `None` where the mask was given and is one.
     pub trust: Option<f64>,
+    /// How likely the hand is in none of the grasps, by all that is seen, 0..=1; `None` where no
+    /// scene network has found it.
+    pub none: Option<f64>,
     /// What should make a reader doubt the answer.
     pub warnings: Vec<Warning>,
     /// Why the class is unknown, where it is.

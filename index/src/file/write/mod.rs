@@ -248,10 +248,11 @@ impl IndexWriter {
             (Some(rows), Originals::F16) => rows.get(header::LENGTH..).unwrap_or(&[]),
             _ => &[],
         };
+        let network = params.network.as_deref().map(Network::to_bytes).unwrap_or_default();
         let bytes = |kind| match kind {
             SectionKind::Descriptors => values,
             SectionKind::Thumbnails => &thumbnails,
-            SectionKind::Network => params.network.as_deref().map_or(&[][..], Network::as_bytes),
+            SectionKind::Network => &network,
             _ if kind.is_of_the_hash() => hash_sections::section(&model.search.hash, kind),
             _ => columns.section(kind, params.kept),
         };

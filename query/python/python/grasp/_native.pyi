@@ -70,6 +70,8 @@ class Recogniser:
         image: _Picture,
         mask: _Path | NDArray[numpy.bool_] | NDArray[numpy.uint8] | None = None,
         *,
+        landmarks: ArrayLike | None = None,
+        landmark_unit: Literal["pixel", "share"] = "pixel",
         segmented: bool = False,
         depth: _Path | NDArray[numpy.uint16] | None = None,
         depth_range: tuple[int, int] | None = None,

@@ -19,14 +19,10 @@ impl Scene {
         1.0 / (1.0 + libm::exp(odds))
     }
 
-    /// How likely the hand is in none of the grasps, if it is this one.
-    pub fn none(&self, side: Side) -> f64 {
-        self.probabilities(side).last().copied().unwrap_or_default()
-    }
-
     /// Weighs the neighbours' classes by what the network makes of hand and object. Classes that it
-    /// does not know count as its mean.
-    pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) {
+    /// does not know count as its mean. Returns how likely the hand is in none of the grasps, of
+    /// which the neighbours know nothing: to them it is as likely as any class.
+    pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) -> f64 {
         let probabilities = self.probabilities(side);
         let grasps = probabilities.len() - 1;
         let known: f64 = probabilities[..grasps].iter().sum();
@@ -41,8 +37,12 @@ impl Scene {
             score.probability = by_neighbours * libm::pow(by_scene.max(LEAST), NETWORK);
         }
         let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
+        let even = libm::pow(1.0 / vote.classes.len().max(1) as f64, NEIGHBOURS);
+        let none = even * libm::pow(probabilities[grasps].max(LEAST), NETWORK);
+        let some = total * libm::pow(known, NETWORK);
         vote.classes.iter_mut().for_each(|score| score.probability /= total);
         vote.classes.sort_by_key(|score| score.class);
         vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        none / (none + some)
     }
 }

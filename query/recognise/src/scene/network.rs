@@ -143,7 +143,7 @@ mod tests {
         };
         let weights = vec![0.0; architecture.parameters().unwrap()];
         let other = Network::from_weights(architecture, weights).unwrap();
-        let error = SceneNetwork::from_bytes(other.as_bytes(), &GRASPS).unwrap_err();
+        let error = SceneNetwork::from_bytes(&other.to_bytes(), &GRASPS).unwrap_err();
         assert_eq!(error.to_string(), "not a network of scenes: the number of planes is 2, 3 expected");
         assert!(SceneNetwork::from_bytes(&bytes[..1000], &GRASPS).is_err());
     }
