@@ -21,13 +21,12 @@ pub(crate) fn landmarks(values: &Bound<'_, PyAny>, unit: &str) -> PyResult<Landm
     if !matches!(array.dtype().kind(), b'f' | b'i' | b'u') {
         return Err(parameter(format!("landmarks are of the type {}: numbers are needed", array.dtype())));
     }
-    let [_, 2 | 3] = *array.shape() else {
+    let [_, step @ (2 | 3)] = *array.shape() else {
         return Err(parameter(format!(
             "landmarks of the shape {}: (21, 2) or (21, 3) is needed, a row a joint",
             shown(array.shape())
         )));
     };
-    let step = array.shape()[1];
     let array = contiguous::<f64>(&array, "float64")?;
     let places: Vec<[f64; 2]> =
         array.readonly().as_slice()?.chunks_exact(step).map(|place| [place[0], place[1]]).collect();
