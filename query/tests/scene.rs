@@ -1,10 +1,11 @@
-//! The scene network on real small pictures: those of `tests/pictures`.
+//! The scene networks on real small pictures: those of `tests/pictures`.
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
+use grasp_index::HandImage;
 use grasp_recognise::picture::{self, Picture};
-use grasp_recognise::scene::{LandmarkUnit, Landmarks, SceneNetwork, find};
+use grasp_recognise::scene::{LandmarkUnit, Landmarks, Prediction, SceneNetwork, find};
 use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::{MaskSource, Prepared, Side};
 
@@ -68,7 +69,7 @@ fn the_hand_is_found_in_every_sample_by_colours_and_network_alike() {
 fn a_picture_that_is_turned_is_looked_at_as_it_was() {
     for name in NAMES {
         let picture = camera(name);
-        let network = SceneNetwork::built_in();
+        let network = SceneNetwork::finding();
         let [before, after] =
             [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square());
         let turn = (before.turn - FRAC_PI_2 - after.turn).cos();
@@ -84,7 +85,7 @@ fn a_picture_that_is_turned_is_looked_at_as_it_was() {
 fn what_hand_and_object_are_is_as_likely_for_either_hand_in_all() {
     let scene = found(NAMES[0]).scene.unwrap();
     for side in [Side::Left, Side::Right] {
-        let probabilities = scene.probabilities(side);
+        let probabilities = scene.prediction.probabilities(side);
         assert_eq!(probabilities.len(), 7, "six grasps, and none");
         assert!((probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-9);
     }
@@ -99,13 +100,72 @@ fn a_hand_stands_in_the_middle_of_its_square() {
     }
 }
 
+/// A hand image's mask and picture.
+fn segmented(name: &str) -> Prepared {
+    let bytes = picture::read(&folder().join(format!("segmented/{name}.png"))).unwrap();
+    Prepared::decode(&bytes, &MaskSource::Segmented, &SegmentParams::default()).expect(name)
+}
+
+fn cut_out(picture: &Picture, mask: &Mask) -> Prediction {
+    let size = (picture.width(), picture.height());
+    let hand = HandImage::from_mask(size.0, size.1, &picture.grey(), mask.pixels()).unwrap();
+    Prediction::of_cut_out(picture, mask, hand.upright_turn_deg().to_radians()).unwrap()
+}
+
+#[test]
+fn a_hand_that_is_cut_out_is_known_from_its_mirror_image() {
+    let mut right = 0;
+    for name in NAMES {
+        let Prepared { picture, mask, .. } = segmented(name);
+        let prediction = cut_out(&picture, &mask);
+        for side in [Side::Right, Side::Left] {
+            let probabilities = prediction.probabilities(side);
+            assert!((probabilities.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}");
+        }
+        right += usize::from(prediction.right_odds > 0.0);
+    }
+    assert!(right >= 5, "{right} of {}", NAMES.len());
+}
+
+#[test]
+fn what_lies_around_a_hand_that_is_cut_out_is_not_looked_at() {
+    let Prepared { picture, mask, .. } = segmented("09-pinch");
+    let of = |picture: &Picture| cut_out(picture, &mask).probabilities(Side::Right);
+    let beyond = picture.rgb().iter().zip(mask.pixels()).enumerate();
+    let rgb = beyond.map(|(at, (rgb, inside))| if *inside != 0 { *rgb } else { [at as u8, 200, 90] });
+    let other = Picture::new(picture.width(), picture.height(), rgb.collect()).unwrap();
+    assert_eq!(of(&picture), of(&other));
+    let nothing = Mask::from_values(8, 8, &[0u8; 64], |value| value > 0);
+    let small = Picture::new(8, 8, vec![[9; 3]; 64]).unwrap();
+    assert!(Prediction::of_cut_out(&small, &nothing, 0.0).is_none());
+}
+
+#[test]
+fn a_hand_that_is_cut_out_is_known_again_when_it_is_turned() {
+    for name in ["01-large-diameter", "10-power-sphere"] {
+        let Prepared { picture, mask, .. } = segmented(name);
+        let turn_mask = |mask: &Mask| {
+            let (width, height) = (mask.width(), mask.height());
+            let values: Vec<u8> = (0..width * height)
+                .map(|at| mask.pixels()[(height - 1 - at % height) * width + at / height])
+                .collect();
+            Mask::from_values(height, width, &values, |value| value > 0)
+        };
+        let before = cut_out(&picture, &mask).probabilities(Side::Right);
+        let after = cut_out(&turned(&picture), &turn_mask(&mask)).probabilities(Side::Right);
+        for (before, after) in before.iter().zip(&after) {
+            assert!((before - after).abs() < 0.15, "{name}: {before} {after}");
+        }
+    }
+}
+
 #[test]
 fn a_wall_has_no_hand() {
     let wall = Picture::new(160, 120, vec![[120, 130, 140]; 160 * 120]).unwrap();
-    assert!(find(SceneNetwork::built_in(), &wall).is_none());
+    assert!(find(SceneNetwork::finding(), &wall).is_none());
     let single = Picture::new(1, 1, vec![[200, 150, 120]]).unwrap();
     // Whatever it says of a pixel, it returns.
-    let _ = find(SceneNetwork::built_in(), &single);
+    let _ = find(SceneNetwork::finding(), &single);
 }
 
 /// Where the joints of the hand that pinches are, to a few pixels (`landmarks/09-pinch.json`).

@@ -43,7 +43,7 @@ pub mod render_set;
 pub use camera::{CameraScene, Framing, Layers, Part, Picture};
 pub use grasp::{
     Example, Grasp, GraspFault, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject,
-    Placement, PoseGroup, RecordedPose, Stage, StagePose, UnknownStage, presented_grasps,
+    Placement, PoseGroup, RecordedPose, Stage, StagePose, UnknownStage, alike_grasps, presented_grasps,
 };
 pub use hand::{
     Digit, FingerMeasures, HandPose, HandShape, HandShapeError, JOINT_NAMES, Joints, Skeleton, joint_limits,

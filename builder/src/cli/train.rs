@@ -23,11 +23,11 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Train
 ///
 /// The learned descriptor's network that comes with this program was trained by the default
 /// options, and so on all recorded poses; the scene network twice, the second time `--from` the
-/// first.
+/// first; the naming network `--from` one of these.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder train --out hand.network                     as the shipped network: about an hour on two cores
+  grasp-builder train --out hand.network                     as the shipped one: an hour on two cores
   grasp-builder build --descriptor learned --network hand.network --out grasp.idx
                                                              an index that is searched by it
   grasp-builder train --out small.network --samples 300000   ten minutes, for a first look
@@ -39,11 +39,13 @@ pub(crate) struct Train {
     /// The network to write; the curve goes to FILE.csv.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Which network: the learned descriptor's, or the one that finds a hand in a camera picture.
+    /// Which network: the learned descriptor's, or one that finds hands in camera pictures, or that
+    /// names them.
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Pictures to show the network in all; full batches of 64 are. By default as many as the
-    /// shipped network of that kind was shown: 3,200,000 (hand), 1,600,000 (scene).
+    /// shipped network of that kind was shown: 3,200,000 (hand), 1,600,000 (scene), 1,000,000
+    /// (naming).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// Begin with the weights of a trained network of the same kind, and not with random ones. Give

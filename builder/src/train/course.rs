@@ -2,7 +2,7 @@
 
 use grasp_network::{Architecture, Network};
 use grasp_terminal::Work;
-use grasp_train::Target;
+use grasp_train::{Factors, Target};
 use rand_chacha::ChaCha8Rng;
 
 use super::figures::Figure;
@@ -21,6 +21,11 @@ pub trait Course: Sized + Sync {
 
     /// The network that learns it.
     fn architecture(&self) -> Architecture;
+
+    /// How often each loss counts.
+    fn factors(&self) -> Factors {
+        Factors::default()
+    }
 
     /// Renders `views` views of a scene of an endless list. The same number has the same renders.
     ///

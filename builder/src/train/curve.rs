@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use grasp_index::AtomicFile;
 use grasp_terminal::text::{counted, percent};
-use grasp_train::Losses;
+use grasp_train::{Factors, Losses};
 use serde::{Deserialize, Serialize};
 
 use super::figures::Figure;
@@ -69,9 +69,9 @@ pub(super) struct MeanLosses {
 }
 
 impl MeanLosses {
-    pub(super) fn add(&mut self, losses: &Losses) {
-        let values =
-            [losses.total(), losses.class, losses.stage, losses.rotation, losses.joints, losses.masks];
+    pub(super) fn add(&mut self, losses: &Losses, factors: &Factors) {
+        let total = losses.total(factors);
+        let values = [total, losses.class, losses.stage, losses.rotation, losses.joints, losses.masks];
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
         self.steps += 1;
     }

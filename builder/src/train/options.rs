@@ -15,8 +15,9 @@ const PEAK_RATE_OF_TRAINED: f32 = 1e-3;
 const HARD_AT_FIRST: f64 = 0.1;
 /// How fast that share rises: by so much over all steps, were there no limit.
 const HARDENING: f64 = 0.6;
-/// The largest share of a batch that is augmented hard.
+/// The largest share of a batch that is augmented hard, and that of hands to be named.
 const HARD_AT_MOST: f64 = 0.5;
+const HARD_AT_MOST_NAMED: f64 = 0.25;
 
 /// Which network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -28,6 +29,8 @@ pub enum Kind {
     /// The scene network, which sees a part of a camera picture: it finds hand, arm and object, and
     /// names the grasp by all that it sees.
     Scene,
+    /// The naming network, of the same form, which names hands that have been found or cut out.
+    Naming,
 }
 
 impl Kind {
@@ -36,7 +39,15 @@ impl Kind {
         match self {
             Self::Hand => 3_200_000,
             Self::Scene => 1_600_000,
+            Self::Naming => 1_000_000,
         }
+    }
+
+    /// How many of a batch's samples are augmented hard at a step.
+    pub(super) fn hard_samples(self, batch: usize, step: u64, steps: u64) -> usize {
+        let most = if self == Self::Naming { HARD_AT_MOST_NAMED } else { HARD_AT_MOST };
+        let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(most);
+        (share * batch as f64).ceil() as usize
     }
 }
 
@@ -64,8 +75,10 @@ pub struct Options {
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, samples, seed, hold_out_poses, validate_every, start, keep_percent } = self;
-        if *kind == Kind::Scene {
-            write!(formatter, "--kind scene ")?;
+        match kind {
+            Kind::Hand => (),
+            Kind::Scene => write!(formatter, "--kind scene ")?,
+            Kind::Naming => write!(formatter, "--kind naming ")?,
         }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
         if *hold_out_poses {
@@ -103,10 +116,4 @@ impl Options {
     pub(super) fn seed_of_variations(&self) -> u64 {
         self.seed ^ 1
     }
-}
-
-/// How many of a batch's samples are augmented hard at a step.
-pub(super) fn hard_samples(batch: usize, step: u64, steps: u64) -> usize {
-    let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(HARD_AT_MOST);
-    (share * batch as f64).ceil() as usize
 }

@@ -4,15 +4,42 @@ use std::sync::Arc;
 
 use grasp_renders::random::unit;
 use grasp_renders::{
-    Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation, presented_grasps,
+    Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation, alike_grasps,
+    presented_grasps,
 };
 use rand::{Rng as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// How often each stage is drawn: most pictures that are asked about show the grasp itself.
-const STAGES: [(Stage, f64); 3] = [(Stage::Reach, 0.2), (Stage::Close, 0.25), (Stage::Grasp, 0.55)];
-/// How far things that are held up are tilted in the hand, in degrees (standard deviation).
-const TILT_OF_PRESENTED: f64 = 25.0;
+/// How often the stages before the grasp are drawn: most pictures that are asked about show the
+/// grasp itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageShares {
+    /// The share of reaches.
+    pub reach: f64,
+    /// The share of hands about to close.
+    pub close: f64,
+}
+
+impl Default for StageShares {
+    fn default() -> Self {
+        Self { reach: 0.2, close: 0.25 }
+    }
+}
+
+impl StageShares {
+    /// The stage of a number from 0 to 1.
+    fn stage(&self, number: f64) -> Stage {
+        match number {
+            x if x < self.reach => Stage::Reach,
+            x if x < self.reach + self.close => Stage::Close,
+            _ => Stage::Grasp,
+        }
+    }
+}
+
+/// How far things that are held in another way are tilted in the hand, in degrees (standard
+/// deviation).
+const TILT_OF_WAYS: f64 = 25.0;
 /// Pixels a side of a render: somewhat more than a network sees, as augmentation turns and cuts it.
 const SIDE: usize = 80;
 
@@ -23,11 +50,11 @@ pub struct Scenes {
     look: Look,
     variation: Variation,
     hands: Hands,
-    /// The only stage that is drawn.
-    stage: Option<Stage>,
-    /// The share of scenes in which a thing is held up at the finger tips, where a grasp has such
-    /// ways.
+    stages: StageShares,
+    /// The share of scenes in which a thing is held up at the finger tips, and of those in which
+    /// the hand is posed as another grasp's, where a grasp has such ways.
     presented: f64,
+    alike: f64,
     seed: u64,
 }
 
@@ -60,15 +87,20 @@ impl Scenes {
             look: Look { side: SIDE, ..plan.look },
             variation: Variation { recorded_from: poses, ..plan.variation },
             hands: Hands::Training,
-            stage: None,
+            stages: StageShares::default(),
             presented: 0.0,
+            alike: 0.0,
             seed,
         }
     }
 
     /// Hands that no training draws, at the grasp, posed as `poses` allows.
     pub fn other_hands(seed: u64, poses: PoseGroup) -> Self {
-        Self { hands: Hands::Others, stage: Some(Stage::Grasp), ..Self::training(seed, poses) }
+        Self {
+            hands: Hands::Others,
+            stages: StageShares { reach: 0.0, close: 0.0 },
+            ..Self::training(seed, poses)
+        }
     }
 
     /// The same hands, all of them in poses that are held out.
@@ -77,9 +109,19 @@ impl Scenes {
         Self { variation: Variation { examples: 0.0, recorded: 1.0, ..scenes.variation }, ..scenes }
     }
 
+    /// The same scenes in other stages.
+    pub fn with_stages(self, stages: StageShares) -> Self {
+        Self { stages, ..self }
+    }
+
     /// The same scenes but for a share, in which things are held up as to a camera.
     pub fn with_presented(self, share: f64) -> Self {
         Self { presented: share, ..self }
+    }
+
+    /// The same scenes but for a share, in which hands are posed as in another grasp.
+    pub fn with_alike(self, share: f64) -> Self {
+        Self { alike: share, ..self }
     }
 
     /// How many classes there are.
@@ -98,48 +140,38 @@ impl Scenes {
         });
         // Classes take turns, so that each has its share of every batch.
         let class = (number % self.grasps.len() as u64) as usize;
-        let drawn = stage(unit(&mut rng));
+        let stage = self.stages.stage(unit(&mut rng));
         let size = unit(&mut rng);
-        let presented = self.presented(&self.grasps[class].name, &mut rng);
-        let is_presented = presented.is_some();
-        let variation = if is_presented { &self.variation_of_presented() } else { &self.variation };
-        let grasp = presented.unwrap_or(&self.grasps[class]);
+        let (chance, which) = (unit(&mut rng), unit(&mut rng));
+        let way = |ways: &'static [Arc<Grasp>]| way(ways, &self.grasps[class].name, which);
+        let presented = way(presented_grasps()).filter(|_| chance < self.presented);
+        let alike = way(alike_grasps()).filter(|_| chance >= 1.0 - self.alike);
+        let other = presented.or(alike);
+        let variation = if other.is_some() { &self.variation_of_ways() } else { &self.variation };
+        let grasp = other.unwrap_or(&self.grasps[class]);
         let spec = SceneSpec {
             hand_shape: Arc::new(shape),
             hand_model: None,
             grasp: Arc::clone(grasp),
-            stage: self.stage.unwrap_or(drawn),
+            stage,
             object: grasp.object.object(size),
             example: None,
             held: None,
             look: self.look.clone(),
             seed: self.seed ^ number,
         };
-        DrawnScene { spec: variation.vary(spec), class, is_presented }
+        DrawnScene { spec: variation.vary(spec), class, is_presented: presented.is_some() }
     }
 
-    /// One of the ways in which things are held up in a grasp, now and then; `None` where it has
-    /// none.
-    fn presented(&self, name: &str, rng: &mut ChaCha8Rng) -> Option<&'static Arc<Grasp>> {
-        let (chance, which) = (unit(rng), unit(rng));
-        let ways: Vec<_> = presented_grasps().iter().filter(|way| way.name == name).collect();
-        let way = ways.get((which * ways.len() as f64) as usize).copied();
-        way.filter(|_| chance < self.presented)
-    }
-
-    fn variation_of_presented(&self) -> Variation {
-        Variation { examples: 0.0, recorded: 0.0, tilt_deg: TILT_OF_PRESENTED, ..self.variation.clone() }
+    fn variation_of_ways(&self) -> Variation {
+        Variation { examples: 0.0, recorded: 0.0, tilt_deg: TILT_OF_WAYS, ..self.variation.clone() }
     }
 }
 
-fn stage(mut share: f64) -> Stage {
-    for (stage, part) in STAGES {
-        if share < part {
-            return stage;
-        }
-        share -= part;
-    }
-    Stage::Grasp
+/// The one of a grasp's ways that a number from 0 to 1 says; `None` where it has none.
+fn way(ways: &'static [Arc<Grasp>], name: &str, which: f64) -> Option<&'static Arc<Grasp>> {
+    let ways: Vec<_> = ways.iter().filter(|way| way.name == name).collect();
+    ways.get((which * ways.len() as f64) as usize).copied()
 }
 
 #[cfg(test)]
@@ -151,7 +183,7 @@ mod tests {
         let scenes = Scenes::training(7, PoseGroup::All);
         let drawn: Vec<_> = (0..600).map(|number| scenes.scene(number)).collect();
         assert!(drawn.iter().enumerate().all(|(number, drawn)| drawn.class == number % scenes.classes()));
-        for (stage, share) in STAGES {
+        for (stage, share) in [(Stage::Reach, 0.2), (Stage::Close, 0.25), (Stage::Grasp, 0.55)] {
             let found = drawn.iter().filter(|drawn| drawn.spec.stage == stage).count() as f64 / 600.0;
             assert!((found - share).abs() < 0.07, "{stage}: {found}");
         }
@@ -171,6 +203,17 @@ mod tests {
             assert_eq!([hand.stage, pose.stage], [Stage::Grasp; 2]);
             assert!(pose.held.is_some() && pose.example.is_none());
         }
+    }
+
+    #[test]
+    fn hands_are_posed_as_another_grasps_in_a_share_of_the_scenes() {
+        let plain = Scenes::training(7, PoseGroup::All);
+        let some = Scenes::training(7, PoseGroup::All).with_alike(0.25);
+        let about = |scenes: &Scenes, number| scenes.scene(number).spec.grasp.about.clone();
+        let other = (0..600).filter(|number| about(&some, *number) != about(&plain, *number)).count();
+        // Three of the six grasps have such ways.
+        assert!((55..95).contains(&other), "{other} of 300");
+        assert!((0..600).all(|number| !some.scene(number).is_presented));
     }
 
     #[test]

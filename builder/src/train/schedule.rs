@@ -27,12 +27,14 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// That of the shipped network of a kind. What the scene network's renders take in memory is
-    /// fifteen times as much.
+    /// That of the shipped network of a kind. What renders of scenes take in memory is fifteen
+    /// times as much.
     pub fn standard(kind: Kind) -> Self {
         match kind {
             Kind::Hand => Self::HAND,
-            Kind::Scene => Self { scenes: 24, parts_at_first: 8, window: 20, mirrored: 5, ..Self::HAND },
+            Kind::Scene | Kind::Naming => {
+                Self { scenes: 24, parts_at_first: 8, window: 20, mirrored: 5, ..Self::HAND }
+            }
         }
     }
 

@@ -125,7 +125,8 @@ fn changes_no_byte(options: &Options, pieces: u64) {
         assert!(error.is::<Interrupted>(), "{error:#}");
         assert!(!files(stopped).network.exists());
         stops += 1;
-        assert!(stops < 10, "the training goes on");
+        // It takes 21 steps in all, and each try at least one.
+        assert!(stops < 22, "the training goes on");
     }
     assert!(stops > 0);
     assert!(written(once) == written(stopped));

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, bail, ensure};
 use grasp_network::Network;
 use grasp_terminal::Work;
-use grasp_train::{Batch, Losses, Trainer, learning_rate};
+use grasp_train::{Batch, Trainer, learning_rate};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -13,7 +13,6 @@ use super::checkpoint::State;
 use super::course::{Course, Lesson, Showing};
 use super::curve::{MeanLosses, Row};
 use super::figures::Figure;
-use super::options::hard_samples;
 use super::window::{Window, render_all};
 use super::{Options, Schedule, joints};
 
@@ -162,11 +161,13 @@ fn step(
     let State { trainer, curve, losses } = state;
     let (before, steps) = (trainer.steps(), schedule.steps(options.samples));
     let found = trainer.step(batch, learning_rate(options.peak_rate(), before, steps))?;
-    if !found.total().is_finite() {
+    let total = found.total(&batch.factors);
+    if !total.is_finite() {
         bail!("the training has diverged at step {before}: its losses are not finite; another seed may help");
     }
-    losses.add(&found);
-    show(work, schedule.samples(before + 1), &found);
+    losses.add(&found, &batch.factors);
+    work.set_position(schedule.samples(before + 1));
+    work.set_message(format!("training, loss {total:.2}"));
     let rows = |step: u64| schedule.samples(step) / options.validate_every;
     if rows(before + 1) > rows(before) || before + 1 == steps {
         let figures = measure(&network(trainer)?);
@@ -176,11 +177,6 @@ fn step(
         curve.push(row);
     }
     Ok(())
-}
-
-fn show(work: &Work, samples: u64, losses: &Losses) {
-    work.set_position(samples);
-    work.set_message(format!("training, loss {:.2}", losses.total()));
 }
 
 fn network(trainer: &Trainer) -> anyhow::Result<Network> {
@@ -199,7 +195,7 @@ fn batch<C: Course>(
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_picks());
     rng.set_stream(step);
     let picks: Vec<&C::Render> = (0..schedule.batch).filter_map(|_| window.pick(&mut rng)).collect();
-    let hard = hard_samples(schedule.batch, step, schedule.steps(options.samples));
+    let hard = options.kind.hard_samples(schedule.batch, step, schedule.steps(options.samples));
     let first = schedule.samples(step);
     let lesson = |(at, render): (usize, &&C::Render)| {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_variations());
@@ -208,7 +204,7 @@ fn batch<C: Course>(
         course.lesson(render, showing, &mut rng)
     };
     let lessons: Vec<Option<Lesson>> = picks.par_iter().enumerate().map(lesson).collect();
-    let mut batch = Batch::default();
+    let mut batch = Batch { factors: course.factors(), ..Batch::default() };
     for Lesson { planes, target, masks, joints } in lessons.into_iter().flatten() {
         batch.inputs.extend(planes);
         batch.targets.push(target);

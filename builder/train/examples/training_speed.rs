@@ -65,6 +65,7 @@ fn batch(architecture: &Architecture, samples: usize) -> Result<Batch, Architect
         targets: (0..samples).map(target).collect(),
         masks: values(samples * masks),
         joints: values(samples * 3 * JOINTS),
+        ..Batch::default()
     })
 }
 

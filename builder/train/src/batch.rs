@@ -56,6 +56,27 @@ pub struct Batch {
     /// The places of the joints, one sample's after another's, three values each: in any unit and
     /// frame, values of about 1; empty where no joints are learned.
     pub joints: Vec<f32>,
+    /// How often each loss counts.
+    pub factors: Factors,
+}
+
+/// How often each loss counts in what training makes small; that of the class counts once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors {
+    /// The stage's loss.
+    pub stage: f32,
+    /// The rotation's.
+    pub rotation: f32,
+    /// The masks': few of their values are hand or object, and the mean over all is small.
+    pub masks: f32,
+    /// The joints'.
+    pub joints: f32,
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self { stage: 0.3, rotation: 1.0, masks: 3.0, joints: 3.0 }
+    }
 }
 
 /// A batch that nothing can be learned from. The trainer is left as it was.

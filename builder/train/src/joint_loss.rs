@@ -1,19 +1,18 @@
 //! The loss of the joints' places and its gradient.
 
 use crate::batch::Target;
-use crate::losses::JOINT_FACTOR;
 
 /// Added under the root, so that a joint in its place has a gradient.
 const EPSILON: f64 = 1e-4;
 
 /// The mean distance of the joints from their places: over the samples by their weights, 0 where no
-/// sample has one. Writes the gradient of what it adds to the total, [`JOINT_FACTOR`] times as
-/// much.
+/// sample has one. Writes the gradient of what it adds to the total, `times` as much.
 pub(crate) fn joint_loss(
     joints: usize,
     found: &[f32],
     wanted: &[f32],
     targets: &[Target],
+    times: f32,
     gradients: &mut [f32],
 ) -> f32 {
     let sum: f64 = targets.iter().map(|target| f64::from(target.weights.joints)).sum();
@@ -33,7 +32,7 @@ pub(crate) fn joint_loss(
             let error: [f64; 3] = std::array::from_fn(|i| f64::from(found[i]) - f64::from(wanted[i]));
             let distance = (error.iter().map(|v| v * v).sum::<f64>() + EPSILON).sqrt();
             loss += factor * distance;
-            *gradient = error.map(|v| (f64::from(JOINT_FACTOR) * factor * v / distance) as f32);
+            *gradient = error.map(|v| (f64::from(times) * factor * v / distance) as f32);
         }
     }
     loss as f32
@@ -57,12 +56,12 @@ mod tests {
         (found[0], found[5]) = (3.5, -1.5);
         found[6..].fill(100.0);
         let mut gradients = [1.0; 12];
-        let loss = joint_loss(2, &found, &wanted, &[target(1.0), target(0.0)], &mut gradients);
+        let loss = joint_loss(2, &found, &wanted, &[target(1.0), target(0.0)], 3.0, &mut gradients);
         assert!((loss - 2.5).abs() < 1e-4, "{loss}");
         let expected = [1.5, 0.0, 0.0, 0.0, 0.0, -1.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert!(gradients.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{gradients:?}");
         let mut gradients = [1.0; 12];
-        assert_eq!(joint_loss(2, &found, &wanted, &[target(0.0); 2], &mut gradients), 0.0);
+        assert_eq!(joint_loss(2, &found, &wanted, &[target(0.0); 2], 3.0, &mut gradients), 0.0);
         assert_eq!(gradients, [0.0; 12]);
     }
 }

@@ -25,9 +25,9 @@
 //! let steps = 10;
 //! while trainer.steps() < steps {
 //!     let masks = vec![1.0; 32 * 8 * 8];
-//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks, joints: Vec::new() };
+//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks, ..Batch::default() };
 //!     let losses = trainer.step(&batch, learning_rate(2e-3, trainer.steps(), steps))?;
-//!     assert!(losses.total().is_finite());
+//!     assert!(losses.total(&batch.factors).is_finite());
 //! }
 //! let resumed = Trainer::load(&trainer.save())?;
 //! assert_eq!(resumed.weights(), trainer.weights());
@@ -57,7 +57,7 @@ mod rotation;
 mod trainer;
 mod warm_start;
 
-pub use batch::{Batch, BatchError, LossWeights, Target};
+pub use batch::{Batch, BatchError, Factors, LossWeights, Target};
 pub use checkpoint::CheckpointError;
 pub use losses::Losses;
 pub use optimiser::learning_rate;

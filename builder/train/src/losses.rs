@@ -1,21 +1,12 @@
 //! The losses of the heads and their gradient.
 
-use crate::batch::{LossWeights, Target};
+use crate::batch::{Factors, LossWeights, Target};
 use crate::plan::{ROTATION, STAGES};
 use crate::rotation::Orthonormal;
 
 /// The probability that the true class's target keeps; the rest is spread over all classes, so that
 /// logits do not grow without bound.
 const CLASS_TARGET: f64 = 0.94;
-/// The weight of the stage's loss in the total.
-const STAGE_FACTOR: f64 = 0.3;
-/// The weight of the rotation's loss in the total.
-const ROTATION_FACTOR: f64 = 1.0;
-/// The weight of the masks' loss in the total: few of their values are hand or object, and the mean
-/// over all is small.
-pub(crate) const MASK_FACTOR: f32 = 3.0;
-/// The weight of the joints' loss in the total.
-pub(crate) const JOINT_FACTOR: f32 = 3.0;
 /// Added under the root, so that a rotation without error has a gradient.
 const EPSILON: f64 = 1e-4;
 
@@ -35,16 +26,22 @@ pub struct Losses {
 }
 
 impl Losses {
-    /// What training makes small: class + 0.3 stage + rotation + 3 masks + 3 joints.
-    pub fn total(&self) -> f32 {
-        let heads = self.class + STAGE_FACTOR as f32 * self.stage + ROTATION_FACTOR as f32 * self.rotation;
-        heads + MASK_FACTOR * self.masks + JOINT_FACTOR * self.joints
+    /// What training makes small.
+    pub fn total(&self, factors: &Factors) -> f32 {
+        let heads = self.class + factors.stage * self.stage + factors.rotation * self.rotation;
+        heads + factors.masks * self.masks + factors.joints * self.joints
     }
 }
 
 /// The losses of a batch's heads, `heads` values a sample; those of masks and joints are left at 0.
 /// Writes the gradient of the total.
-pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradients: &mut [f32]) -> Losses {
+pub(crate) fn losses(
+    heads: usize,
+    outputs: &[f32],
+    targets: &[Target],
+    factors: &Factors,
+    gradients: &mut [f32],
+) -> Losses {
     let share = |weight: fn(&LossWeights) -> f32| {
         let sum: f64 = targets.iter().map(|target| f64::from(weight(&target.weights))).sum();
         if sum > 0.0 { 1.0 / sum } else { 0.0 }
@@ -61,9 +58,9 @@ pub(crate) fn losses(heads: usize, outputs: &[f32], targets: &[Target], gradient
         let (class_gradients, rest) = gradients.split_at_mut(heads - STAGES - ROTATION);
         let (stage_gradients, column_gradients) = rest.split_at_mut(STAGES);
         sums[0] += class * cross_entropy(classes, target.class, CLASS_TARGET, class, class_gradients);
-        let factor = STAGE_FACTOR * stage;
+        let factor = f64::from(factors.stage) * stage;
         sums[1] += stage * cross_entropy(stages, target.stage, 1.0, factor, stage_gradients);
-        let factor = ROTATION_FACTOR * rotation;
+        let factor = f64::from(factors.rotation) * rotation;
         sums[2] += rotation * rotation_error(columns, &target.rotation, factor, column_gradients);
     }
     let [class, stage, rotation] = sums.map(|sum| sum as f32);
@@ -107,6 +104,7 @@ mod tests {
     use super::*;
     use crate::rotation::rotation_of;
 
+    const FACTORS: Factors = Factors { stage: 0.4, rotation: 0.7, masks: 2.0, joints: 1.5 };
     const TARGET: Target = Target {
         class: 4,
         stage: 1,
@@ -119,15 +117,15 @@ mod tests {
     }
 
     fn total(outputs: &[f32], targets: &[Target]) -> f64 {
-        let losses = losses(15, outputs, targets, &mut vec![0.0; outputs.len()]);
-        f64::from(losses.class) + 0.3 * f64::from(losses.stage) + f64::from(losses.rotation)
+        let losses = losses(15, outputs, targets, &FACTORS, &mut vec![0.0; outputs.len()]);
+        f64::from(losses.total(&FACTORS))
     }
 
     #[test]
     fn the_gradient_is_that_of_the_total() {
         let targets = [TARGET, Target { class: 0, weights: LossWeights::ALL, ..TARGET }];
         let mut gradients = vec![0.0; 30];
-        losses(15, &outputs(), &targets, &mut gradients);
+        losses(15, &outputs(), &targets, &FACTORS, &mut gradients);
         for (index, gradient) in gradients.iter().enumerate() {
             let at = |step: f32| {
                 let mut outputs = outputs();
@@ -145,7 +143,7 @@ mod tests {
         outputs[4] = -2.0 + (0.95f32 / 0.01).ln();
         outputs[7] = 30.0;
         outputs[9..].copy_from_slice(&[0.0, 3.0, 0.0, -0.1, 0.0, 0.0]);
-        let losses = losses(15, &outputs, &[TARGET], &mut [0.0; 15]);
+        let losses = losses(15, &outputs, &[TARGET], &FACTORS, &mut [0.0; 15]);
         let entropy = -(0.95 * 0.95f32.ln() + 5.0 * 0.01 * 0.01f32.ln());
         assert!((losses.class - entropy).abs() < 1e-5, "{losses:?}");
         assert!(losses.stage < 1e-6 && (losses.rotation - 0.01).abs() < 1e-5, "{losses:?}");
@@ -156,10 +154,10 @@ mod tests {
         let weights = LossWeights { class: 0.0, stage: 0.0, rotation: 0.0, ..LossWeights::ALL };
         let targets = [TARGET, Target { weights, ..TARGET }];
         let mut gradients = vec![1.0; 30];
-        let both = losses(15, &outputs(), &targets, &mut gradients);
+        let both = losses(15, &outputs(), &targets, &FACTORS, &mut gradients);
         assert_eq!(gradients[15..], [0.0; 15]);
-        assert_eq!(both, losses(15, &outputs()[..15], &targets[..1], &mut [0.0; 15]));
-        assert_eq!(losses(15, &outputs(), &[targets[1]; 2], &mut gradients), Losses::default());
+        assert_eq!(both, losses(15, &outputs()[..15], &targets[..1], &FACTORS, &mut [0.0; 15]));
+        assert_eq!(losses(15, &outputs(), &[targets[1]; 2], &FACTORS, &mut gradients), Losses::default());
         assert_eq!(gradients, [0.0; 30]);
     }
 

@@ -1,13 +1,12 @@
 //! The loss of the masks and its gradient.
 
 use crate::batch::Target;
-use crate::losses::MASK_FACTOR;
 use crate::plan::MaskPlan;
 use rayon::prelude::*;
 
 /// The mean over all values of the binary cross entropy of the logits and the wanted shares: over
 /// the samples by their weights, 0 where no sample has one. Writes the gradient of what it
-/// adds to the total, [`MASK_FACTOR`] times as much.
+/// adds to the total, `times` as much.
 ///
 /// Logits and gradients are in the layer's order, `wanted` in that of [`grasp_network::Output`].
 pub(crate) fn mask_loss(
@@ -15,6 +14,7 @@ pub(crate) fn mask_loss(
     logits: &[f32],
     wanted: &[f32],
     targets: &[Target],
+    times: f32,
     gradients: &mut [f32],
 ) -> f32 {
     let sum: f64 = targets.iter().map(|target| f64::from(target.weights.masks)).sum();
@@ -30,7 +30,7 @@ pub(crate) fn mask_loss(
             for ((logit, share), gradient) in run.zip(&mut gradients[from..][..cells]) {
                 let (entropy, slope) = cross_entropy(*logit, *share);
                 loss += f64::from(entropy);
-                *gradient = MASK_FACTOR * factor as f32 * slope;
+                *gradient = times * factor as f32 * slope;
             }
         }
         factor * loss

@@ -129,15 +129,17 @@ impl Trainer {
         let inputs = batch.inputs.as_slice();
         self.activations.forward(plan, parameters, inputs, Mode::Training { dropout });
         let Outputs { heads, masks, joints } = &self.activations.outputs;
-        let of = &mut self.output_gradients;
+        let (of, factors) = (&mut self.output_gradients, &batch.factors);
         of.heads.resize(heads.len(), 0.0);
-        let mut losses = losses(plan.heads(), heads, &batch.targets, &mut of.heads);
+        let mut losses = losses(plan.heads(), heads, &batch.targets, factors, &mut of.heads);
         if let Some(plan) = &plan.masks {
             of.masks.resize(masks.len(), 0.0);
-            losses.masks = mask_loss(plan, masks, &batch.masks, &batch.targets, &mut of.masks);
+            let (wanted, times) = (&batch.masks, factors.masks);
+            losses.masks = mask_loss(plan, masks, wanted, &batch.targets, times, &mut of.masks);
         }
         of.joints.resize(joints.len(), 0.0);
-        losses.joints = joint_loss(plan.joints(), joints, &batch.joints, &batch.targets, &mut of.joints);
+        let (wanted, times) = (&batch.joints, factors.joints);
+        losses.joints = joint_loss(plan.joints(), joints, wanted, &batch.targets, times, &mut of.joints);
         let (from, to) = (&self.output_gradients, &mut self.gradients);
         self.activations.backward(plan, parameters, inputs, dropout, from, to);
         losses

@@ -57,7 +57,8 @@ def test_landmarks_of_a_tracker(recogniser, index_path, program):
     expected = printed(program, index_path, picture, "--landmarks-json", path)
     places = numpy.array(json.loads(path.read_text())["landmarks"], float)
     deep = numpy.column_stack([places, numpy.zeros(21)])
-    shares = places / Image.open(picture).size
+    with Image.open(picture) as opened:
+        shares = places / opened.size
     for given in (places, places.tolist(), deep, places.astype(numpy.int32)):
         assert recogniser.recognise(picture, landmarks=given).to_dict() == expected
     by_shares = recogniser.recognise(picture, landmarks=shares, landmark_unit="share")

@@ -39,9 +39,9 @@ pub struct SceneEvidence {
 
 impl SceneEvidence {
     fn of(scene: &Scene, skin: &Mask, side: Side) -> Self {
-        let grasps = scene.probabilities(side);
+        let grasps = scene.prediction.probabilities(side);
         let sure = grasps.iter().rev().skip(1).copied().fold(0.0, f64::max);
-        Self { side: scene.right_odds.abs(), agrees: scene.found.agreement(skin), sure }
+        Self { side: scene.prediction.right_odds.abs(), agrees: scene.found.agreement(skin), sure }
     }
 }
 

@@ -12,7 +12,7 @@ use grasp_index::{
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
-use crate::scene::Scene;
+use crate::scene::Prediction;
 
 /// A hand, a roll, and what the index says to them.
 #[derive(Clone, Debug)]
@@ -73,11 +73,11 @@ struct Candidate {
 impl Candidate {
     /// The mean distance of the neighbours, larger the more the picture was turned by `tried_deg`
     /// besides; the smallest is the answer. So it is where the descriptor's network takes the hand
-    /// for the mirror image of a right one, and where the scene network does.
-    fn unlikeliness(&self, tried_deg: f64, scene: Option<&Scene>) -> f64 {
+    /// for the mirror image of a right one, and where the scene networks do.
+    fn unlikeliness(&self, tried_deg: f64, prediction: Option<&Prediction>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
         let mirrored = self.opinion.as_ref().map(|opinion| opinion.mirrored);
-        let other = scene.map(|scene| scene.is_other_hand(self.side));
+        let other = prediction.map(|prediction| prediction.is_other_hand(self.side));
         let mirrored =
             [mirrored, other].map(|probability| 1.0 + MIRROR_PENALTY * probability.unwrap_or_default());
         mean_distance(&self.found.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored[0] * mirrored[1]
@@ -110,7 +110,7 @@ fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQua
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
-    scene: Option<&Scene>,
+    prediction: Option<&Prediction>,
     options: &RecogniseOptions,
     timings: &mut Timings,
 ) -> Result<Hypothesis, RecogniseError> {
@@ -146,7 +146,7 @@ pub(super) fn best(
             let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
             let opinion = describer.opinion().cloned();
             let candidate = Candidate { side, roll_deg, turned_deg, descriptor, found, opinion };
-            let distance = candidate.unlikeliness(tried, scene);
+            let distance = candidate.unlikeliness(tried, prediction);
             let [of_first, of_other] = &mut best;
             let so_far = if side == first { of_first } else { of_other };
             if so_far.as_ref().is_none_or(|(least, _)| distance < *least) {

@@ -1,8 +1,9 @@
 //! From a picture to an answer: mask, hand image, descriptor, search, vote.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
-use grasp_index::Index;
+use grasp_index::{DescriptorKind, HandImage, Index};
 
 use crate::doubtful;
 use crate::error::RecogniseError;
@@ -11,6 +12,8 @@ use crate::hypothesis;
 use crate::options::RecogniseOptions;
 use crate::picture::{self, DecodeWarning, Decoded};
 use crate::recognition::Recognition;
+use crate::scene::Prediction;
+use crate::segment::Finder;
 use crate::source::{MaskSource, Prepared};
 use crate::timings::{self, Timings};
 use crate::tracker::Tracker;
@@ -84,10 +87,13 @@ impl<'a> Recogniser<'a> {
         let started = Instant::now();
         let hand_image = prepared.hand_image()?.shrunk_to(self.index.catalogue().descriptor.described_side());
         timings.descriptor_ms += timings::milliseconds(started);
+        let seen = timings.time(|t| &mut t.descriptor_ms, || self.prediction(&prepared, &hand_image));
         let mut best =
-            hypothesis::best(self.index, &hand_image, prepared.scene.as_ref(), &self.options, &mut timings)?;
+            hypothesis::best(self.index, &hand_image, seen.as_deref(), &self.options, &mut timings)?;
         let side = best.side;
-        let none = prepared.scene.as_ref().map(|scene| scene.join(self.index, side, &mut best.vote));
+        let none = seen.map(|seen| seen.join(self.index, side, &mut best.vote));
+        // Without the thing, a hand that holds something may look as if it held nothing.
+        let none = none.filter(|_| prepared.scene.is_some());
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -109,6 +115,20 @@ impl<'a> Recogniser<'a> {
         let is_measured = self.index.catalogue().calibration.measured.is_some();
         found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
         Ok(found)
+    }
+
+    /// What the scene networks see, beside what the descriptor does: in a camera picture, and of a
+    /// hand that is cut out, if hands are to be recognised by networks at all.
+    fn prediction<'b>(&self, prepared: &'b Prepared, hand: &HandImage) -> Option<Cow<'b, Prediction>> {
+        if let Some(scene) = &prepared.scene {
+            return Some(Cow::Borrowed(&scene.prediction));
+        }
+        let is_learned = matches!(self.index.catalogue().descriptor.kind, DescriptorKind::Learned { .. });
+        if !is_learned || self.options.segment.by == Finder::Skin {
+            return None;
+        }
+        let turn = hand.upright_turn_deg().to_radians();
+        Prediction::of_cut_out(&prepared.picture, &prepared.mask, turn).map(Cow::Owned)
     }
 }
 

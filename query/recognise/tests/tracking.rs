@@ -54,8 +54,8 @@ fn followed(picture: Picture, tracker: &mut Tracker) -> Prepared {
 /// The likeliest grasp of the likelier hand, by its place.
 fn grasp(prepared: &Prepared) -> (Side, usize) {
     let scene = prepared.scene.as_ref().unwrap();
-    let side = if scene.right_odds > 0.0 { Side::Right } else { Side::Left };
-    let probabilities = scene.probabilities(side);
+    let side = if scene.prediction.right_odds > 0.0 { Side::Right } else { Side::Left };
+    let probabilities = scene.prediction.probabilities(side);
     let first = (0..6).max_by(|a, b| probabilities[*a].total_cmp(&probabilities[*b])).unwrap();
     (side, first)
 }

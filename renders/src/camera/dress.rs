@@ -190,7 +190,7 @@ impl Thing {
         let far = if self.away.z < 0.0 { -1.0 } else { 1.0 };
         self.add(&Lathe::cylinder(r, thick), Isometry3::identity());
         match unit(rng) {
-            x if x < 0.35 => {
+            x if x < 0.18 => {
                 let long = between(rng, [0.03, 0.13]);
                 let (near_end, far_end) = (r * between(rng, [0.75, 1.0]), r * between(rng, [0.5, 1.2]));
                 let half = 0.5 * long;
@@ -198,7 +198,7 @@ impl Thing {
                 let profile = vec![[0.0, -half], [low, -half], [high, half], [0.0, half]];
                 self.add(&Lathe::round(profile), at_height(far * (0.5 * thick + half)));
             }
-            x if x < 0.5 => {
+            x if x < 0.4 => {
                 let rim = Lathe::cylinder(r * between(rng, [0.3, 0.8]), 0.004);
                 self.add(&rim, at_height(-far * 0.5 * thick));
             }

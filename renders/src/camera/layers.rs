@@ -92,8 +92,9 @@ pub struct Layers {
     centre: [f32; 2],
     /// The root of the area that is seen of both: see [`Layers::size`].
     size: f32,
-    /// The area that is seen of the hand.
+    /// The area that is seen of the hand, and its middle.
     hand: f32,
+    centre_of_hand: [f32; 2],
     pub(super) is_sleeved: bool,
     /// The rotation from the hand's frame into the camera's.
     pub camera_from_hand: UnitQuaternion<f64>,
@@ -131,7 +132,15 @@ impl Layers {
         }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
-        Self { texels, centre, size, hand: hand.area, is_sleeved: scene.is_sleeved, camera_from_hand }
+        Self {
+            texels,
+            centre,
+            size,
+            hand: hand.area,
+            centre_of_hand: hand.middle(),
+            is_sleeved: scene.is_sleeved,
+            camera_from_hand,
+        }
     }
 
     /// A view of nothing: what lies behind is all that there is.
@@ -141,6 +150,7 @@ impl Layers {
             centre: [SIDE as f32 / 2.0; 2],
             size: SHARE * SIDE as f32,
             hand: 0.0,
+            centre_of_hand: [SIDE as f32 / 2.0; 2],
             is_sleeved: false,
             camera_from_hand: UnitQuaternion::identity(),
         }
@@ -187,10 +197,18 @@ impl Patch {
         Self { sum, area }
     }
 
+    /// Its middle.
+    fn middle(&self) -> [f32; 2] {
+        match self.area {
+            0.0 => [SIDE as f32 / 2.0; 2],
+            area => self.sum.map(|sum| sum / area),
+        }
+    }
+
     /// The middle of a hand with the thing that it holds, and the root of their area.
     fn with(&self, thing: &Self) -> ([f32; 2], f32) {
         if self.area == 0.0 {
-            return ([SIDE as f32 / 2.0; 2], 0.0);
+            return (self.middle(), 0.0);
         }
         let seen = thing.area.min(MOST_OF_THING * self.area);
         let share = THING_IN_MIDDLE * seen / thing.area.max(1.0);
@@ -285,6 +303,7 @@ impl Framing {
     /// Sides of pictures that show a hand and what it holds, and of whole pictures, in which they
     /// are to be found, in sizes of both ([`Layers::size`]).
     const NEAR: [f64; 2] = [1.5, 2.9];
+    const FOUND: [f64; 2] = [1.6, 2.7];
     const FAR: [f64; 2] = [1.5, 8.0];
     /// By how many shares of its side a picture is off the hand's middle (standard deviation).
     const NEAR_OFF: f64 = 0.06;
@@ -293,18 +312,39 @@ impl Framing {
     /// often it comes from anywhere.
     const NEAR_TURN: f64 = 0.35;
     const ANY_TURN: f64 = 0.1;
+    const FOUND_TURN: f64 = 0.3;
+    const ANY_FOUND_TURN: f64 = 0.04;
     /// The share of whole pictures in which the arm comes from below, within so many radians, as
     /// the holder's own does.
     const FROM_BELOW: f64 = 0.5;
     const BELOW: f64 = 1.9;
 
-    /// A square around the hand, the arm about from below: what a hand that was found is shown in.
+    /// A square around the hand, the arm about from below: what a hand that was seen is looked at in
+    /// to make it out.
     pub fn near(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
-        let turn = match unit(rng) < Self::ANY_TURN {
+        Self::around(layers, Self::NEAR, Self::NEAR_TURN, Self::ANY_TURN, rng)
+    }
+
+    /// The same, nearer to what is meant: what a hand that was made out is looked at in to name it.
+    pub fn found(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
+        Self::around(layers, Self::FOUND, Self::FOUND_TURN, Self::ANY_FOUND_TURN, rng)
+    }
+
+    /// The same around the hand alone, where all else is cut away.
+    pub fn cut_out(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
+        let both = Self::found(layers, rng);
+        let smaller = layers.hand.sqrt() / layers.size;
+        let off = |i: usize| smaller * (both.centre[i] - layers.centre[i]);
+        let centre = [0, 1].map(|i| layers.centre_of_hand[i] + off(i));
+        Self { centre, side: smaller * both.side, ..both }
+    }
+
+    fn around(layers: &Layers, sizes: [f64; 2], turn: f64, any: f64, rng: &mut ChaCha8Rng) -> Self {
+        let turn = match unit(rng) < any {
             true => std::f64::consts::TAU * unit(rng),
-            false => Self::NEAR_TURN * normal(rng),
+            false => turn * normal(rng),
         };
-        Self::of(layers, Self::NEAR, Self::NEAR_OFF, turn, Border::near(rng), rng)
+        Self::of(layers, sizes, Self::NEAR_OFF, turn, Border::near(rng), rng)
     }
 
     /// A larger square with the hand anywhere in it, the arm from anywhere, but often from below.

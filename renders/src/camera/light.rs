@@ -12,7 +12,7 @@ const LAMPS: usize = 2;
 const SECOND: f64 = 0.35;
 /// The share of the light that comes from all around: from a lamp in a dark room to an overcast
 /// sky.
-const EVEN: [f64; 2] = [0.05, 0.75];
+const EVEN: [f64; 2] = [0.15, 0.75];
 /// Where a ray towards a lamp is looked at, in texels, and how far off the surface it starts.
 const STEPS: [f32; 13] = [1.0, 2.0, 3.0, 4.2, 5.6, 7.2, 9.2, 11.6, 14.6, 18.4, 23.2, 29.2, 36.6];
 const LIFT: f32 = 1.3;

@@ -5,25 +5,25 @@ use rand_chacha::ChaCha8Rng;
 use crate::random::{between, grain, normal, unit};
 
 /// How often a camera sharpens what it has taken.
-const SHARPENED: f64 = 0.4;
+const SHARPENED: f64 = 0.3;
 
 /// Turns a square of linear RGB values into those of a picture, 0 to 1, in place.
 pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
     if unit(rng) < 0.5 {
-        blur(rgb, side, between(rng, [0.3, 1.3]) as f32, [1.0, 1.0]);
+        blur(rgb, side, between(rng, [0.3, 0.9]) as f32, [1.0, 1.0]);
     }
-    if unit(rng) < 0.12 {
+    if unit(rng) < 0.08 {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(rng));
-        blur(rgb, side, between(rng, [0.8, 2.5]) as f32, [cos.abs() as f32, sin.abs() as f32]);
+        blur(rgb, side, between(rng, [0.8, 2.0]) as f32, [cos.abs() as f32, sin.abs() as f32]);
     }
     expose(rgb, rng);
     if unit(rng) < SHARPENED {
-        sharpen(rgb, side, between(rng, [0.7, 1.3]) as f32, between(rng, [0.3, 1.3]) as f32);
+        sharpen(rgb, side, between(rng, [0.7, 1.3]) as f32, between(rng, [0.2, 0.8]) as f32);
     }
     if unit(rng) < 0.5 {
         smear_colours(rgb, side, (1.0 + 3.0 * unit(rng)) as usize);
     }
-    let noise = 0.05 * (unit(rng) * unit(rng)) as f32;
+    let noise = 0.03 * (unit(rng) * unit(rng)) as f32;
     for value in rgb {
         *value = (*value + noise * grain(rng)).clamp(0.0, 1.0);
     }
@@ -34,13 +34,13 @@ fn expose(rgb: &mut [f32], rng: &mut ChaCha8Rng) {
     let mean = rgb.iter().sum::<f32>() / rgb.len().max(1) as f32;
     // A camera brings the mean to about a sixth; not always.
     let gain =
-        libm::pow(0.17 / f64::from(mean.max(0.01)), between(rng, [0.3, 1.0])) * libm::exp(0.45 * normal(rng));
+        libm::pow(0.17 / f64::from(mean.max(0.01)), between(rng, [0.5, 1.0])) * libm::exp(0.28 * normal(rng));
     // Too warm or too cold more often than too green.
     let cold = 0.03 + 0.1 * normal(rng);
     let white: [f32; 3] =
         [-cold, 0.0, cold].map(|shift| (libm::exp(shift + 0.07 * normal(rng)) * gain) as f32);
     let gamma = (between(rng, [0.8, 1.25]) / 2.2) as f32;
-    let (contrast, saturation) = (between(rng, [0.75, 1.6]) as f32, between(rng, [0.4, 1.3]) as f32);
+    let (contrast, saturation) = (between(rng, [0.8, 1.35]) as f32, between(rng, [0.5, 1.3]) as f32);
     let black = 0.06 * unit(rng) as f32;
     let curve = Curve::power(gamma);
     for pixel in rgb.as_chunks_mut::<3>().0 {

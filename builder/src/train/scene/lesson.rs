@@ -4,20 +4,19 @@ use grasp_index::turned_orientation;
 use grasp_renders::random::unit;
 use grasp_renders::{Framing, Layers, Part, Picture};
 use grasp_train::{LossWeights, Target};
+use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 
 use super::augment::augment;
+use super::cut_out::CutOut;
+use super::focus::Focus;
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
 use crate::train::{joints, rotation};
 
 /// Pixels a side of the network's input.
 pub(super) const SIDE: usize = 64;
-/// How often the hand is yet to be found in a larger picture.
-const FAR: f64 = 0.2;
-/// How often there is no hand at all.
-const NOTHING: f64 = 0.04;
-/// How much its class and stage count there.
+/// How much class and stage count where the hand is yet to be found.
 const WEIGHT_OF_FAR: f32 = 0.4;
 /// The least area that is seen of a hand, in texels.
 const LEAST: f32 = 230.0;
@@ -26,7 +25,7 @@ const CELL: usize = 2;
 
 /// A picture of a view with a new background, light and materials; `None` where the hand is hidden.
 pub(super) fn lesson(
-    views: &Views,
+    (views, focus): (&Views, &Focus),
     view: &SceneView,
     showing: Showing,
     rng: &mut ChaCha8Rng,
@@ -34,17 +33,24 @@ pub(super) fn lesson(
     if view.layers.hand_area() < LEAST {
         return None;
     }
-    if unit(rng) < NOTHING {
+    if unit(rng) < focus.nothing {
         return Some(of_nothing(views, rng));
     }
-    let is_far = unit(rng) < FAR;
-    let framing = if is_far { Framing::far(&view.layers, rng) } else { Framing::near(&view.layers, rng) };
+    let (mut framing, is_far) = focus.framing(&view.layers, rng);
+    let cut_out = (!is_far && unit(rng) < focus.cut_out).then(|| CutOut::random(rng));
+    if cut_out.is_some_and(|cut_out| !cut_out.has_thing()) {
+        framing = Framing::cut_out(&view.layers, rng);
+    }
     let mut picture = view.layers.paint(&framing, SIDE, rng);
     if showing.is_hard {
         augment(&mut picture, rng);
     }
-    let weight = if is_far { WEIGHT_OF_FAR } else { 1.0 };
     let orientation = turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
+    if let Some(cut_out) = cut_out {
+        let arm = orientation * -Vector3::x();
+        cut_out.apply(&mut picture, [arm.x as f32, arm.y as f32]);
+    }
+    let weight = if is_far { WEIGHT_OF_FAR } else { 1.0 };
     let mut target = Target {
         class: view.class.map_or(views.none(), |class| class as u32),
         stage: view.stage as u32,

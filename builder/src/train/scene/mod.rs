@@ -2,7 +2,9 @@
 //! holds, whether it is a left hand, the grasp, its stage and how the hand is turned.
 
 mod augment;
+mod cut_out;
 mod empty;
+mod focus;
 mod lesson;
 mod validation;
 mod views;
@@ -10,12 +12,13 @@ mod views;
 use grasp_network::{Architecture, Convolution, Masks, Network};
 use grasp_renders::Part;
 use grasp_terminal::Work;
-use grasp_train::{ROTATION, STAGES};
+use grasp_train::{Factors, ROTATION, STAGES};
 use rand_chacha::ChaCha8Rng;
 
 use super::course::{Course, Lesson, Showing};
 use super::figures::Figure;
 use super::{Check, Options, Scenes, Schedule};
+use focus::Focus;
 use lesson::SIDE;
 use validation::Validation;
 use views::{SceneView, Views};
@@ -24,6 +27,7 @@ use views::{SceneView, Views};
 #[derive(Debug)]
 pub struct Scene {
     views: Views,
+    focus: Focus,
 }
 
 impl Course for Scene {
@@ -31,7 +35,9 @@ impl Course for Scene {
     type Validation = Validation;
 
     fn new(options: &Options) -> Self {
-        Self { views: Views::new(Scenes::training(options.seed, options.poses()), options.seed) }
+        let focus = Focus::of(options.kind);
+        let scenes = Scenes::training(options.seed, options.poses()).with_stages(focus.stages);
+        Self { views: Views::new(scenes, options.seed), focus }
     }
 
     /// 30 million multiply-adds.
@@ -57,12 +63,16 @@ impl Course for Scene {
         }
     }
 
+    fn factors(&self) -> Factors {
+        self.focus.factors
+    }
+
     fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
         self.views.render(number, views)
     }
 
     fn lesson(&self, view: &SceneView, showing: Showing, rng: &mut ChaCha8Rng) -> Option<Lesson> {
-        lesson::lesson(&self.views, view, showing, rng)
+        lesson::lesson((&self.views, &self.focus), view, showing, rng)
     }
 
     fn validation_scenes(schedule: &Schedule) -> u64 {
@@ -70,7 +80,7 @@ impl Course for Scene {
     }
 
     fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
-        Validation::render(schedule, check, work)
+        Validation::render(&self.focus, schedule, check, work)
     }
 
     fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {

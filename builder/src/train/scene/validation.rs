@@ -2,13 +2,14 @@
 
 use anyhow::ensure;
 use grasp_network::{Network, Scratch};
-use grasp_renders::{Framing, Part, PoseGroup};
+use grasp_renders::{Part, PoseGroup};
 use grasp_terminal::Work;
 use nalgebra::UnitQuaternion;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::focus::Focus;
 use super::lesson::{SIDE, masks, planes};
 use super::views::{SceneView, Views};
 use crate::train::figures::{Figure, highest, median_deg};
@@ -39,13 +40,18 @@ struct Labelled {
 }
 
 impl Validation {
-    pub(super) fn render(schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Self> {
+    pub(super) fn render(
+        focus: &Focus,
+        schedule: &Schedule,
+        check: Check<'_>,
+        work: &Work,
+    ) -> anyhow::Result<Self> {
         let views = Views::new(Scenes::other_hands(SEED, PoseGroup::All), SEED);
         let render = |number| {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
             rng.set_stream(number);
             let seen = views.render(number, VIEWS)?;
-            Ok(seen.iter().map(|view| Labelled::new(view, &mut rng)).collect())
+            Ok(seen.iter().map(|view| Labelled::new(focus, view, &mut rng)).collect())
         };
         let pictures: Vec<Labelled> = render_all(0..schedule.validation, check, render)?;
         work.inc(schedule.validation);
@@ -82,8 +88,8 @@ impl Validation {
 }
 
 impl Labelled {
-    fn new(view: &SceneView, rng: &mut ChaCha8Rng) -> Self {
-        let framing = Framing::near(&view.layers, rng);
+    fn new(focus: &Focus, view: &SceneView, rng: &mut ChaCha8Rng) -> Self {
+        let framing = focus.near(&view.layers, rng);
         let picture = view.layers.paint(&framing, SIDE, rng);
         let rotation =
             grasp_index::turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);

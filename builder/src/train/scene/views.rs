@@ -16,8 +16,10 @@ use crate::train::{DrawnScene, Scenes};
 const EMPTY: f64 = 0.09;
 /// How often what is not yet held is there at all.
 const IN_SIGHT: f64 = 0.8;
-/// How often a thing is held up at the finger tips, in grasps that have such ways.
-const PRESENTED: f64 = 0.36;
+/// How often a thing is held up at the finger tips, and how often the hand is posed as in another
+/// grasp, in grasps that have such ways.
+const PRESENTED: f64 = 0.4;
+const ALIKE: f64 = 0.22;
 /// Distances of the camera, in hand lengths.
 const DISTANCE: [f64; 2] = [2.0, 8.0];
 /// What the thing in the hand looks like is drawn by another seed than the hand.
@@ -42,7 +44,7 @@ pub struct SceneView {
 
 impl Views {
     pub(super) fn new(scenes: Scenes, seed: u64) -> Self {
-        Self { scenes: scenes.with_presented(PRESENTED), seed }
+        Self { scenes: scenes.with_presented(PRESENTED).with_alike(ALIKE), seed }
     }
 
     /// How many grasps there are.

@@ -3,7 +3,7 @@
 use super::reference::forward;
 use super::{JOINTS, batch, masked, masked_batch, masked_trainer, small, trainer};
 use crate::network::{Activations, Mode, Outputs};
-use crate::{Batch, Trainer};
+use crate::{Batch, Factors, Trainer};
 use grasp_network::{Architecture, Masks};
 
 /// A forward and a backward pass with the loss `sum(outputs * weights)`, which is smooth wherever
@@ -80,10 +80,12 @@ fn compare_gradients(architecture: &Architecture, joints: usize) {
 fn the_gradient_of_a_step_is_that_of_its_losses() {
     compare_slope(trainer(7), batch(19, 8));
     compare_slope(masked_trainer(7), masked_batch(19, 8));
+    let factors = Factors { stage: 2.0, rotation: 0.3, masks: 0.5, joints: 1.2 };
+    compare_slope(masked_trainer(7), Batch { factors, ..masked_batch(19, 8) });
 }
 
 fn compare_slope(mut trainer: Trainer, batch: Batch) {
-    let total = |trainer: &mut Trainer| f64::from(trainer.differentiate(&batch).total());
+    let total = |trainer: &mut Trainer| f64::from(trainer.differentiate(&batch).total(&batch.factors));
     total(&mut trainer);
     let gradients = trainer.gradients.clone();
     // Along the gradient, where f32 sees the most of it.

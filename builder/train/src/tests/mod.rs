@@ -67,7 +67,6 @@ fn batch(samples: usize, seed: u64) -> Batch {
     Batch {
         inputs: (0..samples * inputs).map(random).collect(),
         targets: (0..samples).map(target).collect(),
-        masks: Vec::new(),
-        joints: Vec::new(),
+        ..Batch::default()
     }
 }

@@ -1,7 +1,7 @@
 //! A training that begins with a trained network.
 
 use super::{JOINTS, masked_batch, masked_trainer};
-use crate::{Trainer, learning_rate};
+use crate::{Factors, Trainer, learning_rate};
 use grasp_network::Network;
 
 /// Trains a network for some steps, from a trainer on.
@@ -49,7 +49,7 @@ fn its_kernels_are_as_large_as_random_ones() {
 #[test]
 fn what_was_learned_is_gone_on_from() {
     let learned = trained(masked_trainer(1), 60);
-    let loss = |trainer: &mut Trainer| trainer.differentiate(&masked_batch(40, 7)).total();
+    let loss = |trainer: &mut Trainer| trainer.differentiate(&masked_batch(40, 7)).total(&Factors::default());
     let mut begun = start(&network(&learned), 2);
     let (before, fresh) = (loss(&mut begun), loss(&mut masked_trainer(2)));
     // The joints' places are learned anew, and so not all is known.

@@ -150,7 +150,7 @@ fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
 
 /// The turn by which the arm comes from below: the mean of what the network says at several turns,
 /// which counts the more the nearer to upright it is said at, and of where the forearm lies.
-fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
+pub(super) fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
     let side = eye.network.mask_side();
     let mut direction = Direction::default();
     for step in 0..TURNS {

@@ -1,48 +1,77 @@
-//! What the scene network says, together with what the neighbours say.
+//! What the networks of scenes say, together with what the neighbours say.
 
 use grasp_index::{Index, Vote};
 
-use super::Scene;
+use super::Prediction;
+use super::prediction::Powers;
 use crate::side::Side;
 
-/// The powers of the neighbours' and of the network's probabilities: both see the same hand, and
-/// are sure of the same mistakes. Chosen on camera pictures of two hands (docs/accuracy.md).
-const NEIGHBOURS: f64 = 0.72;
-const NETWORK: f64 = 1.2;
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
-impl Scene {
-    /// The probability that the hand is the other one than `side`.
-    pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
-        let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
-        1.0 / (1.0 + libm::exp(odds))
-    }
-
-    /// Weighs the neighbours' classes by what the network makes of hand and object. Classes that it
-    /// does not know count as its mean. Returns how likely the hand is in none of the grasps, of
-    /// which the neighbours know nothing: to them it is as likely as any class.
+impl Prediction {
+    /// Weighs the neighbours' classes by what the networks make of hand and object. Classes that
+    /// they do not know count as their mean. Returns how likely the hand is in none of the grasps.
     pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) -> f64 {
         let probabilities = self.probabilities(side);
-        let grasps = probabilities.len() - 1;
-        let known: f64 = probabilities[..grasps].iter().sum();
+        let (none, grasps) = probabilities.split_last().expect("none is always there");
+        let known: f64 = grasps.iter().sum();
         let of_name = |name: &str| {
             let at = self.grasps.iter().position(|grasp| grasp == name);
-            at.map_or(1.0 / grasps as f64, |at| probabilities[at] / known.max(LEAST))
+            at.map_or(1.0 / grasps.len() as f64, |at| grasps[at] / known.max(LEAST))
         };
-        for score in &mut vote.classes {
-            let name = index.catalogue().classes.get(usize::from(score.class));
-            let by_scene = name.map_or(0.0, |class| of_name(&class.name));
-            let by_neighbours = libm::pow(score.probability.max(LEAST), NEIGHBOURS);
-            score.probability = by_neighbours * libm::pow(by_scene.max(LEAST), NETWORK);
-        }
-        let total: f64 = vote.classes.iter().map(|score| score.probability).sum();
-        let even = libm::pow(1.0 / vote.classes.len().max(1) as f64, NEIGHBOURS);
-        let none = even * libm::pow(probabilities[grasps].max(LEAST), NETWORK);
-        let some = total * libm::pow(known, NETWORK);
-        vote.classes.iter_mut().for_each(|score| score.probability /= total);
+        let by_scene = |class: u16| {
+            let class = index.catalogue().classes.get(usize::from(class));
+            class.map_or(0.0, |class| of_name(&class.name))
+        };
+        let both = vote.classes.iter().map(|score| (score.probability, by_scene(score.class)));
+        let (joined, none) = joined(&both.collect::<Vec<_>>(), *none, self.powers);
+        vote.classes.iter_mut().zip(joined).for_each(|(score, joined)| score.probability = joined);
         vote.classes.sort_by_key(|score| score.class);
         vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        none / (none + some)
+        none
+    }
+}
+
+/// The probability of each class, if it is one of them, and that of none: from the neighbours' and
+/// the networks' probabilities of the classes, and the networks' of none, of which the neighbours
+/// know nothing: to them it is as likely as any class.
+fn joined(classes: &[(f64, f64)], none: f64, powers: Powers) -> (Vec<f64>, f64) {
+    let power = |value: f64, power: f64| libm::pow(value.max(LEAST), power);
+    let both = classes.iter().map(|&(n, s)| power(n, powers.neighbours) * power(s, powers.networks));
+    let mut joined: Vec<f64> = both.collect();
+    let total: f64 = joined.iter().sum();
+    let even = libm::pow(1.0 / classes.len().max(1) as f64, powers.neighbours);
+    let of_none = even * power(none, powers.networks);
+    let of_some = total * libm::pow(1.0 - none, powers.networks);
+    joined.iter_mut().for_each(|value| *value /= total);
+    (joined, of_none / (of_none + of_some))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POWERS: Powers = Powers { neighbours: 0.7, networks: 1.2 };
+
+    #[test]
+    fn both_are_multiplied() {
+        let (classes, none) = joined(&[(0.7, 0.2), (0.2, 0.7), (0.1, 0.1)], 0.05, POWERS);
+        assert!((classes.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        // The networks count for more.
+        assert!(classes[1] > classes[0] && classes[0] > classes[2], "{classes:?}");
+        assert!(none < 0.05, "{none}");
+    }
+
+    #[test]
+    fn none_is_likely_where_networks_say_so_and_neighbours_do_not_contradict() {
+        let of =
+            |neighbours: [f64; 3], none: f64| joined(&neighbours.map(|n| (n, 1.0 / 3.0)), none, POWERS).1;
+        let (sure, unsure) = ([0.98, 0.01, 0.01], [1.0 / 3.0; 3]);
+        // To neighbours that know nothing it is one class of four.
+        let even = of(unsure, 0.25);
+        assert!((even - 1.0 / (1.0 + 3.0)).abs() < 1e-9, "{even}");
+        assert!(of(unsure, 0.9) > of(unsure, 0.6) && of(unsure, 0.6) > even);
+        assert!(of([1.0; 3].map(|n| n / 3.0), 1.0) > 0.999 && of(sure, 0.0) < 0.01);
     }
 }

@@ -286,7 +286,7 @@ mod tests {
             let by_scene = prepared(picture.clone(), Finder::Scene);
             let found = prepared(picture, Finder::Landmarks(networks));
             assert!(found.mask == by_scene.mask);
-            let odds = [found, by_scene].map(|prepared| prepared.scene.unwrap().right_odds);
+            let odds = [found, by_scene].map(|prepared| prepared.scene.unwrap().prediction.right_odds);
             assert_eq!(odds[0], odds[1]);
         }
     }
@@ -295,7 +295,7 @@ mod tests {
     fn which_hand_the_networks_see_counts() {
         let odds = [0.99f32, 0.01].map(|right| {
             let networks = networks([12, 10], Answer::Values(vec![1.0]), right);
-            prepared(sample(), Finder::Landmarks(networks)).scene.unwrap().right_odds
+            prepared(sample(), Finder::Landmarks(networks)).scene.unwrap().prediction.right_odds
         });
         assert!((odds[0] - odds[1] - 2.0 * 99f64.ln()).abs() < 1e-3, "{odds:?}");
     }

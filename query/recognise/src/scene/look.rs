@@ -5,6 +5,7 @@ use grasp_network::Scratch;
 use super::network::{Heads, SceneNetwork};
 use super::square::{Square, Texels};
 use crate::picture::Picture;
+use crate::segment::Mask;
 
 /// Looks at squares of one picture.
 pub(super) struct Eye<'a> {
@@ -27,6 +28,11 @@ impl<'a> Eye<'a> {
     pub(super) fn new(network: &'a SceneNetwork, picture: &'a Picture) -> Self {
         let texels = Texels::of(picture);
         Self { network, picture, texels, scratch: Scratch::default(), planes: Vec::new() }
+    }
+
+    /// The same of a hand that is cut out: all else is black.
+    pub(super) fn of_cut_out(network: &'a SceneNetwork, picture: &'a Picture, hand: &Mask) -> Self {
+        Self { texels: Texels::of_cut_out(picture, hand), ..Self::new(network, picture) }
     }
 
     /// What the network makes of a square, or of its mirror image.

@@ -1,13 +1,14 @@
-//! Finds a hand in a camera picture, and names its grasp, by a network that was trained on scenes
-//! of our own renders (`grasp-builder train --kind scene`).
+//! Finds a hand in a camera picture, and names its grasp, by two networks that were trained on
+//! scenes of our own renders (`grasp-builder train --kind scene` and `naming`).
 //!
-//! The network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first,
-//! then at the square around the hand that it has found there, turned so that the arm comes from
-//! below, as in the scenes that it learned to name grasps by. What it has [`Detection`] helps colours
-//! to cut the hand out, and is then looked at once more: a [`Scene`] says which hand it is, and how
+//! A network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
+//! at the square around the hand that it has found there, turned so that the arm comes from below,
+//! as in the scenes that it learned to name grasps by. This [`Detection`] helps colours to cut the
+//! hand out, which both networks then look at once more: a [`Scene`] says which hand it is, and how
 //! likely each grasp is by all that is seen, the object included, by which the neighbours are
 //! weighed.
 
+mod cut_out;
 mod find;
 mod join;
 #[cfg(feature = "landmarks")]
@@ -17,6 +18,7 @@ mod look;
 mod masks;
 mod name;
 mod network;
+mod prediction;
 mod square;
 
 #[cfg(feature = "landmarks")]
@@ -25,4 +27,5 @@ pub use find::{Detection, find, find_at, follow};
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};
+pub use prediction::Prediction;
 pub use square::{Map, Square};

@@ -38,23 +38,32 @@ pub enum SceneNetworkError {
     },
 }
 
-/// The grasps that the built-in network knows.
+/// The grasps that the built-in networks know.
 const GRASPS: [&str; 6] =
     ["large-diameter", "small-diameter", "abducted-thumb", "pinch", "power-sphere", "precision-disc"];
 
-static BUILT_IN: LazyLock<SceneNetwork> = LazyLock::new(|| {
-    let bytes = include_bytes!("../../data/scene.network");
-    SceneNetwork::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
-});
+static FINDING: LazyLock<SceneNetwork> =
+    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/scene.network")));
+static NAMING: LazyLock<SceneNetwork> =
+    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/naming.network")));
 
 impl SceneNetwork {
-    /// The network that the program holds.
-    pub fn built_in() -> &'static Self {
-        &BUILT_IN
+    /// The program's network that finds hands.
+    pub fn finding() -> &'static Self {
+        &FINDING
     }
 
-    /// Reads a network that `grasp-builder train --kind scene` has written, whose classes are
-    /// these.
+    /// The program's network that names hands which have been found.
+    pub fn naming() -> &'static Self {
+        &NAMING
+    }
+
+    fn shipped(bytes: &[u8]) -> Self {
+        Self::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
+    }
+
+    /// Reads a network that `grasp-builder train --kind scene` or `naming` has written, whose
+    /// classes are these.
     ///
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.
@@ -129,6 +138,8 @@ mod tests {
     fn other_networks_and_damaged_ones_are_rejected() {
         let bytes = include_bytes!("../../data/scene.network");
         assert!(SceneNetwork::from_bytes(bytes, &GRASPS).is_ok());
+        let naming = include_bytes!("../../data/naming.network");
+        assert!(SceneNetwork::from_bytes(naming, &GRASPS).is_ok());
         assert!(matches!(
             SceneNetwork::from_bytes(bytes, &GRASPS[1..]),
             Err(SceneNetworkError::Shape { what: "the size of the heads", .. })

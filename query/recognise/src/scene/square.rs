@@ -1,6 +1,7 @@
 //! A square part of a picture, turned, as the network's input.
 
 use crate::picture::Picture;
+use crate::segment::Mask;
 
 /// A square of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +95,14 @@ impl Texels {
         let rgb = picture.rgb().iter().map(|&[r, g, b]| u32::from_le_bytes([r, g, b, 0])).collect();
         let last = [picture.width(), picture.height()].map(|length| (length - 1) as f32);
         Self { width: picture.width() as u32, last, rgb }
+    }
+
+    /// Those of a mask alone, all others black.
+    pub(super) fn of_cut_out(picture: &Picture, hand: &Mask) -> Self {
+        let mut texels = Self::of(picture);
+        let outside = texels.rgb.iter_mut().zip(hand.pixels()).filter(|(_, inside)| **inside == 0);
+        outside.for_each(|(texel, _)| *texel = 0);
+        texels
     }
 
     /// Where the pixel around a place is, or that of the border nearest to it.

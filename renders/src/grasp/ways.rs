@@ -1,4 +1,4 @@
-//! Ways in which people hold things up to a camera.
+//! Other ways of the six grasps, for pictures in which the thing is seen.
 
 use std::sync::{Arc, LazyLock};
 
@@ -10,13 +10,24 @@ static PRESENTED: LazyLock<Vec<Arc<Grasp>>> = LazyLock::new(|| {
     ways.expect("data/presented.toml is checked by a test").into_iter().map(Arc::new).collect()
 });
 
-/// Other ways of the six grasps, in which things are held up to a camera: at the finger tips. A
-/// grasp, known by its name, is there in several of them or in none.
+static ALIKE: LazyLock<Vec<Arc<Grasp>>> = LazyLock::new(|| {
+    let ways = grasps(include_str!("../../data/alike.toml"));
+    ways.expect("data/alike.toml is checked by a test").into_iter().map(Arc::new).collect()
+});
+
+/// Ways in which things are held up to a camera: at the finger tips. A grasp, known by its name, is
+/// there in several of them or in none.
 ///
 /// Without the thing a hand that holds up a can is like one that holds a ball or a lid: these are
 /// for pictures in which the thing is seen.
 pub fn presented_grasps() -> &'static [Arc<Grasp>] {
     &PRESENTED
+}
+
+/// Ways in which a hand is posed as another grasp's, and only the thing tells which it is. As
+/// [`presented_grasps`].
+pub fn alike_grasps() -> &'static [Arc<Grasp>] {
+    &ALIKE
 }
 
 #[cfg(test)]
@@ -25,14 +36,20 @@ mod tests {
     use crate::grasp::{GraspSet, Placement};
 
     #[test]
-    fn presented_things_are_at_the_finger_tips_and_under_known_names() {
+    fn ways_hold_what_the_grasp_of_their_name_holds() {
         let known = GraspSet::builtin();
-        for way in presented_grasps() {
+        for way in presented_grasps().iter().chain(alike_grasps()) {
             let grasp = known.get(&way.name).expect("a grasp of this name");
             assert_eq!(way.cutkosky, grasp.cutkosky);
             assert_eq!(way.object.kind, grasp.object.kind, "{}: what it holds is another thing", way.about);
+        }
+        assert!(presented_grasps().len() > 5 && alike_grasps().len() > 4);
+    }
+
+    #[test]
+    fn presented_things_are_at_the_finger_tips() {
+        for way in presented_grasps() {
             assert!(matches!(way.object.placement, Placement::Tips { .. }), "{}", way.about);
         }
-        assert!(presented_grasps().len() > 5);
     }
 }
