@@ -109,7 +109,8 @@ fn segmented(name: &str) -> Prepared {
 fn cut_out(picture: &Picture, mask: &Mask) -> Prediction {
     let size = (picture.width(), picture.height());
     let hand = HandImage::from_mask(size.0, size.1, &picture.grey(), mask.pixels()).unwrap();
-    Prediction::of_cut_out(picture, mask, hand.upright_turn_deg().to_radians()).unwrap()
+    let turn = hand.upright_turn_deg().to_radians();
+    Prediction::of_cut_out(picture, mask, turn, &[Side::Right, Side::Left]).unwrap()
 }
 
 #[test]
@@ -137,7 +138,7 @@ fn what_lies_around_a_hand_that_is_cut_out_is_not_looked_at() {
     assert_eq!(of(&picture), of(&other));
     let nothing = Mask::from_values(8, 8, &[0u8; 64], |value| value > 0);
     let small = Picture::new(8, 8, vec![[9; 3]; 64]).unwrap();
-    assert!(Prediction::of_cut_out(&small, &nothing, 0.0).is_none());
+    assert!(Prediction::of_cut_out(&small, &nothing, 0.0, &[Side::Right]).is_none());
 }
 
 #[test]

@@ -128,7 +128,8 @@ impl<'a> Recogniser<'a> {
             return None;
         }
         let turn = hand.upright_turn_deg().to_radians();
-        Prediction::of_cut_out(&prepared.picture, &prepared.mask, turn).map(Cow::Owned)
+        let sides = self.options.hand.sides();
+        Prediction::of_cut_out(&prepared.picture, &prepared.mask, turn, sides).map(Cow::Owned)
     }
 }
 

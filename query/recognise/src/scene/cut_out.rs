@@ -7,6 +7,7 @@ use super::prediction::{Eyes, Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
+use crate::side::Side;
 
 /// The side of the square in which the grasp is named, in roots of the hand's area: the middle of
 /// what the naming network was trained on.
@@ -20,14 +21,14 @@ const LENGTHS: f64 = 1.6;
 
 impl Prediction {
     /// What the networks make of a hand that is cut out: `turn` radians clockwise turn it about
-    /// upright, so that it is known roughly where the hand ends and the arm begins. `None` where the
-    /// mask is empty.
-    pub fn of_cut_out(picture: &Picture, hand: &Mask, turn: f64) -> Option<Self> {
+    /// upright, so that it is known roughly where the hand ends and the arm begins. It is looked at
+    /// as each of `sides`. `None` where the mask is empty.
+    pub fn of_cut_out(picture: &Picture, hand: &Mask, turn: f64, sides: &[Side]) -> Option<Self> {
         let [mut finding, naming] = [SceneNetwork::finding(), SceneNetwork::naming()]
             .map(|network| Eye::of_cut_out(network, picture, hand));
         let first = square(hand, turn, SIZES)?;
         let square = square(hand, upright(&mut finding, &first), SIZES)?;
-        Some(Self::of_square(Eyes { finding, naming }, &square, POWERS))
+        Some(Self::of_square(Eyes { finding, naming }, &square, sides, POWERS))
     }
 }
 

@@ -7,6 +7,7 @@ use super::prediction::{Eyes, Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
+use crate::side::Side;
 
 /// How the networks join the neighbours: chosen on camera pictures of two hands (docs/accuracy.md).
 const POWERS: Powers = Powers { neighbours: 0.72, networks: 1.2 };
@@ -30,7 +31,7 @@ impl Scene {
             finding: Eye::new(SceneNetwork::finding(), picture),
             naming: Eye::new(SceneNetwork::naming(), picture),
         };
-        let mut prediction = Prediction::of_square(eyes, &square, POWERS);
+        let mut prediction = Prediction::of_square(eyes, &square, &[Side::Right, Side::Left], POWERS);
         prediction.right_odds += found.right_odds;
         Self { found, square, prediction }
     }

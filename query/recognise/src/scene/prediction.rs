@@ -42,16 +42,16 @@ pub(super) struct Eyes<'a> {
 }
 
 impl Prediction {
-    /// What both networks see in a square that a hand stands upright in, as a right one and as a
-    /// left one.
-    pub(super) fn of_square(mut eyes: Eyes<'_>, square: &Square, powers: Powers) -> Self {
-        let [right, left] = [false, true].map(|is_mirrored| named(&mut eyes, square, is_mirrored));
-        Self {
-            right_odds: 0.5 * (right.odds - left.odds),
-            grasps: eyes.naming.network.grasps.clone(),
-            powers,
-            by_side: [right.grasps, left.grasps],
-        }
+    /// What both networks see in a square that a hand stands upright in, as each of these hands;
+    /// nothing is known of another one.
+    pub(super) fn of_square(mut eyes: Eyes<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
+        let grasps = eyes.naming.network.grasps.clone();
+        let [right, left] = [Side::Right, Side::Left].map(|side| match sides.contains(&side) {
+            true => named(&mut eyes, square, side == Side::Left),
+            false => Named { odds: 0.0, grasps: normalised(&vec![0.0; grasps.len() + 1]) },
+        });
+        let right_odds = (right.odds - left.odds) / sides.len().max(1) as f64;
+        Self { right_odds, grasps, powers, by_side: [right.grasps, left.grasps] }
     }
 
     /// The probability that the hand is the other one than `side`.
