@@ -25,7 +25,8 @@
 //! let steps = 10;
 //! while trainer.steps() < steps {
 //!     let masks = vec![1.0; 32 * 8 * 8];
-//!     let batch = Batch { inputs: vec![0.5; 32 * 8 * 8], targets: vec![target; 32], masks, ..Batch::default() };
+//!     let (inputs, targets) = (vec![0.5; 32 * 8 * 8], vec![target; 32]);
+//!     let batch = Batch { inputs, targets, masks, ..Batch::default() };
 //!     let losses = trainer.step(&batch, learning_rate(2e-3, trainer.steps(), steps))?;
 //!     assert!(losses.total(&batch.factors).is_finite());
 //! }

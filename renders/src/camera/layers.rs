@@ -319,8 +319,8 @@ impl Framing {
     const FROM_BELOW: f64 = 0.5;
     const BELOW: f64 = 1.9;
 
-    /// A square around the hand, the arm about from below: what a hand that was seen is looked at in
-    /// to make it out.
+    /// A square around the hand, the arm about from below: what a hand that was seen is looked at
+    /// in to make it out.
     pub fn near(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
         Self::around(layers, Self::NEAR, Self::NEAR_TURN, Self::ANY_TURN, rng)
     }

@@ -8,6 +8,7 @@ use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
 use crate::side::Side;
+use grasp_index::SHOWN_LENGTHS;
 
 /// The side of the square in which the grasp is named, in roots of the hand's area: the middle of
 /// what the naming network was trained on.
@@ -15,9 +16,6 @@ const SIZES: f64 = 2.1;
 /// How the networks join the neighbours: chosen on segmented pictures of two hands
 /// (docs/accuracy.md).
 const POWERS: Powers = Powers { neighbours: 0.8, networks: 0.8 };
-/// How far behind its uppermost point an upright hand goes on, in breadths: what lies farther back
-/// is arm, and does not count for where the hand is.
-const LENGTHS: f64 = 1.6;
 
 impl Prediction {
     /// What the networks make of a hand that is cut out: `turn` radians clockwise turn it about
@@ -33,7 +31,8 @@ impl Prediction {
 }
 
 /// The square around a hand whose mask is turned upright by so many radians, its side so many roots
-/// of the hand's area; `None` where the mask is empty.
+/// of the hand's area; `None` where the mask is empty. What lies farther behind its uppermost point
+/// than a descriptor is shown of it is arm, and does not count for where the hand is.
 pub(super) fn square(mask: &Mask, turn: f64, sizes: f64) -> Option<Square> {
     let (sin, cos) = libm::sincos(turn);
     let width = mask.width();
@@ -45,7 +44,7 @@ pub(super) fn square(mask: &Mask, turn: f64, sizes: f64) -> Option<Square> {
         let (across, down) = (cos * x - sin * y, sin * x + cos * y);
         [left.min(across), right.max(across), top.min(down)]
     });
-    let end = top + LENGTHS * (right - left + 1.0);
+    let end = top + SHOWN_LENGTHS * (right - left + 1.0);
     let hand = inside().filter(|[x, y]| sin * x + cos * y < end);
     let [x, y, area] = hand.fold([0.0; 3], |sum, [x, y]| [sum[0] + x, sum[1] + y, sum[2] + 1.0]);
     (area > 0.0).then(|| Square { centre: [x / area, y / area], side: sizes * area.sqrt(), turn })

@@ -7,8 +7,8 @@ use crate::side::Side;
 
 /// Looks at a hand: turned and enlarged by so much.
 const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
-/// How much the network counts that finds hands; the rest is that of the network that has learned to
-/// name them. Chosen on pictures of two hands (docs/accuracy.md).
+/// How much the network counts that finds hands; the rest is that of the network that has learned
+/// to name them. Chosen on pictures of two hands (docs/accuracy.md).
 const FINDING: f64 = 0.4;
 /// The least probability that is divided by.
 const LEAST: f64 = 1e-6;
