@@ -3,6 +3,8 @@
 
 mod upright;
 
+pub use upright::end_of_hand;
+
 use crate::resample::{Axis, Resampler};
 use thiserror::Error;
 

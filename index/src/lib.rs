@@ -87,7 +87,7 @@ pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
 pub use grasp_network::Network;
-pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE};
+pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_SIDE, end_of_hand};
 pub use index::{CannotRecognise, Index};
 pub use phase::Phase;
 pub use rotation::{euler_deg, from_columns, from_euler_deg, mirror_orientation, turned_orientation};

@@ -179,6 +179,11 @@ impl DescriptorParams {
         }
     }
 
+    /// Whether the values are a network's.
+    pub fn is_learned(&self) -> bool {
+        matches!(self.kind, DescriptorKind::Learned { .. })
+    }
+
     /// One of [`Self::NAMES`], or `raw`.
     pub fn name(&self) -> &'static str {
         match self.kind {

@@ -4,6 +4,18 @@
 use super::HandImage;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// How far down a hand reaches, of which these pixels are seen, once they are turned clockwise by
+/// `turn` radians: to `lengths` of its breadths below its uppermost one. A pixel at `(x, y)` is
+/// `sin(turn) x + cos(turn) y` far down then; what is farther down is arm.
+pub fn end_of_hand(pixels: impl Iterator<Item = [f64; 2]>, turn: f64, lengths: f64) -> f64 {
+    let (sin, cos) = libm::sincos(turn);
+    let [left, right, top] = pixels.fold([f64::MAX, f64::MIN, f64::MAX], |[left, right, top], [x, y]| {
+        let (across, down) = (cos * x - sin * y, sin * x + cos * y);
+        [left.min(across), right.max(across), top.min(down)]
+    });
+    top + lengths * (right - left + 1.0)
+}
+
 impl HandImage {
     /// By how many degrees, clockwise on the picture, the hand is to be [turned](Self::rotated) so
     /// that its long axis stands upright and its thinner end points down: at least -180 and below
@@ -38,14 +50,9 @@ impl HandImage {
         // Turning is linear: of a row, nothing comes to lie beyond both its ends.
         let ends = rows().flat_map(|(y, row)| {
             let ends = [row.iter().position(|v| *v != 0), row.iter().rposition(|v| *v != 0)];
-            ends.into_iter().flatten().map(move |x| (x as f64, y as f64))
+            ends.into_iter().flatten().map(move |x| [x as f64, y as f64])
         });
-        let start = [f64::MAX, f64::MIN, f64::MAX];
-        let [left, right, top] = ends.fold(start, |[left, right, top], (x, y)| {
-            let (across, down) = (cos * x - sin * y, sin * x + cos * y);
-            [left.min(across), right.max(across), top.min(down)]
-        });
-        let end = top + lengths * (right - left + 1.0);
+        let end = end_of_hand(ends, turn_deg.to_radians(), lengths);
         let mut kept = self.mask.clone();
         for (y, row) in kept.chunks_exact_mut(self.width).enumerate() {
             let down = cos * y as f64;

@@ -6,8 +6,8 @@
 //! turned and flipped back.
 
 use grasp_index::{
-    Describer, DescriptorKind, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost,
-    SearchOptions, Vote, euler_deg, mirror_orientation,
+    Describer, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost, SearchOptions, Vote,
+    euler_deg, mirror_orientation,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -122,7 +122,7 @@ pub(super) fn best(
     let mut describer = index.describer();
     let flipped = hand.mirrored();
     let hand_of = |side| if side == Side::Left { &flipped } else { hand };
-    let is_learned = matches!(index.catalogue().descriptor.kind, DescriptorKind::Learned { .. });
+    let is_learned = index.catalogue().descriptor.is_learned();
     let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
     for turn in 0..rolls {
         let tried = turn as f64 / rolls as f64 * 360.0;

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
-use grasp_index::{DescriptorKind, HandImage, Index};
+use grasp_index::{HandImage, Index};
 
 use crate::doubtful;
 use crate::error::RecogniseError;
@@ -123,8 +123,7 @@ impl<'a> Recogniser<'a> {
         if let Some(scene) = &prepared.scene {
             return Some(Cow::Borrowed(&scene.prediction));
         }
-        let is_learned = matches!(self.index.catalogue().descriptor.kind, DescriptorKind::Learned { .. });
-        if !is_learned || self.options.segment.by == Finder::Skin {
+        if !self.index.catalogue().descriptor.is_learned() || self.options.segment.by == Finder::Skin {
             return None;
         }
         let turn = hand.upright_turn_deg().to_radians();

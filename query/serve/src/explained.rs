@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use grasp_index::{DescriptorKind, Index};
+use grasp_index::Index;
 use image::{ExtendedColorType, ImageEncoder as _, ImageError, codecs::png::PngEncoder};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -86,8 +86,7 @@ impl Explained {
             column: cell.column,
             histogram: cell.histogram.to_vec(),
         });
-        let learned = matches!(params.kind, DescriptorKind::Learned { .. });
-        let bins = if learned { 0 } else { params.bins };
+        let bins = if params.is_learned() { 0 } else { params.bins };
         Ok(Self {
             width,
             height,
@@ -95,7 +94,7 @@ impl Explained {
             hand_image: address(hand.pixels(), (hand.width(), hand.height()), ExtendedColorType::L8)?,
             dim: found.best.descriptor.len(),
             bins,
-            values: if learned { found.best.descriptor.clone() } else { Vec::new() },
+            values: if params.is_learned() { found.best.descriptor.clone() } else { Vec::new() },
             edges_deg: (0..bins).map(|bin| edge_deg(params, bin)).collect(),
             cells: cells.collect(),
             generation,

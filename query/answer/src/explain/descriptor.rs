@@ -28,14 +28,9 @@ pub fn edge_deg(params: &DescriptorParams, bin: u32) -> f64 {
     }
 }
 
-/// Whether values are a network's, which have no directions.
-fn is_learned(params: &DescriptorParams) -> bool {
-    matches!(params.kind, DescriptorKind::Learned { .. })
-}
-
 /// How the drawing is to be read.
 pub(super) fn legend(params: &DescriptorParams) -> String {
-    if is_learned(params) {
+    if params.is_learned() {
         return "What a network makes of picture 3; hands that are held and seen alike have about the \
                 same numbers. Black the smallest, white the largest."
             .to_owned();
@@ -49,7 +44,7 @@ pub(super) fn legend(params: &DescriptorParams) -> String {
 
 /// Pixels that [`draw`] needs from its top.
 pub(super) fn height(params: &DescriptorParams) -> u32 {
-    if is_learned(params) {
+    if params.is_learned() {
         return (params.dim() as u32).div_ceil(SHADES) * SHADE + GAP;
     }
     params.bins.div_ceil(ACROSS) * (LINE + FINE + GAP)
@@ -57,7 +52,7 @@ pub(super) fn height(params: &DescriptorParams) -> u32 {
 
 /// Draws the panels below `top`: a direction each, its coarser levels beside its finest one.
 pub(super) fn draw(canvas: &mut Canvas, top: u32, params: &DescriptorParams, descriptor: &[f32]) {
-    if is_learned(params) {
+    if params.is_learned() {
         return draw_embedding(canvas, top, descriptor);
     }
     let step = (WIDTH - 2 * MARGIN + GAP) / ACROSS;

@@ -3,12 +3,12 @@
 use super::find::upright;
 use super::look::Eye;
 use super::network::SceneNetwork;
-use super::prediction::{Eyes, Powers, Prediction};
+use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
 use crate::side::Side;
-use grasp_index::SHOWN_LENGTHS;
+use grasp_index::{SHOWN_LENGTHS, end_of_hand};
 
 /// The side of the square in which the grasp is named, in roots of the hand's area: the middle of
 /// what the naming network was trained on.
@@ -22,11 +22,11 @@ impl Prediction {
     /// upright, so that it is known roughly where the hand ends and the arm begins. It is looked at
     /// as each of `sides`. `None` where the mask is empty.
     pub fn of_cut_out(picture: &Picture, hand: &Mask, turn: f64, sides: &[Side]) -> Option<Self> {
-        let [mut finding, naming] = [SceneNetwork::finding(), SceneNetwork::naming()]
-            .map(|network| Eye::of_cut_out(network, picture, hand));
+        let mut eye = Eye::of_cut_out(picture, hand);
         let first = square(hand, turn, SIZES)?;
-        let square = square(hand, upright(&mut finding, &first), SIZES)?;
-        Some(Self::of_square(Eyes { finding, naming }, &square, sides, POWERS))
+        let turn = upright(SceneNetwork::finding(), &mut eye, &first);
+        let square = square(hand, turn, SIZES)?;
+        Some(Self::of_square(&mut eye, &square, sides, POWERS))
     }
 }
 
@@ -40,11 +40,7 @@ pub(super) fn square(mask: &Mask, turn: f64, sizes: f64) -> Option<Square> {
         let inside = mask.pixels().iter().enumerate().filter(|(_, inside)| **inside != 0);
         inside.map(|(at, _)| [at % width, at / width].map(|v| v as f64 + 0.5))
     };
-    let [left, right, top] = inside().fold([f64::MAX, f64::MIN, f64::MAX], |[left, right, top], [x, y]| {
-        let (across, down) = (cos * x - sin * y, sin * x + cos * y);
-        [left.min(across), right.max(across), top.min(down)]
-    });
-    let end = top + SHOWN_LENGTHS * (right - left + 1.0);
+    let end = end_of_hand(inside(), turn, SHOWN_LENGTHS);
     let hand = inside().filter(|[x, y]| sin * x + cos * y < end);
     let [x, y, area] = hand.fold([0.0; 3], |sum, [x, y]| [sum[0] + x, sum[1] + y, sum[2] + 1.0]);
     (area > 0.0).then(|| Square { centre: [x / area, y / area], side: sizes * area.sqrt(), turn })

@@ -64,23 +64,23 @@ pub struct Detection {
 
 /// Finds the hand in a picture; `None` where the network sees none.
 pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
-    let mut eye = Eye::new(network, picture);
-    let (whole, patch) = first_patch(&mut eye)?;
+    let mut eye = Eye::new(picture);
+    let (whole, patch) = first_patch(network, &mut eye)?;
     let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
     let mut square = Square { centre: whole.to_picture().apply(patch.centre), side, turn: 0.0 };
-    square.turn = upright(&mut eye, &square);
-    Some(Detection { masks: fitted(&mut eye, square), joints: None, right_odds: 0.0 })
+    square.turn = upright(network, &mut eye, &square);
+    Some(Detection { masks: fitted(network, &mut eye, square), joints: None, right_odds: 0.0 })
 }
 
 /// The hand whose joints were found by something else, and what it holds.
 pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Detection {
-    let mut eye = Eye::new(network, picture);
+    let mut eye = Eye::new(picture);
     let (mut square, is_upright) = joints.square();
     if !is_upright {
-        square.turn = upright(&mut eye, &square);
+        square.turn = upright(network, &mut eye, &square);
     }
-    Detection { masks: fitted(&mut eye, square), joints: Some(joints.clone()), right_odds: 0.0 }
+    Detection { masks: fitted(network, &mut eye, square), joints: Some(joints.clone()), right_odds: 0.0 }
 }
 
 /// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds
@@ -111,35 +111,35 @@ pub fn find_by_joints(
 /// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
 /// needs at most: where the arm comes from is known, and only how it has turned since is looked at.
 pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> Option<Detection> {
-    let mut eye = Eye::new(network, picture);
+    let mut eye = Eye::new(picture);
     let (square, area) = (before.masks.square, before.masks.hand_area());
-    let whole = Masks::of_square(&mut eye, Square::around(picture));
+    let whole = Masks::of_square(network, &mut eye, Square::around(picture));
     if let Some(largest) = largest_patch(whole.part(Part::Hand), whole.side).filter(|p| p.area > LEAST) {
         let place = square.from_picture().apply(whole.square.to_picture().apply(largest.centre));
         if !place.iter().all(|share| (0.0..1.0).contains(share)) {
             return None;
         }
     }
-    let heads = eye.look(&square, false);
+    let heads = eye.look(network, &square);
     let mut direction = Direction::default();
     direction.add(square.turn, INERTIA);
     direction.add(square.turn + FRAC_PI_2 - heads.arm(), 1.0);
-    let seen = Masks::new(square, heads.masks, eye.network.mask_side());
+    let seen = Masks::new(square, heads);
     if let Some((turn, share)) = turn_of_forearm(&seen) {
         direction.add(turn, share);
     }
     let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
     let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
-    let masks = Masks::of_square(&mut eye, Square { turn: direction.turn(), ..fitted });
+    let masks = Masks::of_square(network, &mut eye, Square { turn: direction.turn(), ..fitted });
     is_still_there(&masks).then_some(Detection { masks, joints: None, right_odds: 0.0 })
 }
 
 /// What is seen in a square once it fits the hand in it.
-fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
-    let mut masks = Masks::of_square(eye, square);
+fn fitted(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Masks {
+    let mut masks = Masks::of_square(network, eye, square);
     for _ in 0..FITS {
         let Some(fitted) = masks.fitted(SIZES) else { break };
-        let found = Masks::of_square(eye, fitted);
+        let found = Masks::of_square(network, eye, fitted);
         if found.hand_area() < LOST * masks.hand_area() {
             break;
         }
@@ -150,17 +150,16 @@ fn fitted(eye: &mut Eye<'_>, square: Square) -> Masks {
 
 /// The turn by which the arm comes from below: the mean of what the network says at several turns,
 /// which counts the more the nearer to upright it is said at, and of where the forearm lies.
-pub(super) fn upright(eye: &mut Eye<'_>, square: &Square) -> f64 {
-    let side = eye.network.mask_side();
+pub(super) fn upright(network: &SceneNetwork, eye: &mut Eye<'_>, square: &Square) -> f64 {
     let mut direction = Direction::default();
     for step in 0..TURNS {
         let turn = TAU * step as f64 / TURNS as f64;
         let turned = Square { turn, ..*square };
-        let heads = eye.look(&turned, false);
+        let heads = eye.look(network, &turned);
         let arm = heads.arm();
         let upright = (0.5 + 0.5 * libm::cos(arm - FRAC_PI_2)).powi(2);
         direction.add(turn + FRAC_PI_2 - arm, upright);
-        if let Some((turn, share)) = turn_of_forearm(&Masks::new(turned, heads.masks, side)) {
+        if let Some((turn, share)) = turn_of_forearm(&Masks::new(turned, heads)) {
             direction.add(turn, share / TURNS as f64);
         }
     }
@@ -193,10 +192,10 @@ impl Direction {
 
 /// The largest patch of a hand in the whole picture, or in that part of it in which most of one is
 /// seen; with the square that it was seen in.
-fn first_patch(eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
+fn first_patch(network: &SceneNetwork, eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
     let whole = Square::around(eye.picture);
     let mut seen = |square: Square| {
-        let masks = Masks::of_square(eye, square);
+        let masks = Masks::of_square(network, eye, square);
         let patch = largest_patch(masks.part(Part::Hand), masks.side)?;
         (patch.area > LEAST).then_some((square, patch))
     };

@@ -1,7 +1,7 @@
 //! The network's coarse masks on the pixels of a picture.
 
 use super::look::Eye;
-use super::network::MASKS;
+use super::network::{Heads, MASKS, SceneNetwork};
 use super::square::{Map, Square};
 use crate::segment::Mask;
 
@@ -31,14 +31,14 @@ const MOST_OF_OBJECT: f64 = 2.5;
 const OBJECT_IN_MIDDLE: f64 = 0.5;
 
 impl Masks {
-    /// What the network sees in a square.
-    pub(super) fn of_square(eye: &mut Eye<'_>, square: Square) -> Self {
-        let logits = eye.look(&square, false).masks;
-        Self::new(square, logits, eye.network.mask_side())
+    /// What a network sees in a square.
+    pub(super) fn of_square(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Self {
+        Self::new(square, eye.look(network, &square))
     }
 
-    pub(super) fn new(square: Square, logits: Vec<f32>, side: usize) -> Self {
-        Self { square, map: square.from_picture(), logits, side }
+    /// What a network has seen in a square.
+    pub(super) fn new(square: Square, heads: Heads) -> Self {
+        Self { square, map: square.from_picture(), logits: heads.masks, side: heads.mask_side }
     }
 
     /// The hand's area in pixels of the picture.

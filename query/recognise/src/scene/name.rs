@@ -2,8 +2,7 @@
 
 use super::find::Detection;
 use super::look::Eye;
-use super::network::SceneNetwork;
-use super::prediction::{Eyes, Powers, Prediction};
+use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
 use crate::segment::Mask;
@@ -27,11 +26,8 @@ impl Scene {
     /// Looks at a hand, whose mask was found on the same picture, as a right one and as a left one.
     pub fn new(picture: &Picture, found: Detection, hand: &Mask) -> Self {
         let square = found.square_of(hand);
-        let eyes = Eyes {
-            finding: Eye::new(SceneNetwork::finding(), picture),
-            naming: Eye::new(SceneNetwork::naming(), picture),
-        };
-        let mut prediction = Prediction::of_square(eyes, &square, &[Side::Right, Side::Left], POWERS);
+        let sides = [Side::Right, Side::Left];
+        let mut prediction = Prediction::of_square(&mut Eye::new(picture), &square, &sides, POWERS);
         prediction.right_odds += found.right_odds;
         Self { found, square, prediction }
     }

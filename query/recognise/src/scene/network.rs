@@ -5,6 +5,8 @@ use std::sync::LazyLock;
 use grasp_network::{Network, ReadError, Scratch};
 use thiserror::Error;
 
+/// Pixels a side of the pictures that it takes.
+pub(super) const SIDE: usize = 64;
 /// Masks that it answers with: hand, forearm, object.
 pub(super) const MASKS: usize = 3;
 /// Values of the heads behind the classes: three stages, and a rotation as two columns.
@@ -73,6 +75,7 @@ impl SceneNetwork {
         let masks = architecture.masks.map_or(0, |masks| masks.count as usize);
         let shape = [
             ("the number of planes", architecture.planes as usize, 3),
+            ("the side of the picture", architecture.side as usize, SIDE),
             ("the number of masks", masks, MASKS),
             ("the size of the heads", architecture.heads as usize, grasps.len() + 2 + STAGES + ROTATION),
         ];
@@ -84,16 +87,6 @@ impl SceneNetwork {
         Ok(Self { network, grasps: grasps.iter().map(|name| (*name).to_owned()).collect() })
     }
 
-    /// Pixels a side of the pictures that it takes.
-    pub(super) fn side(&self) -> usize {
-        self.network.architecture().side as usize
-    }
-
-    /// Values a side of the masks that it answers with.
-    pub(super) fn mask_side(&self) -> usize {
-        self.network.architecture().mask_side().unwrap_or_default()
-    }
-
     /// What it answers to one picture.
     pub(super) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
         let output = self.network.run(scratch, planes);
@@ -101,19 +94,26 @@ impl SceneNetwork {
         let mut rotation = [0.0; ROTATION];
         rotation.iter_mut().zip(rest.iter().skip(STAGES)).for_each(|(to, from)| *to = f64::from(*from));
         let classes: Vec<f64> = classes.iter().copied().map(f64::from).collect();
-        Heads { classes: normalised(&classes), rotation, masks: output.masks.to_vec() }
+        let mut classes = normalised(&classes);
+        let mirrored = classes.remove(self.grasps.len());
+        let mask_side = self.network.architecture().mask_side().unwrap_or_default();
+        Heads { classes, mirrored, rotation, masks: output.masks.to_vec(), mask_side }
     }
 }
 
 /// The answer to one picture.
 #[derive(Clone, Debug)]
 pub(super) struct Heads {
-    /// The logarithm of each class's probability: the grasps, mirrored, none.
+    /// The logarithm of each class's probability: the grasps, then none of them.
     pub(super) classes: Vec<f64>,
+    /// The logarithm of the probability that the hand is mirrored.
+    pub(super) mirrored: f64,
     /// The first and the second column of the rotation, of any length.
     pub(super) rotation: [f64; ROTATION],
     /// Logits of hand, forearm and object, row by row.
     pub(super) masks: Vec<f32>,
+    /// Values a side of a mask.
+    pub(super) mask_side: usize,
 }
 
 impl Heads {

@@ -1,7 +1,7 @@
 //! Which hand it is and what it does, by looks of networks at it.
 
 use super::look::Eye;
-use super::network::normalised;
+use super::network::{Heads, SceneNetwork, normalised};
 use super::square::Square;
 use crate::side::Side;
 
@@ -35,23 +35,27 @@ pub(super) struct Powers {
     pub(super) networks: f64,
 }
 
-/// The two networks' eyes on one picture.
-pub(super) struct Eyes<'a> {
-    pub(super) finding: Eye<'a>,
-    pub(super) naming: Eye<'a>,
-}
-
 impl Prediction {
     /// What both networks see in a square that a hand stands upright in, as each of these hands;
     /// nothing is known of another one.
-    pub(super) fn of_square(mut eyes: Eyes<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
-        let grasps = eyes.naming.network.grasps.clone();
-        let [right, left] = [Side::Right, Side::Left].map(|side| match sides.contains(&side) {
-            true => named(&mut eyes, square, side == Side::Left),
-            false => Named { odds: 0.0, grasps: normalised(&vec![0.0; grasps.len() + 1]) },
-        });
-        let right_odds = (right.odds - left.odds) / sides.len().max(1) as f64;
-        Self { right_odds, grasps, powers, by_side: [right.grasps, left.grasps] }
+    pub(super) fn of_square(eye: &mut Eye<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
+        let (finding, naming) = (SceneNetwork::finding(), SceneNetwork::naming());
+        let mut named = [Named::new(naming.grasps.len()), Named::new(naming.grasps.len())];
+        for (turn, size) in LOOKS {
+            eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
+            for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
+                if side == Side::Left {
+                    eye.mirror();
+                }
+                if sides.contains(&side) {
+                    named.add(&eye.see(finding), FINDING / LOOKS.len() as f64);
+                    named.add(&eye.see(naming), (1.0 - FINDING) / LOOKS.len() as f64);
+                }
+            }
+        }
+        let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
+        let by_side = named.map(|named| normalised(&named.grasps));
+        Self { right_odds, grasps: naming.grasps.clone(), powers, by_side }
     }
 
     /// The probability that the hand is the other one than `side`.
@@ -68,28 +72,22 @@ impl Prediction {
     }
 }
 
-/// What several looks at one of both hands say.
+/// The mean of what several looks at one of both hands say; without any, all is as likely.
 struct Named {
-    /// The mean log-odds of its being that hand.
+    /// The log-odds of its being that hand.
     odds: f64,
-    /// The logarithm of each grasp's probability, then that of none.
+    /// The logarithm of each grasp's probability, then that of none, up to the same constant.
     grasps: Vec<f64>,
 }
 
-fn named(eyes: &mut Eyes<'_>, square: &Square, is_mirrored: bool) -> Named {
-    let (mut odds, mut sum) = (0.0, Vec::new());
-    for (eye, share) in [(&mut eyes.finding, FINDING), (&mut eyes.naming, 1.0 - FINDING)] {
-        let grasps = eye.network.grasps.len();
-        sum.resize(grasps + 1, 0.0);
-        let share = share / LOOKS.len() as f64;
-        for (turn, size) in LOOKS {
-            let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
-            let classes = eye.look(&square, is_mirrored).classes;
-            let mirrored = classes[grasps];
-            odds += share * (libm::log((-libm::expm1(mirrored)).max(LEAST)) - mirrored);
-            let shown = classes[..grasps].iter().chain(&classes[grasps + 1..]);
-            sum.iter_mut().zip(shown).for_each(|(sum, log)| *sum += share * log);
-        }
+impl Named {
+    fn new(grasps: usize) -> Self {
+        Self { odds: 0.0, grasps: vec![0.0; grasps + 1] }
     }
-    Named { odds, grasps: normalised(&sum) }
+
+    /// Counts one look more.
+    fn add(&mut self, heads: &Heads, share: f64) {
+        self.odds += share * (libm::log((-libm::expm1(heads.mirrored)).max(LEAST)) - heads.mirrored);
+        self.grasps.iter_mut().zip(&heads.classes).for_each(|(sum, log)| *sum += share * log);
+    }
 }
