@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 #[cfg(feature = "landmarks")]
 use super::joints::{HandJoints, Seeker};
 use super::landmarks::Joints;
-use super::look::{Eye, Patch, largest_patch};
+use super::look::Eye;
 use super::masks::{Masks, Part};
 use super::network::SceneNetwork;
+use super::patch::Patch;
 use super::square::Square;
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::{HandNetworks, HandNetworksError};
@@ -114,7 +115,7 @@ pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> 
     let mut eye = Eye::new(picture);
     let (square, area) = (before.masks.square, before.masks.hand_area());
     let whole = Masks::of_square(network, &mut eye, Square::around(picture));
-    if let Some(largest) = largest_patch(whole.part(Part::Hand), whole.side).filter(|p| p.area > LEAST) {
+    if let Some(largest) = whole.largest_patch(Part::Hand).filter(|p| p.area > LEAST) {
         let place = square.from_picture().apply(whole.square.to_picture().apply(largest.centre));
         if !place.iter().all(|share| (0.0..1.0).contains(share)) {
             return None;
@@ -124,7 +125,7 @@ pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> 
     let mut direction = Direction::default();
     direction.add(square.turn, INERTIA);
     direction.add(square.turn + FRAC_PI_2 - heads.arm(), 1.0);
-    let seen = Masks::new(square, heads);
+    let seen = Masks::new(picture, square, heads);
     if let Some((turn, share)) = turn_of_forearm(&seen) {
         direction.add(turn, share);
     }
@@ -159,7 +160,7 @@ pub(super) fn upright(network: &SceneNetwork, eye: &mut Eye<'_>, square: &Square
         let arm = heads.arm();
         let upright = (0.5 + 0.5 * libm::cos(arm - FRAC_PI_2)).powi(2);
         direction.add(turn + FRAC_PI_2 - arm, upright);
-        if let Some((turn, share)) = turn_of_forearm(&Masks::new(turned, heads)) {
+        if let Some((turn, share)) = turn_of_forearm(&Masks::new(eye.picture, turned, heads)) {
             direction.add(turn, share / TURNS as f64);
         }
     }
@@ -168,7 +169,7 @@ pub(super) fn upright(network: &SceneNetwork, eye: &mut Eye<'_>, square: &Square
 
 /// The turn by which the forearm that is seen comes from below, and how much that counts.
 fn turn_of_forearm(masks: &Masks) -> Option<(f64, f64)> {
-    let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| largest_patch(masks.part(part), masks.side));
+    let [hand, forearm] = [Part::Hand, Part::Forearm].map(|part| masks.largest_patch(part));
     let (hand, forearm) = (hand?, forearm?);
     let [x, y] = [0, 1].map(|i| forearm.centre[i] - hand.centre[i]);
     let share = (FOREARM * forearm.area / hand.area).min(MOST_FOREARM);
@@ -196,7 +197,7 @@ fn first_patch(network: &SceneNetwork, eye: &mut Eye<'_>) -> Option<(Square, Pat
     let whole = Square::around(eye.picture);
     let mut seen = |square: Square| {
         let masks = Masks::of_square(network, eye, square);
-        let patch = largest_patch(masks.part(Part::Hand), masks.side)?;
+        let patch = masks.largest_patch(Part::Hand)?;
         (patch.area > LEAST).then_some((square, patch))
     };
     if let Some(found) = seen(whole) {

@@ -2,7 +2,9 @@
 
 use super::look::Eye;
 use super::network::{Heads, MASKS, SceneNetwork};
+use super::patch::{Patch, largest_patch};
 use super::square::{Map, Square};
+use crate::picture::Picture;
 use crate::segment::Mask;
 
 /// Which of the masks.
@@ -21,8 +23,10 @@ pub(super) struct Masks {
     map: Map,
     /// Logits of hand, forearm and object, row by row.
     logits: Vec<f32>,
+    /// Which cells are within the picture: beyond its border a hand goes on that is not there.
+    is_within: Vec<bool>,
     /// Values a side.
-    pub(super) side: usize,
+    side: usize,
 }
 
 /// How much of an object's area counts for the size of what is looked at, in areas of its hand, and
@@ -33,12 +37,21 @@ const OBJECT_IN_MIDDLE: f64 = 0.5;
 impl Masks {
     /// What a network sees in a square.
     pub(super) fn of_square(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Self {
-        Self::new(square, eye.look(network, &square))
+        let heads = eye.look(network, &square);
+        Self::new(eye.picture, square, heads)
     }
 
-    /// What a network has seen in a square.
-    pub(super) fn new(square: Square, heads: Heads) -> Self {
-        Self { square, map: square.from_picture(), logits: heads.masks, side: heads.mask_side }
+    /// What a network has seen in a square of a picture.
+    pub(super) fn new(picture: &Picture, square: Square, heads: Heads) -> Self {
+        let (side, map) = (heads.mask_side, square.to_picture());
+        let length = [picture.width(), picture.height()].map(|length| length as f64);
+        let cell = |at: usize| [at % side, at / side].map(|v| (v as f64 + 0.5) / side as f64);
+        let is_within = (0..side * side).map(|at| {
+            let place = map.apply(cell(at));
+            place.iter().zip(length).all(|(v, length)| (0.0..length).contains(v))
+        });
+        let is_within = is_within.collect();
+        Self { square, map: square.from_picture(), logits: heads.masks, is_within, side }
     }
 
     /// The hand's area in pixels of the picture.
@@ -80,15 +93,25 @@ impl Masks {
     /// The sums of the places, right and down, of the cells that are of a part, and their number,
     /// each as a share of the square.
     fn sum(&self, part: Part) -> [f64; 3] {
-        let cell = 1.0 / self.part(part).len().max(1) as f64;
-        let inside = self.part(part).iter().enumerate().filter(|(_, logit)| **logit > 0.0);
+        let cell = 1.0 / self.is_within.len().max(1) as f64;
+        let inside = self.cells(part).enumerate().filter(|(_, is_part)| *is_part);
         inside.fold([0.0; 3], |sum, (at, _)| {
             let [x, y] = [at % self.side, at / self.side].map(|v| (v as f64 + 0.5) / self.side as f64);
             [sum[0] + cell * x, sum[1] + cell * y, sum[2] + cell]
         })
     }
 
-    pub(super) fn part(&self, part: Part) -> &[f32] {
+    /// The largest patch of a part; `None` where none is seen.
+    pub(super) fn largest_patch(&self, part: Part) -> Option<Patch> {
+        largest_patch(&self.cells(part).collect::<Vec<_>>(), self.side)
+    }
+
+    /// Which cells of the picture are of a part.
+    fn cells(&self, part: Part) -> impl Iterator<Item = bool> {
+        self.part(part).iter().zip(&self.is_within).map(|(logit, is_within)| *is_within && *logit > 0.0)
+    }
+
+    fn part(&self, part: Part) -> &[f32] {
         let cells = self.logits.len() / MASKS;
         let start = part as usize * cells;
         &self.logits[start..start + cells]
