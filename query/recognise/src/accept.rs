@@ -28,7 +28,7 @@ pub enum Doubt {
     },
     /// What was found in a camera picture cannot be relied on.
     #[error(
-        "pictures like this one are recognised about as well as by guessing: trust {trust:.3}, at least {least:.3} is needed (a mask can be given with --mask)"
+        "pictures like this one are hardly recognised: trust {trust:.4}, at least {least:.3} is needed (a mask can be given with --mask)"
     )]
     Unreliable {
         /// The trust, 0..=1.
@@ -45,20 +45,30 @@ impl Doubt {
     }
 }
 
+/// How far an answer about a camera picture is trusted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trusted {
+    pub(super) trust: f64,
+    /// The trust below which there is no answer.
+    pub(super) least: f64,
+    /// What its probabilities were tempered by.
+    pub(super) tempering: f64,
+}
+
 impl Accept {
-    /// What speaks against the hypothesis, whose probabilities were tempered by `trust`; below
-    /// `least` it makes no answer.
+    /// What speaks against the hypothesis.
     pub(super) fn doubt(
         self,
         index: &Index,
         best: &Hypothesis,
-        (trust, least): (Option<f64>, f64),
+        trusted: Option<Trusted>,
         vote: &VoteOptions,
     ) -> Option<Doubt> {
         let nearest = best.neighbours.first().map_or(f64::INFINITY, |nearest| f64::from(nearest.distance));
-        let far = self.limits(index, vote, trust).doubt(nearest, first_probability(&best.vote));
+        let tempering = trusted.map(|trusted| trusted.tempering);
+        let far = self.limits(index, vote, tempering).doubt(nearest, first_probability(&best.vote));
         let unreliable = || {
-            let trust = trust?;
+            let Trusted { trust, least, .. } = trusted?;
             (self == Self::Calibrated && trust < least).then_some(Doubt::Unreliable { trust, least })
         };
         far.map(Doubt::from).filter(|doubt| !doubt.is_unsure()).or_else(unreliable).or(far.map(Doubt::from))
@@ -75,19 +85,19 @@ impl Accept {
         self,
         index: &Index,
         found: &Vote,
-        trust: Option<f64>,
+        tempering: Option<f64>,
         vote: &VoteOptions,
     ) -> Option<Doubt> {
-        let limits = Calibration { farthest: None, ..self.limits(index, vote, trust) };
+        let limits = Calibration { farthest: None, ..self.limits(index, vote, tempering) };
         limits.doubt(0.0, first_probability(found)).map(Doubt::from)
     }
 
-    fn limits(self, index: &Index, vote: &VoteOptions, trust: Option<f64>) -> Calibration {
+    fn limits(self, index: &Index, vote: &VoteOptions, tempering: Option<f64>) -> Calibration {
         let calibration = index.catalogue().calibration;
         // The limit was found for what neighbours say, and is tempered as that is.
-        let tempered = |trust| temper(calibration.least_probability, trust, index.catalogue().classes.len());
+        let tempered = |by| temper(calibration.least_probability, by, index.catalogue().classes.len());
         let least_probability = match calibration.least_probability > 0.0 {
-            true => trust.map_or(calibration.least_probability, tempered),
+            true => tempering.map_or(calibration.least_probability, tempered),
             false => 0.0,
         };
         match self {

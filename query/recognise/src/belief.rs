@@ -65,7 +65,7 @@ impl Recogniser<'_> {
 
     /// Whether no class stands out, wherever the neighbours lie.
     fn unsure(&self, found: &Recognition) -> Option<Doubt> {
-        self.options.accept.unsure(self.index, &found.best.vote, found.trust, &self.options.vote)
+        self.options.accept.unsure(self.index, &found.best.vote, found.tempering, &self.options.vote)
     }
 }
 

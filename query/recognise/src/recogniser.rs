@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use grasp_index::{HandImage, Index};
 
+use crate::accept::Trusted;
 use crate::doubtful;
 use crate::error::RecogniseError;
 use crate::evidence::Evidence;
@@ -99,19 +100,34 @@ impl<'a> Recogniser<'a> {
         let is_calibrated = !self.options.vote.has_own_width();
         let model = Trust::of_descriptor(&self.index.catalogue().descriptor, &self.options.segment.by);
         let trust = model.trust(&evidence).filter(|_| is_calibrated);
-        let applied = trust.filter(|_| self.options.temper);
+        let trusted = trust.filter(|_| self.options.temper).map(|trust| Trusted {
+            trust,
+            least: model.least,
+            tempering: model.tempering(trust),
+        });
+        let tempering = trusted.map(|trusted| trusted.tempering);
         let classes = best.vote.classes.len();
-        if let Some(trust) = applied {
+        if let Some(tempering) = tempering {
             for class in &mut best.vote.classes {
-                class.probability = temper(class.probability, trust, classes);
+                class.probability = temper(class.probability, tempering, classes);
             }
         }
-        let doubt = self.options.accept.doubt(self.index, &best, (applied, model.least), &self.options.vote);
+        let doubt = self.options.accept.doubt(self.index, &best, trusted, &self.options.vote);
         let doubt =
             doubt.or(none.and_then(|probability| self.options.accept.none_of_the_grasps(probability)));
         let warnings = Vec::new();
-        let mut found =
-            Recognition { prepared, hand_image, best, evidence, none, trust, warnings, doubt, timings };
+        let mut found = Recognition {
+            prepared,
+            hand_image,
+            best,
+            evidence,
+            none,
+            trust,
+            tempering,
+            warnings,
+            doubt,
+            timings,
+        };
         let is_measured = self.index.catalogue().calibration.measured.is_some();
         found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
         Ok(found)

@@ -20,9 +20,10 @@ pub struct Recognition {
     pub best: Hypothesis,
     /// What picture and neighbours say about how far the answer can be relied on.
     pub evidence: Evidence,
-    /// How far the neighbours' probabilities are trusted, 0..=1: those of the vote are tempered by
-    /// it. `None` where the mask was given and is one.
+    /// How far the answer is trusted, 0..=1. `None` where the mask was given and is one.
     pub trust: Option<f64>,
+    /// What the probabilities of the vote were tempered by for that, 0..=1, where they were.
+    pub tempering: Option<f64>,
     /// How likely the hand is in none of the grasps, by all that is seen, 0..=1; `None` where no
     /// scene network has found it.
     pub none: Option<f64>,

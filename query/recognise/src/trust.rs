@@ -11,7 +11,9 @@
 //!
 //! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures
 //! of hands before backgrounds that are hard to distinguish from skin (`data/trust*.toml`, which
-//! name the command). A mask that was given is trusted, unless it is all of the picture.
+//! name the command), but at least the model's floor: of pictures unlike those, photographs say, it
+//! knows no more than that they are unlike. A mask that was given is trusted, unless it is all of
+//! the picture.
 
 use grasp_index::{DescriptorKind, DescriptorParams};
 use std::collections::BTreeMap;
@@ -31,6 +33,8 @@ pub(super) const MOST_FILLED: f64 = 0.95;
 pub struct Trust {
     /// The trust below which the hand is unknown.
     pub least: f64,
+    /// The least t that probabilities are tempered by, 0..=1.
+    pub floor: f64,
     /// For answers that both hands were tried for.
     pub hand_tried: Logistic,
     /// For answers whose hand was given.
@@ -94,6 +98,11 @@ impl Trust {
         evidence.quality.as_ref()?;
         let model = if evidence.other_hand.is_some() { &self.hand_tried } else { &self.hand_given };
         Some(model.value(evidence))
+    }
+
+    /// What probabilities are tempered by where an answer is trusted so much.
+    pub fn tempering(&self, trust: f64) -> f64 {
+        trust.max(self.floor)
     }
 }
 
@@ -165,5 +174,11 @@ mod tests {
         assert!((tempered.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((tempered[0] - 0.425).abs() < 1e-12 && tempered[1] > tempered[2]);
         assert_eq!(temper(0.9, 1.0, 6), 0.9);
+    }
+
+    #[test]
+    fn answers_are_tempered_by_the_floor_at_least() {
+        let model = Trust { floor: 0.6, ..Trust::built_in().clone() };
+        assert_eq!([0.0, 0.6, 0.9].map(|trust| model.tempering(trust)), [0.6, 0.6, 0.9]);
     }
 }

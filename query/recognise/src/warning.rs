@@ -31,9 +31,7 @@ pub enum Warning {
         skin_around: f64,
     },
     /// The picture is unlike those that were recognised rightly when trust was fitted.
-    #[error(
-        "pictures like this one are often recognised wrongly: the neighbours' agreement counts by {trust:.2} (1: fully)"
-    )]
+    #[error("pictures like this one are often recognised wrongly: trust {trust:.2}, where 1 is full")]
     PictureUnlikeCalibration {
         /// The trust, 0..=1.
         trust: f64,

@@ -150,6 +150,9 @@ struct TrustArguments {
     /// The trust below which a hand is unknown.
     #[arg(long, value_name = "P", default_value_t = Trust::built_in().least, value_parser = parse_share)]
     least: f64,
+    /// The least that probabilities are tempered by, however little an answer is trusted.
+    #[arg(long, value_name = "P", default_value_t = Trust::built_in().floor, value_parser = parse_share)]
+    floor: f64,
     /// Write the model into this file.
     #[arg(long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
@@ -316,7 +319,7 @@ impl TrustArguments {
         let empty: Vec<_> =
             (0..segmented / HANDS_PER_NONE).into_par_iter().map(|number| recognisers.empty(number)).collect();
         samples.extend(empty.into_iter().flatten());
-        let fitted = Fitted::new(&samples, self.least);
+        let fitted = Fitted::new(&samples, [self.least, self.floor]);
         if let Some(out) = &self.out {
             fitted.write(out, &self.command(), &index)?;
         }
@@ -331,8 +334,11 @@ impl TrustArguments {
             parts.into_iter().rev().collect::<PathBuf>().display().to_string()
         };
         let labels: Vec<String> = self.labels.iter().map(last_two).collect();
-        let (labels, segment, least) = (labels.join(" "), self.segment.named(), self.least);
-        format!("grasp-query experiment trust {labels}{segment} --least {least} --out trust.toml")
+        let (labels, segment) = (labels.join(" "), self.segment.named());
+        let Self { least, floor, .. } = self;
+        format!(
+            "grasp-query experiment trust {labels}{segment} --least {least} --floor {floor} --out trust.toml"
+        )
     }
 }
 

@@ -142,3 +142,40 @@ impl Masks {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square that a network takes for hand, all of it.
+    fn all_hand(picture: &Picture, square: Square) -> Masks {
+        let cells = 32 * 32;
+        let masks = (0..MASKS * cells).map(|at| if at < cells { 2.0 } else { -2.0 }).collect();
+        let heads = Heads { classes: vec![], mirrored: 0.0, rotation: [0.0; 6], masks, mask_side: 32 };
+        Masks::new(picture, square, heads)
+    }
+
+    #[test]
+    fn beyond_the_border_there_is_no_hand() {
+        let picture = Picture::new(40, 80, vec![[9; 3]; 40 * 80]).unwrap();
+        // The square reaches 40 pixels beyond the right border, and ends where the picture does.
+        let masks = all_hand(&picture, Square { centre: [40.0, 40.0], side: 80.0, turn: 0.0 });
+        assert!((masks.hand_area() - 40.0 * 80.0).abs() < 1e-6, "{}", masks.hand_area());
+        let patch = masks.largest_patch(Part::Hand).unwrap();
+        assert_eq!((patch.centre, patch.area), ([0.25, 0.5], 0.5));
+        let fitted = masks.fitted(2.0).unwrap();
+        assert!((fitted.centre[0] - 20.0).abs() < 1e-6 && (fitted.centre[1] - 40.0).abs() < 1e-6);
+        assert!((fitted.side - 2.0 * (40.0f64 * 80.0).sqrt()).abs() < 1e-6);
+        // A square that shows nothing of the picture has nothing in it.
+        let beside = all_hand(&picture, Square { centre: [200.0, 40.0], side: 80.0, turn: 0.5 });
+        assert!(beside.fitted(2.0).is_none() && beside.largest_patch(Part::Hand).is_none());
+    }
+
+    #[test]
+    fn what_a_network_sees_at_the_border_goes_up_to_it() {
+        let picture = Picture::new(40, 80, vec![[9; 3]; 40 * 80]).unwrap();
+        let masks = all_hand(&picture, Square { centre: [40.0, 40.0], side: 80.0, turn: 0.0 });
+        assert_eq!(masks.at([Part::Hand, Part::Forearm], [39.9, 40.0]), Some([2.0, -2.0]));
+        assert_eq!(masks.at([Part::Hand], [200.0, 40.0]), None);
+    }
+}

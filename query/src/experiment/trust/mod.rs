@@ -205,15 +205,16 @@ impl Sample {
 }
 
 impl Fitted {
-    /// Fits a model to the part of the samples to choose by and measures it on both.
-    pub fn new(samples: &[Sample], least: f64) -> Self {
+    /// Fits a model to the part of the samples to choose by and measures it on both. Its least
+    /// trust and its floor are given.
+    pub fn new(samples: &[Sample], [least, floor]: [f64; 2]) -> Self {
         let [hand_tried, hand_given] = [false, true].map(|hand_is_given| {
             let chosen = samples
                 .iter()
                 .filter(|sample| sample.part == Part::Choose && sample.hand_is_given == hand_is_given);
             fit(&chosen.map(|sample| sample.example).collect::<Vec<_>>())
         });
-        let model = Trust { least, hand_tried, hand_given };
+        let model = Trust { least, floor, hand_tried, hand_given };
         let of = |scene, hand_is_given, part: Part| {
             let is_meant = |sample: &&Sample| {
                 sample.scene == scene && sample.hand_is_given == hand_is_given && sample.part == part
@@ -289,7 +290,7 @@ impl TrustScore {
     ) -> Self {
         let before = || samples.iter().map(|sample| (sample.stated, sample.is_right));
         let after = || {
-            let tempered = |s: &Sample| temper(s.stated, s.trust(model), s.classes);
+            let tempered = |s: &Sample| temper(s.stated, model.tempering(s.trust(model)), s.classes);
             samples.iter().map(move |sample| (tempered(sample), sample.is_right))
         };
         let above = |stated: &mut dyn Iterator<Item = (f64, bool)>| {
