@@ -1,9 +1,7 @@
 //! The hand image H of the paper's Section III: segmented, cropped to the hand, grey, black outside
 //! the hand.
 
-mod upright;
-
-pub use upright::end_of_hand;
+pub mod upright;
 
 use crate::resample::{Axis, Resampler};
 use thiserror::Error;
