@@ -1,7 +1,7 @@
 //! The hand image H of the paper's Section III: segmented, cropped to the hand, grey, black outside
 //! the hand.
 
-pub mod upright;
+pub(crate) mod upright;
 
 use crate::resample::{Axis, Resampler};
 use thiserror::Error;
