@@ -4,8 +4,8 @@
 use super::HandImage;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How far down a hand reaches, of which these pixels are seen, once they are turned clockwise by
-/// `turn` radians: to `lengths` of its breadths below its uppermost one. A pixel at `(x, y)` is
+/// How far down a hand reaches, in pixels, once its pixels are turned clockwise by `turn` radians:
+/// to `lengths` of its breadths below the uppermost one. A pixel at `(x, y)`, right and down, is
 /// `sin(turn) x + cos(turn) y` far down then; what is farther down is arm.
 pub fn end_of_hand(pixels: impl Iterator<Item = [f64; 2]>, turn: f64, lengths: f64) -> f64 {
     let (sin, cos) = libm::sincos(turn);
