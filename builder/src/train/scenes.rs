@@ -44,7 +44,7 @@ const TILT_OF_WAYS: f64 = 25.0;
 const SIDE: usize = 80;
 
 /// Scenes by number.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scenes {
     grasps: Vec<Arc<Grasp>>,
     look: Look,

@@ -47,6 +47,12 @@ pub(super) fn dress(object: &PlacedObject, largest: f64, rng: &mut ChaCha8Rng) -
     thing.parts
 }
 
+/// A vessel whose axis is nearer to the way out of the hand than this (cosine) is held at its end.
+const AT_END: f64 = 0.6;
+/// How far its end is behind the finger tips then, and how long it is, in metres.
+const BEHIND_TIPS: [f64; 2] = [0.005, 0.045];
+const LENGTH_AT_END: [f64; 2] = [0.06, 0.17];
+
 /// A thing that is put together in its own frame.
 struct Thing {
     place: Isometry3<f64>,
@@ -66,8 +72,13 @@ impl Thing {
 
     /// A can, a bottle, a mug, a box, a jar: around z.
     fn vessel(&mut self, r: f64, length: f64, rng: &mut ChaCha8Rng) {
-        let half = 0.5 * length * between(rng, [0.6, 1.35]);
-        let shift = at_height(self.off * half * (2.0 * unit(rng) - 1.0));
+        let (half, shift) = if self.away.z.abs() > AT_END {
+            let half = 0.5 * between(rng, LENGTH_AT_END);
+            (half, upward(self.away.z) * at_height(half - between(rng, BEHIND_TIPS)))
+        } else {
+            let half = 0.5 * length * between(rng, [0.6, 1.35]);
+            (half, at_height(self.off * half * (2.0 * unit(rng) - 1.0)))
+        };
         match unit(rng) {
             x if x < 0.3 => {
                 let rim = r * between(rng, [0.8, 1.0]);
@@ -89,7 +100,7 @@ impl Thing {
                 let profile = vec![[0.0, -half], [low, -half], [high, half], [0.9 * high, 0.96 * half]];
                 self.add(&Lathe::round(profile), shift);
                 if unit(rng) < 0.7 {
-                    self.handle(r, half, rng);
+                    self.handle(r, half, &shift, rng);
                 }
             }
             x if x < 0.9 => {
@@ -106,14 +117,14 @@ impl Thing {
     }
 
     /// A mug's, on the side that the palm is not on.
-    fn handle(&mut self, r: f64, half: f64, rng: &mut ChaCha8Rng) {
+    fn handle(&mut self, r: f64, half: f64, shift: &Isometry3<f64>, rng: &mut ChaCha8Rng) {
         let angle = libm::atan2(self.away.y, self.away.x) + 1.1 * normal(rng);
         let (sin, cos) = libm::sincos(angle);
         let out = V::new(cos, sin, 0.0);
         let (wide, high) = (between(rng, [0.02, 0.035]), 0.5 * half.min(0.05));
         let bow = |i: i32| {
             let (sin, cos) = libm::sincos((f64::from(i) / 8.0 - 0.5) * std::f64::consts::PI);
-            out * (r + wide * cos) + V::z() * (high * sin)
+            (shift * Point3::from(out * (r + wide * cos) + V::z() * (high * sin))).coords
         };
         let path: Vec<V> = (0..=8).map(bow).collect();
         self.add_tube(&path, between(rng, [0.003, 0.006]));
@@ -212,7 +223,7 @@ impl Thing {
         let out = (self.away + lean).try_normalize(1e-9).unwrap_or(self.away);
         let turn = UnitQuaternion::rotation_between(&V::z(), &out).unwrap_or_else(UnitQuaternion::identity);
         let along = |far: f64| Isometry3::from_parts(Translation3::from(out * far), turn);
-        match (unit(rng) * 9.0) as u32 {
+        match (unit(rng) * 10.0) as u32 {
             0 => {
                 let (long, wide) = (between(rng, [0.02, 0.05]), between(rng, [0.018, 0.035]));
                 self.add(&Lathe::cylinder(r * between(rng, [0.7, 1.2]), long), along(0.3 * long));
@@ -258,6 +269,11 @@ impl Thing {
                 }
             }
             7 => {
+                // A die, a plug's adapter: as wide as the fingers are apart.
+                let size = [2.1 * r, 2.1 * r * between(rng, [0.8, 1.2]), 2.1 * r * between(rng, [0.8, 1.4])];
+                self.add(&Lathe::cuboid(size), along(between(rng, [-0.1, 0.35]) * size[2]));
+            }
+            8 => {
                 let tall = between(rng, [0.6, 1.6]);
                 self.add(&Lathe { aspect: [1.0, tall], ..Lathe::ball(r) }, along(0.0));
             }
@@ -278,6 +294,11 @@ impl Thing {
 
 fn at_height(height: f64) -> Isometry3<f64> {
     Isometry3::translation(0.0, 0.0, height)
+}
+
+/// Upside down where `z` is negative.
+fn upward(z: f64) -> Isometry3<f64> {
+    Isometry3::rotation(if z < 0.0 { V::x() * std::f64::consts::PI } else { V::zeros() })
 }
 
 fn any_turn(rng: &mut ChaCha8Rng) -> UnitQuaternion<f64> {

@@ -14,7 +14,7 @@ pub(super) struct Focus {
     far: f64,
     /// How often there is no hand at all.
     pub(super) nothing: f64,
-    /// How often a hand that need not be found is cut out.
+    /// How often a scene's hand is cut out of its pictures.
     pub(super) cut_out: f64,
     /// The square around a hand that need not be found.
     near: fn(&Layers, &mut ChaCha8Rng) -> Framing,

@@ -36,11 +36,12 @@ pub(super) fn lesson(
     if unit(rng) < focus.nothing {
         return Some(of_nothing(views, rng));
     }
-    let (mut framing, is_far) = focus.framing(&view.layers, rng);
-    let cut_out = (!is_far && unit(rng) < focus.cut_out).then(|| CutOut::random(rng));
-    if cut_out.is_some_and(|cut_out| !cut_out.has_thing()) {
-        framing = Framing::cut_out(&view.layers, rng);
-    }
+    let cut_out = view.is_cut_out.then(|| CutOut::random(rng));
+    let (framing, is_far) = match cut_out {
+        Some(cut_out) if cut_out.has_thing() => (focus.near(&view.layers, rng), false),
+        Some(_) => (Framing::cut_out(&view.layers, rng), false),
+        None => focus.framing(&view.layers, rng),
+    };
     let mut picture = view.layers.paint(&framing, SIDE, rng);
     if showing.is_hard {
         augment(&mut picture, rng);

@@ -37,7 +37,7 @@ impl Course for Scene {
     fn new(options: &Options) -> Self {
         let focus = Focus::of(options.kind);
         let scenes = Scenes::training(options.seed, options.poses()).with_stages(focus.stages);
-        Self { views: Views::new(scenes, options.seed), focus }
+        Self { views: Views::new(scenes, focus.cut_out, options.seed), focus }
     }
 
     /// 30 million multiply-adds.

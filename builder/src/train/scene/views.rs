@@ -29,6 +29,10 @@ const SEED_OF_THINGS: u64 = 3;
 #[derive(Debug)]
 pub(super) struct Views {
     scenes: Scenes,
+    /// The same without things that are held up.
+    in_hand: Scenes,
+    /// How often a hand is to be cut out of its picture.
+    cut_out: f64,
     seed: u64,
 }
 
@@ -40,11 +44,15 @@ pub struct SceneView {
     pub(super) class: Option<usize>,
     pub(super) stage: Stage,
     pub(super) joints: Arc<Joints>,
+    /// Whether the hand is to be cut out of its picture.
+    pub(super) is_cut_out: bool,
 }
 
 impl Views {
-    pub(super) fn new(scenes: Scenes, seed: u64) -> Self {
-        Self { scenes: scenes.with_presented(PRESENTED).with_alike(ALIKE), seed }
+    /// Of scenes of which so many are to be cut out.
+    pub(super) fn new(scenes: Scenes, cut_out: f64, seed: u64) -> Self {
+        let in_hand = scenes.with_alike(ALIKE);
+        Self { scenes: in_hand.clone().with_presented(PRESENTED), in_hand, cut_out, seed }
     }
 
     /// How many grasps there are.
@@ -64,9 +72,12 @@ impl Views {
 
     /// Random views of a numbered scene.
     pub(super) fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
-        let DrawnScene { mut spec, class, is_presented } = self.scenes.scene(number);
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ SEED_OF_THINGS);
         rng.set_stream(number);
+        // Without the thing, hands that hold something up are all one grasp.
+        let is_cut_out = unit(&mut rng) < self.cut_out;
+        let scenes = if is_cut_out { &self.in_hand } else { &self.scenes };
+        let DrawnScene { mut spec, class, is_presented } = scenes.scene(number);
         let is_empty = unit(&mut rng) < EMPTY;
         let mut is_held = spec.stage == Stage::Grasp || unit(&mut rng) < IN_SIGHT;
         if is_empty {
@@ -84,6 +95,7 @@ impl Views {
                 class,
                 stage,
                 joints: Arc::clone(&joints),
+                is_cut_out,
             }
         };
         Ok((0..views).map(|_| view(&mut rng)).collect())
