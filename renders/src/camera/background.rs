@@ -4,11 +4,13 @@ use rand_chacha::ChaCha8Rng;
 
 use super::clutter::Clutter;
 use super::lattice::Lattice;
-use super::palette::{self, Rgb, mix, scale};
+use super::palette::{self, Rgb, Surroundings, mix, scale};
 use crate::random::{between, normal, unit};
 
 /// How often a ground is a pale wall or table.
 const WALLS: f64 = 0.2;
+/// How often much of what lies behind has about the hand's colour.
+const LIKE_SKIN: f64 = 0.3;
 /// How often a room is full of things.
 const CLUTTERED: f64 = 0.5;
 /// The most things that lie about, where it is not.
@@ -55,17 +57,19 @@ pub(super) struct Background {
 }
 
 impl Background {
-    pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
+    /// Behind a hand whose skin has such a colour.
+    pub(super) fn random(skin: Rgb, rng: &mut ChaCha8Rng) -> Self {
+        let colours = Surroundings { like: (unit(rng) < LIKE_SKIN).then_some(skin) };
         let turn = |rng: &mut ChaCha8Rng| {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(rng));
             [sin as f32, cos as f32]
         };
         let ground = |rng: &mut ChaCha8Rng| {
-            let first = if unit(rng) < WALLS { palette::wall(rng) } else { palette::muted(rng) };
+            let first = if unit(rng) < WALLS { palette::wall(rng) } else { colours.muted(rng) };
             // Most surfaces are of one colour, lighter here and darker there.
             let second = match unit(rng) < 0.6 {
                 true => scale(first, between(rng, [0.45, 1.5]) as f32),
-                false => palette::muted(rng),
+                false => colours.muted(rng),
             };
             (Ground::random(rng), [first, second])
         };
@@ -82,7 +86,7 @@ impl Background {
             half: [0; 2].map(|_| (0.02 + 0.35 * unit(rng) * unit(rng)) as f32),
             turn: turn(rng),
             is_round: unit(rng) < 0.4,
-            colours: [palette::any(rng), palette::any(rng)],
+            colours: [colours.any(rng), colours.any(rng)],
             size: between(rng, [2.0, 40.0]) as f32,
         };
         let things = (0..count).map(|_| thing(rng)).collect();
@@ -91,7 +95,7 @@ impl Background {
         let mut out = Self { grounds, edge: [cos, sin, far as f32], turn, things, clutter: None, light };
         if unit(rng) < CLUTTERED {
             out.things.clear();
-            out.clutter = Some(Clutter::random(|u, v, field| out.colour(u, v, field), rng));
+            out.clutter = Some(Clutter::random(|u, v, field| out.colour(u, v, field), colours, rng));
         }
         out
     }

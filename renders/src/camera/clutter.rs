@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::lattice::Lattice;
 use super::optics::blur;
-use super::palette::{self, Rgb, mix, scale};
+use super::palette::{Rgb, Surroundings, mix, scale};
 use crate::random::{between, normal, unit};
 
 /// Cells a side.
@@ -63,13 +63,18 @@ struct Leaf {
 impl Clutter {
     /// Things of one room: they share a light, and so the side that shadows fall to. `ground` is
     /// what is seen behind them.
-    pub(super) fn random(ground: impl Fn(f32, f32, &Lattice) -> Rgb, rng: &mut ChaCha8Rng) -> Self {
+    pub(super) fn random(
+        ground: impl Fn(f32, f32, &Lattice) -> Rgb,
+        colours: Surroundings,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
         let field = Lattice::random(rng);
         let count = COUNT[0] * libm::pow(COUNT[1] / COUNT[0], unit(rng));
         let light = [0; 2].map(|_| 0.02 * normal(rng) as f32);
         // Things of one room often lie along the same lines.
         let grid = (unit(rng) < 0.5).then(|| std::f64::consts::TAU * unit(rng));
-        let leaves: Vec<Leaf> = (0..count as usize).map(|_| Leaf::random(light, grid, rng)).collect();
+        let leaves: Vec<Leaf> =
+            (0..count as usize).map(|_| Leaf::random(light, grid, colours, rng)).collect();
         let is_blurred = unit(rng) < BLURRED;
         let place = |at: usize| (at as f32 + 0.5) / SIDE as f32;
         let mut cells = vec![None; SIDE * SIDE];
@@ -95,7 +100,7 @@ impl Clutter {
 }
 
 impl Leaf {
-    fn random(light: [f32; 2], grid: Option<f64>, rng: &mut ChaCha8Rng) -> Self {
+    fn random(light: [f32; 2], grid: Option<f64>, colours: Surroundings, rng: &mut ChaCha8Rng) -> Self {
         let size = SIZES[0] * libm::pow(SIZES[1] / SIZES[0], unit(rng));
         let long = libm::exp(normal(rng)).clamp(0.05, 20.0).sqrt();
         let turn = match grid {
@@ -116,10 +121,10 @@ impl Leaf {
             x if x < 0.82 => Pattern::Stripes(between(rng, [1.0, 6.0]) as f32),
             _ => Pattern::Blots(between(rng, [5.0, 60.0]) as f32),
         };
-        let first = if unit(rng) < 0.5 { palette::any(rng) } else { palette::muted(rng) };
+        let first = if unit(rng) < 0.5 { colours.any(rng) } else { colours.muted(rng) };
         let second = match unit(rng) < 0.7 {
             true => scale(first, between(rng, [0.3, 1.6]) as f32),
-            false => palette::any(rng),
+            false => colours.any(rng),
         };
         let dark = if unit(rng) < 0.5 { (0.7 * unit(rng)) as f32 } else { 0.0 };
         Self {
@@ -212,7 +217,7 @@ mod tests {
     const GROUND: Rgb = [0.5, 0.25, 0.125];
 
     fn clutter(seed: u64) -> Clutter {
-        Clutter::random(|_, _, _| GROUND, &mut ChaCha8Rng::seed_from_u64(seed))
+        Clutter::random(|_, _, _| GROUND, Surroundings { like: None }, &mut ChaCha8Rng::seed_from_u64(seed))
     }
 
     #[test]

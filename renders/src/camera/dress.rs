@@ -312,6 +312,23 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
+    fn a_vessel_that_is_held_by_its_end_stands_out_of_the_hand() {
+        for seed in 0..60 {
+            for axis in [V::x(), -V::x()] {
+                let body = Object::Cylinder { radius: 0.035, length: 0.05 };
+                let held = PlacedObject::new(body, V::new(0.18, 0.0, -0.02), &axis);
+                let parts = dress(&held, 0.05, &mut ChaCha8Rng::seed_from_u64(seed));
+                let along = parts
+                    .iter()
+                    .flat_map(|part| &part.vertices)
+                    .map(|corner| (corner.cast() - held.centre).x)
+                    .fold([0.0f64; 2], |[low, high], x| [low.min(x), high.max(x)]);
+                assert!(along[0] > -1.2 * BEHIND_TIPS[1] && along[1] > 0.01, "{seed}: {along:?}");
+            }
+        }
+    }
+
+    #[test]
     fn every_thing_has_parts_near_where_it_is_held() {
         for (number, grasp) in (0..).zip(GraspSet::builtin().iter()) {
             for seed in 0..60 {

@@ -64,7 +64,7 @@ impl Layers {
     /// leaves open is random.
     pub fn paint(&self, framing: &Framing, side: usize, rng: &mut ChaCha8Rng) -> Picture {
         let surfaces = Surfaces::random(self.is_sleeved, rng);
-        let background = Background::random(rng);
+        let background = Background::random(surfaces.skin.colour(), rng);
         let shadow = Shadow::random(framing.side, rng);
         let map = framing.map();
         let mut picture = Picture {

@@ -50,6 +50,35 @@ pub(super) fn palm(rng: &mut ChaCha8Rng) -> Rgb {
     linear([0.90 + bright, 0.71 + bright - red, 0.62 + bright - red])
 }
 
+/// How often a thing behind a hand has about the hand's colour, where any has.
+const LIKE_SKIN: f64 = 0.6;
+
+/// The colours of what lies behind a hand.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surroundings {
+    /// The skin whose colour many things have: before a table of that wood a hand is known by its
+    /// outline and its shading alone.
+    pub(super) like: Option<Rgb>,
+}
+
+impl Surroundings {
+    /// Any colour.
+    pub(super) fn any(&self, rng: &mut ChaCha8Rng) -> Rgb {
+        self.like_skin(rng).unwrap_or_else(|| any(rng))
+    }
+
+    /// A colour of walls, tables and the like.
+    pub(super) fn muted(&self, rng: &mut ChaCha8Rng) -> Rgb {
+        self.like_skin(rng).unwrap_or_else(|| muted(rng))
+    }
+
+    fn like_skin(&self, rng: &mut ChaCha8Rng) -> Option<Rgb> {
+        let skin = self.like.filter(|_| unit(rng) < LIKE_SKIN)?;
+        let bright = libm::exp(0.4 * normal(rng));
+        Some(skin.map(|v| v * (bright * libm::exp(0.08 * normal(rng))) as f32))
+    }
+}
+
 /// Any colour; greys, white and black, and colours of wood and skin, have shares of their own.
 pub(super) fn any(rng: &mut ChaCha8Rng) -> Rgb {
     match unit(rng) {
@@ -71,7 +100,7 @@ pub(super) fn any(rng: &mut ChaCha8Rng) -> Rgb {
 }
 
 /// A colour of walls, tables and the like: pale or earthen more often than not.
-pub(super) fn muted(rng: &mut ChaCha8Rng) -> Rgb {
+fn muted(rng: &mut ChaCha8Rng) -> Rgb {
     let colour = any(rng);
     let grey = colour.iter().sum::<f32>() / 3.0;
     mix(colour, [grey; 3], (0.75 * unit(rng)) as f32)
@@ -89,4 +118,27 @@ fn hue(hue: f64, saturation: f64, value: f64) -> Rgb {
         let at = (hue * 6.0 + [5.0, 3.0, 1.0][i]) % 6.0;
         value - value * saturation * at.min(4.0 - at).clamp(0.0, 1.0)
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn much_of_what_lies_behind_has_the_hands_colour_where_it_is_asked_for() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let skin = [0.4, 0.2, 0.12];
+        let shades = |[r, g, b]: Rgb| [g / r, b / g];
+        let alike =
+            |colour: &Rgb| shades(*colour).iter().zip(shades(skin)).all(|(a, b)| (a / b).ln().abs() < 0.25);
+        let mut count = |like| {
+            let around = Surroundings { like };
+            (0..400)
+                .filter(|at| alike(&if at % 2 == 0 { around.any(&mut rng) } else { around.muted(&mut rng) }))
+                .count()
+        };
+        let (with, without) = (count(Some(skin)), count(None));
+        assert!((200..300).contains(&with) && without < 80, "{with} and {without} of 400");
+    }
 }

@@ -177,6 +177,11 @@ impl Skin {
         }
     }
 
+    /// The back of the hand's: linear RGB.
+    pub(super) fn colour(&self) -> Rgb {
+        self.colour
+    }
+
     /// As the camera sees it: linear RGB. `shares` of each lamp's light come in.
     pub(super) fn seen(&self, texel: &Texel, light: &Light, shares: Shares, field: &Lattice) -> Rgb {
         let (place, mark) = (texel.place(), texel.mark());

@@ -74,10 +74,8 @@ impl Views {
     pub(super) fn render(&self, number: u64, views: usize) -> anyhow::Result<Vec<SceneView>> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ SEED_OF_THINGS);
         rng.set_stream(number);
-        // Without the thing, hands that hold something up are all one grasp.
         let is_cut_out = unit(&mut rng) < self.cut_out;
-        let scenes = if is_cut_out { &self.in_hand } else { &self.scenes };
-        let DrawnScene { mut spec, class, is_presented } = scenes.scene(number);
+        let DrawnScene { mut spec, class, is_presented } = self.drawn(number, is_cut_out);
         let is_empty = unit(&mut rng) < EMPTY;
         let mut is_held = spec.stage == Stage::Grasp || unit(&mut rng) < IN_SIGHT;
         if is_empty {
@@ -100,6 +98,11 @@ impl Views {
         };
         Ok((0..views).map(|_| view(&mut rng)).collect())
     }
+
+    /// Without the thing, hands that hold something up are all one grasp: none of those is cut out.
+    fn drawn(&self, number: u64, is_cut_out: bool) -> DrawnScene {
+        if is_cut_out { self.in_hand.scene(number) } else { self.scenes.scene(number) }
+    }
 }
 
 /// A random view; of a hand that holds something up, the palm's side more often.
@@ -108,4 +111,30 @@ fn seen_from(spec: &SceneSpec, is_presented: bool, rng: &mut ChaCha8Rng) -> View
     let back = view.camera_from_world() * world_from_hand(&spec.grasp.up) * Vector3::z();
     let is_back_seen = back.z < 0.0;
     if is_presented && is_back_seen { View::random(rng) } else { view }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grasp_renders::PoseGroup;
+
+    #[test]
+    fn hands_that_are_cut_out_hold_nothing_up_and_the_others_often_do() {
+        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, 7);
+        let presented =
+            |is_cut_out| (0..300).filter(|number| views.drawn(*number, is_cut_out).is_presented).count();
+        assert_eq!(presented(true), 0);
+        assert!((40..90).contains(&presented(false)), "{}", presented(false));
+    }
+
+    #[test]
+    fn a_share_of_the_scenes_is_cut_out_with_all_its_views() {
+        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, 7);
+        let seen: Vec<_> = (0..12).map(|number| views.render(number, 2).expect("a scene")).collect();
+        let cut_out = seen.iter().filter(|views| views[0].is_cut_out).count();
+        assert!((2..11).contains(&cut_out), "{cut_out}");
+        assert!(seen.iter().all(|views| views[0].is_cut_out == views[1].is_cut_out));
+        let none = Views::new(Scenes::training(7, PoseGroup::All), 0.0, 7);
+        assert!((0..6).all(|number| !none.render(number, 1).expect("a scene")[0].is_cut_out));
+    }
 }
