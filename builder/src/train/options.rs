@@ -31,6 +31,8 @@ pub enum Kind {
     Scene,
     /// The naming network, of the same form, which names hands that have been found or cut out.
     Naming,
+    /// The thing network, of the same form, which names a grasp by what is held, seen large.
+    Thing,
 }
 
 impl Kind {
@@ -40,12 +42,16 @@ impl Kind {
             Self::Hand => 3_200_000,
             Self::Scene => 1_600_000,
             Self::Naming => 1_000_000,
+            Self::Thing => 700_000,
         }
     }
 
     /// How many of a batch's samples are augmented hard at a step.
     pub(super) fn hard_samples(self, batch: usize, step: u64, steps: u64) -> usize {
-        let most = if self == Self::Naming { HARD_AT_MOST_NAMED } else { HARD_AT_MOST };
+        let most = match self {
+            Self::Hand | Self::Scene => HARD_AT_MOST,
+            Self::Naming | Self::Thing => HARD_AT_MOST_NAMED,
+        };
         let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(most);
         (share * batch as f64).ceil() as usize
     }
@@ -79,6 +85,7 @@ impl fmt::Display for Options {
             Kind::Hand => (),
             Kind::Scene => write!(formatter, "--kind scene ")?,
             Kind::Naming => write!(formatter, "--kind naming ")?,
+            Kind::Thing => write!(formatter, "--kind thing ")?,
         }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
         if *hold_out_poses {

@@ -76,7 +76,9 @@ pub fn train(
     );
     match options.kind {
         Kind::Hand => train_on::<Hand>(options, schedule, start, files, progress, check),
-        Kind::Scene | Kind::Naming => train_on::<Scene>(options, schedule, start, files, progress, check),
+        Kind::Scene | Kind::Naming | Kind::Thing => {
+            train_on::<Scene>(options, schedule, start, files, progress, check)
+        }
     }
 }
 

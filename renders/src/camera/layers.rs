@@ -92,9 +92,9 @@ pub struct Layers {
     centre: [f32; 2],
     /// The root of the area that is seen of both: see [`Layers::size`].
     size: f32,
-    /// The area that is seen of the hand, and its middle.
-    hand: f32,
-    centre_of_hand: [f32; 2],
+    /// What is seen of the hand, and of the thing.
+    hand: Patch,
+    thing: Patch,
     pub(super) is_sleeved: bool,
     /// The rotation from the hand's frame into the camera's.
     pub camera_from_hand: UnitQuaternion<f64>,
@@ -132,15 +132,7 @@ impl Layers {
         }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
-        Self {
-            texels,
-            centre,
-            size,
-            hand: hand.area,
-            centre_of_hand: hand.middle(),
-            is_sleeved: scene.is_sleeved,
-            camera_from_hand,
-        }
+        Self { texels, centre, size, hand, thing, is_sleeved: scene.is_sleeved, camera_from_hand }
     }
 
     /// A view of nothing: what lies behind is all that there is.
@@ -149,8 +141,8 @@ impl Layers {
             texels: vec![Texel::default(); SIDE * SIDE],
             centre: [SIDE as f32 / 2.0; 2],
             size: SHARE * SIDE as f32,
-            hand: 0.0,
-            centre_of_hand: [SIDE as f32 / 2.0; 2],
+            hand: Patch::default(),
+            thing: Patch::default(),
             is_sleeved: false,
             camera_from_hand: UnitQuaternion::identity(),
         }
@@ -170,7 +162,7 @@ impl Layers {
 
     /// The area that is seen of the hand, in texels; 0 where something hides it.
     pub fn hand_area(&self) -> f32 {
-        self.hand
+        self.hand.area
     }
 }
 
@@ -181,6 +173,7 @@ const MOST_OF_THING: f32 = 2.5;
 const THING_IN_MIDDLE: f32 = 0.5;
 
 /// What is seen of a part.
+#[derive(Debug, Clone, Copy, Default)]
 struct Patch {
     /// The sum of its texels' places.
     sum: [f32; 2],
@@ -305,6 +298,14 @@ impl Framing {
     const NEAR: [f64; 2] = [1.5, 2.9];
     const FOUND: [f64; 2] = [1.6, 2.7];
     const FAR: [f64; 2] = [1.5, 8.0];
+    /// Sides of pictures that show a thing large, in roots of the area that is seen of it; the least
+    /// side, in roots of the hand's area, about; and the least area in texels.
+    const OF_THING: [f64; 2] = [1.5, 2.6];
+    const LEAST_OF_HAND: f64 = 0.9;
+    const LEAST_OF_THING: f32 = 30.0;
+    /// By how many shares of its side such a picture is off the thing's middle (standard
+    /// deviation).
+    const THING_OFF: f64 = 0.1;
     /// By how many shares of its side a picture is off the hand's middle (standard deviation).
     const NEAR_OFF: f64 = 0.06;
     const FAR_OFF: f64 = 0.25;
@@ -333,10 +334,28 @@ impl Framing {
     /// The same around the hand alone, where all else is cut away.
     pub fn cut_out(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
         let both = Self::found(layers, rng);
-        let smaller = layers.hand.sqrt() / layers.size;
+        let (smaller, middle) = (layers.hand.area.sqrt() / layers.size, layers.hand.middle());
         let off = |i: usize| smaller * (both.centre[i] - layers.centre[i]);
-        let centre = [0, 1].map(|i| layers.centre_of_hand[i] + off(i));
+        let centre = [0, 1].map(|i| middle[i] + off(i));
         Self { centre, side: smaller * both.side, ..both }
+    }
+
+    /// A square around what is seen of the thing, in which it is larger than in one around the
+    /// hand; [`Self::found`] where hardly anything is seen of it.
+    pub fn thing(layers: &Layers, rng: &mut ChaCha8Rng) -> Self {
+        let found = Self::found(layers, rng);
+        let thing = &layers.thing;
+        if thing.area < Self::LEAST_OF_THING {
+            return found;
+        }
+        let [low, high] = Self::OF_THING;
+        let side = low * libm::pow(high / low, unit(rng)) * f64::from(thing.area).sqrt();
+        let least = Self::LEAST_OF_HAND * f64::from(layers.hand.area).sqrt();
+        let side = side.max(least * libm::exp(0.2 * normal(rng)));
+        let off = [0; 2].map(|_| (Self::THING_OFF * normal(rng)).clamp(-0.3, 0.3));
+        let middle = thing.middle();
+        let centre = [0, 1].map(|i| middle[i] + (side * off[i]) as f32);
+        Self { centre, side: side as f32, ..found }
     }
 
     fn around(layers: &Layers, sizes: [f64; 2], turn: f64, any: f64, rng: &mut ChaCha8Rng) -> Self {

@@ -239,6 +239,25 @@ mod tests {
     }
 
     #[test]
+    fn a_thing_is_larger_in_a_square_around_it_and_a_hand_without_one_is_looked_at_itself() {
+        let share = |framing: fn(&Layers, &mut ChaCha8Rng) -> Framing| {
+            let shares = (0..12).map(|seed| {
+                let layers = view(0, true, seed);
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                let framing = framing(&layers, &mut rng);
+                area(&layers.paint(&framing, SIDE, &mut rng).masks[Part::Object as usize])
+            });
+            shares.sum::<f32>() / (12 * SIDE * SIDE) as f32
+        };
+        let (thing, found) = (share(Framing::thing), share(Framing::found));
+        assert!(thing > 1.2 * found, "{thing} in place of {found}");
+        let empty = view(0, false, 1);
+        let framing =
+            |of: fn(&Layers, &mut ChaCha8Rng) -> Framing| of(&empty, &mut ChaCha8Rng::seed_from_u64(1));
+        assert_eq!(framing(Framing::thing), framing(Framing::found));
+    }
+
+    #[test]
     fn a_near_picture_has_the_arm_below_the_hand_and_empty_hands_hold_nothing() {
         let (mut below, mut seen) = (0, 0);
         for seed in 0..24 {

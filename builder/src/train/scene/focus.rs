@@ -26,16 +26,18 @@ pub(super) struct Focus {
 
 impl Focus {
     pub(super) fn of(kind: Kind) -> Self {
+        // What a network that names makes of masks and of how the hand is turned nobody asks.
+        let naming = Self {
+            far: 0.02,
+            nothing: 0.02,
+            cut_out: 0.35,
+            near: Framing::found,
+            stages: StageShares { reach: 0.13, close: 0.22 },
+            factors: Factors { rotation: 0.4, masks: 1.0, joints: 2.0, ..Factors::default() },
+        };
         match kind {
-            // What a naming network makes of masks and of how the hand is turned nobody asks.
-            Kind::Naming => Self {
-                far: 0.02,
-                nothing: 0.02,
-                cut_out: 0.35,
-                near: Framing::found,
-                stages: StageShares { reach: 0.13, close: 0.22 },
-                factors: Factors { rotation: 0.4, masks: 1.0, joints: 2.0, ..Factors::default() },
-            },
+            Kind::Naming => naming,
+            Kind::Thing => Self { cut_out: 0.0, near: Framing::thing, ..naming },
             Kind::Scene | Kind::Hand => Self {
                 far: 0.2,
                 nothing: 0.04,
