@@ -23,7 +23,7 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Train
 ///
 /// The learned descriptor's network that comes with this program was trained by the default
 /// options, and so on all recorded poses; the scene network twice, the second time `--from` the
-/// first; the naming network in three trainings more.
+/// first; the naming network in three trainings more, and so the thing network.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -40,12 +40,12 @@ pub(crate) struct Train {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Which network: the learned descriptor's, or one that finds hands in camera pictures, or that
-    /// names them.
+    /// names them by the hand or by what it holds.
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Pictures to show the network in all; full batches of 64 are. By default as many as the
     /// shipped network of that kind was shown in its last training: 3,200,000 (hand), 1,600,000
-    /// (scene), 1,000,000 (naming).
+    /// (scene), 1,000,000 (naming), 700,000 (thing).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// Begin with the weights of a trained network of the same kind, and not with random ones. Give

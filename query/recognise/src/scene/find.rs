@@ -19,6 +19,10 @@ use crate::segment::Mask;
 /// looked for, and where the grasp is named: the middle of what the network was trained on.
 const SIZES: f64 = 2.5;
 const NAMED_SIZES: f64 = 2.1;
+/// The side of the square around what is held, in roots of its area, and the least, in roots of the
+/// hand's: the middle of what the network was trained on.
+const THING_SIZES: f64 = 2.0;
+const LEAST_OF_HAND: f64 = 0.9;
 /// That of the first square, of the hand alone: not all of it may have been found. Its least side
 /// is a share of the picture's shorter one: what hides most of a hand is seen as well.
 const FIRST_SIZES: f64 = 3.0;
@@ -224,6 +228,12 @@ impl Detection {
     /// The square in which the grasp of the hand is named, whose mask on the same picture is known.
     pub(super) fn square_of(&self, hand: &Mask) -> Square {
         self.masks.fitted_to(hand, NAMED_SIZES).unwrap_or(self.masks.square)
+    }
+
+    /// The square in which what the hand holds is looked at; `None` where hardly anything is seen
+    /// of it.
+    pub(super) fn square_of_thing(&self) -> Option<Square> {
+        self.masks.around_object(THING_SIZES, LEAST_OF_HAND * self.masks.hand_area().sqrt())
     }
 
     /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in

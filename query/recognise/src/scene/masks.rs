@@ -33,6 +33,8 @@ pub(super) struct Masks {
 /// how much of it for its middle: as in the scenes that the network was trained on.
 const MOST_OF_OBJECT: f64 = 2.5;
 const OBJECT_IN_MIDDLE: f64 = 0.5;
+/// The least share of a square that an object has which is looked at by itself.
+const LEAST_OBJECT: f64 = 0.004;
 
 impl Masks {
     /// What a network sees in a square.
@@ -75,6 +77,14 @@ impl Masks {
             [sum[0] + pixel * x, sum[1] + pixel * y, sum[2] + pixel]
         });
         self.around(sum, sizes)
+    }
+
+    /// The square around what is seen of the object, its side so many roots of its area, but at
+    /// least so many pixels; `None` where hardly anything is seen of it.
+    pub(super) fn around_object(&self, sizes: f64, least: f64) -> Option<Square> {
+        let object = self.largest_patch(Part::Object).filter(|patch| patch.area > LEAST_OBJECT)?;
+        let side = (sizes * object.area.sqrt() * self.square.side).max(least);
+        Some(Square { centre: self.square.to_picture().apply(object.centre), side, ..self.square })
     }
 
     fn around(&self, [x, y, hand]: [f64; 3], sizes: f64) -> Option<Square> {
@@ -169,6 +179,29 @@ mod tests {
         // A square that shows nothing of the picture has nothing in it.
         let beside = all_hand(&picture, Square { centre: [200.0, 40.0], side: 80.0, turn: 0.5 });
         assert!(beside.fitted(2.0).is_none() && beside.largest_patch(Part::Hand).is_none());
+    }
+
+    #[test]
+    fn an_object_is_looked_at_by_itself_where_enough_is_seen_of_it() {
+        let picture = Picture::new(64, 64, vec![[9; 3]; 64 * 64]).unwrap();
+        // Eight cells by four in the lower right corner, and a speck elsewhere.
+        let with = |wide: usize| {
+            let is_object = |at: usize| {
+                let (x, y) = (at % 32, at / 32);
+                ((20..20 + wide).contains(&x) && (24..28).contains(&y)) || at == 0
+            };
+            let cells = 32 * 32;
+            let masks = (0..MASKS * cells)
+                .map(|at| if at / cells == 2 && is_object(at % cells) { 2.0 } else { -2.0 })
+                .collect();
+            let heads = Heads { classes: vec![], mirrored: 0.0, rotation: [0.0; 6], masks, mask_side: 32 };
+            Masks::new(&picture, Square { centre: [32.0, 32.0], side: 64.0, turn: 0.0 }, heads)
+        };
+        let square = with(8).around_object(2.0, 10.0).unwrap();
+        assert_eq!((square.centre, square.turn), ([48.0, 52.0], 0.0));
+        assert!((square.side - 2.0 * (16.0f64 * 8.0).sqrt()).abs() < 1e-9, "{}", square.side);
+        assert_eq!(with(8).around_object(2.0, 30.0).unwrap().side, 30.0);
+        assert!(with(1).around_object(2.0, 10.0).is_none() && with(0).around_object(2.0, 10.0).is_none());
     }
 
     #[test]

@@ -27,7 +27,11 @@ impl Scene {
     pub fn new(picture: &Picture, found: Detection, hand: &Mask) -> Self {
         let square = found.square_of(hand);
         let sides = [Side::Right, Side::Left];
-        let mut prediction = Prediction::of_square(&mut Eye::new(picture), &square, &sides, POWERS);
+        let mut eye = Eye::new(picture);
+        let mut prediction = Prediction::of_square(&mut eye, &square, &sides, POWERS);
+        if let Some(thing) = found.square_of_thing() {
+            prediction.add_thing(&mut eye, &thing, &sides);
+        }
         prediction.right_odds += found.right_odds;
         Self { found, square, prediction }
     }

@@ -48,6 +48,8 @@ static FINDING: LazyLock<SceneNetwork> =
     LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/scene.network")));
 static NAMING: LazyLock<SceneNetwork> =
     LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/naming.network")));
+static THINGS: LazyLock<SceneNetwork> =
+    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/thing.network")));
 
 impl SceneNetwork {
     /// The program's network that finds hands.
@@ -58,6 +60,11 @@ impl SceneNetwork {
     /// The program's network that names hands which have been found.
     pub fn naming() -> &'static Self {
         &NAMING
+    }
+
+    /// The program's network that names grasps by what is held.
+    pub fn things() -> &'static Self {
+        &THINGS
     }
 
     fn shipped(bytes: &[u8]) -> Self {
@@ -138,8 +145,11 @@ mod tests {
     fn other_networks_and_damaged_ones_are_rejected() {
         let bytes = include_bytes!("../../data/scene.network");
         assert!(SceneNetwork::from_bytes(bytes, &GRASPS).is_ok());
-        let naming = include_bytes!("../../data/naming.network");
-        assert!(SceneNetwork::from_bytes(naming, &GRASPS).is_ok());
+        let naming: &[u8] = include_bytes!("../../data/naming.network");
+        let things: &[u8] = include_bytes!("../../data/thing.network");
+        for network in [naming, things] {
+            assert!(SceneNetwork::from_bytes(network, &GRASPS).is_ok());
+        }
         assert!(matches!(
             SceneNetwork::from_bytes(bytes, &GRASPS[1..]),
             Err(SceneNetworkError::Shape { what: "the size of the heads", .. })

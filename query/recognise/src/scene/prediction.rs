@@ -10,6 +10,8 @@ const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 /// How much the network counts that finds hands; the rest is that of the network that has learned
 /// to name them. Chosen on pictures of two hands (docs/accuracy.md).
 const FINDING: f64 = 0.4;
+/// How much the network counts beside both that looks at what is held.
+const THING: f64 = 0.4;
 /// The least probability that is divided by.
 const LEAST: f64 = 1e-6;
 
@@ -39,23 +41,21 @@ impl Prediction {
     /// What both networks see in a square that a hand stands upright in, as each of these hands;
     /// nothing is known of another one.
     pub(super) fn of_square(eye: &mut Eye<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
-        let (finding, naming) = (SceneNetwork::finding(), SceneNetwork::naming());
-        let mut named = [Named::new(naming.grasps.len()), Named::new(naming.grasps.len())];
-        for (turn, size) in LOOKS {
-            eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
-            for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
-                if side == Side::Left {
-                    eye.mirror();
-                }
-                if sides.contains(&side) {
-                    named.add(&eye.see(finding), FINDING / LOOKS.len() as f64);
-                    named.add(&eye.see(naming), (1.0 - FINDING) / LOOKS.len() as f64);
-                }
-            }
-        }
+        let naming = SceneNetwork::naming();
+        let voices = [(SceneNetwork::finding(), FINDING), (naming, 1.0 - FINDING)];
+        let named = looks(eye, square, sides, &voices);
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let by_side = named.map(|named| normalised(&named.grasps));
         Self { right_odds, grasps: naming.grasps.clone(), powers, by_side }
+    }
+
+    /// Joins what is seen in a square around what the hand holds.
+    pub(super) fn add_thing(&mut self, eye: &mut Eye<'_>, square: &Square, sides: &[Side]) {
+        let seen = looks(eye, square, sides, &[(SceneNetwork::things(), THING)]);
+        for (logs, seen) in self.by_side.iter_mut().zip(seen) {
+            logs.iter_mut().zip(seen.grasps).for_each(|(log, seen)| *log += seen);
+            *logs = normalised(logs);
+        }
     }
 
     /// The probability that the hand is the other one than `side`.
@@ -70,6 +70,27 @@ impl Prediction {
         let logs = &self.by_side[usize::from(side == Side::Left)];
         logs.iter().copied().map(libm::exp).collect()
     }
+}
+
+/// What networks, each of which counts so much, see of a right and of a left hand, of those that are
+/// asked about.
+fn looks(eye: &mut Eye<'_>, square: &Square, sides: &[Side], voices: &[(&SceneNetwork, f64)]) -> [Named; 2] {
+    let grasps = voices.first().map_or(0, |(network, _)| network.grasps.len());
+    let mut named = [Named::new(grasps), Named::new(grasps)];
+    for (turn, size) in LOOKS {
+        eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
+        for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
+            if side == Side::Left {
+                eye.mirror();
+            }
+            if sides.contains(&side) {
+                for (network, share) in voices {
+                    named.add(&eye.see(network), share / LOOKS.len() as f64);
+                }
+            }
+        }
+    }
+    named
 }
 
 /// The mean of what several looks at one of both hands say; without any, all is as likely.
@@ -89,5 +110,31 @@ impl Named {
     fn add(&mut self, heads: &Heads, share: f64) {
         self.odds += share * (libm::log((-libm::expm1(heads.mirrored)).max(LEAST)) - heads.mirrored);
         self.grasps.iter_mut().zip(&heads.classes).for_each(|(sum, log)| *sum += share * log);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::Picture;
+
+    #[test]
+    fn what_is_held_changes_the_grasps_of_the_hands_that_are_asked_about_and_not_which_hand_it_is() {
+        let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
+        let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
+        let mut eye = Eye::new(&picture);
+        let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
+        let powers = Powers { neighbours: 1.0, networks: 1.0 };
+        let without = Prediction::of_square(&mut eye, &square, &[Side::Right], powers);
+        let mut with = without.clone();
+        with.add_thing(&mut eye, &Square { side: 30.0, ..square }, &[Side::Right]);
+        assert_eq!(with.right_odds, without.right_odds);
+        assert_ne!(with.probabilities(Side::Right), without.probabilities(Side::Right));
+        for (is, was) in with.probabilities(Side::Left).iter().zip(without.probabilities(Side::Left)) {
+            assert!((is - was).abs() < 1e-12, "{is} {was}");
+        }
+        for side in [Side::Right, Side::Left] {
+            assert!((with.probabilities(side).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        }
     }
 }

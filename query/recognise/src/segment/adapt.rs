@@ -72,7 +72,7 @@ impl Default for AdaptParams {
             off: 0.5,
             most_off: 2.0,
             reach: 10.0,
-            edge: 40.0,
+            edge: 60.0,
         }
     }
 }
