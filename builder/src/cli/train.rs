@@ -23,7 +23,7 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Train
 ///
 /// The learned descriptor's network that comes with this program was trained by the default
 /// options, and so on all recorded poses; the scene network twice, the second time `--from` the
-/// first; the naming network in three trainings more, and so the thing network.
+/// first; the naming network in three trainings more, the thing network in three others.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

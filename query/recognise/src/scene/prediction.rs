@@ -38,7 +38,7 @@ pub(super) struct Powers {
 }
 
 impl Prediction {
-    /// What both networks see in a square that a hand stands upright in, as each of these hands;
+    /// What the scene and the naming network see in a square that a hand stands upright in, as each of these hands;
     /// nothing is known of another one.
     pub(super) fn of_square(eye: &mut Eye<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
         let naming = SceneNetwork::naming();
@@ -72,7 +72,7 @@ impl Prediction {
     }
 }
 
-/// What networks, each of which counts so much, see of a right and of a left hand, of those that are
+/// What networks, each of which counts so much, see of a right and of a left hand, where these are
 /// asked about.
 fn looks(eye: &mut Eye<'_>, square: &Square, sides: &[Side], voices: &[(&SceneNetwork, f64)]) -> [Named; 2] {
     let grasps = voices.first().map_or(0, |(network, _)| network.grasps.len());
