@@ -213,22 +213,19 @@ impl Patch {
 
 fn texel(scene: &CameraScene, turn: &Matrix3<f32>, at: usize, weights: [f32; 3]) -> Texel {
     let Some((corners, part)) = scene.triangles.get(at) else { return Texel::default() };
-    let [vertices, places] = [&scene.vertices, &scene.places].map(|of| corners.map(|v| of[v as usize]));
     let mix = |values: [Vector3<f32>; 3]| {
         values.iter().zip(weights).fold(Vector3::zeros(), |sum, (v, weight)| sum + v * weight)
     };
     let is_hand = corners.iter().all(|&v| (v as usize) < scene.hand_vertices);
-    let normal = match is_hand {
-        true => mix(corners.map(|v| scene.normals[v as usize])),
-        false => (vertices[1] - vertices[0]).cross(&(vertices[2] - vertices[0])),
-    };
-    let normal = (turn * normal).try_normalize(1e-12).unwrap_or_else(|| -Vector3::z());
+    let normal = (turn * mix(corners.map(|v| scene.normals[v as usize])))
+        .try_normalize(1e-12)
+        .unwrap_or_else(|| -Vector3::z());
     let round = |v: f32, limit: f32| (v.clamp(-limit, limit) + if v < 0.0 { -0.5 } else { 0.5 }) as i8;
     Texel {
         part: *part,
         normal: [normal.x, normal.y, normal.z].map(|v| round(v * 127.0, 127.0)),
         place: {
-            let place = mix(places);
+            let place = mix(corners.map(|v| scene.places[v as usize]));
             [place.x, place.y, place.z].map(|v| round(v / STEP, 127.0))
         },
         mark: match is_hand {
@@ -352,9 +349,7 @@ impl Framing {
         let side = low * libm::pow(high / low, unit(rng)) * f64::from(thing.area).sqrt();
         let least = Self::LEAST_OF_HAND * f64::from(layers.hand.area).sqrt();
         let side = side.max(least * libm::exp(0.2 * normal(rng)));
-        let off = [0; 2].map(|_| (Self::THING_OFF * normal(rng)).clamp(-0.3, 0.3));
-        let middle = thing.middle();
-        let centre = [0, 1].map(|i| middle[i] + (side * off[i]) as f32);
+        let centre = Self::beside(thing.middle(), side, Self::THING_OFF, rng);
         Self { centre, side: side as f32, ..found }
     }
 
@@ -385,11 +380,16 @@ impl Framing {
         rng: &mut ChaCha8Rng,
     ) -> Self {
         let side = low * libm::pow(high / low, unit(rng)) * f64::from(layers.size());
-        let off = [0; 2].map(|_| (off * normal(rng)).clamp(-0.36, 0.36));
+        let centre = Self::beside(layers.centre, side, off, rng);
         let arm = layers.camera_from_hand * -Vector3::x();
         let turn = std::f64::consts::FRAC_PI_2 - libm::atan2(arm.y, arm.x) + turn;
-        let centre = [0, 1].map(|i| layers.centre[i] + (side * off[i]) as f32);
         Self { centre, side: side as f32, turn, border }
+    }
+
+    /// About `middle`: off by shares of a square's side, `off` by standard deviation.
+    fn beside(middle: [f32; 2], side: f64, off: f64, rng: &mut ChaCha8Rng) -> [f32; 2] {
+        let off = [0; 2].map(|_| (off * normal(rng)).clamp(-0.36, 0.36));
+        [0, 1].map(|i| middle[i] + (side * off[i]) as f32)
     }
 
     /// The map from places of the picture, 0 to 1 right and down, to texels of the view.

@@ -18,6 +18,7 @@ mod optics;
 mod paint;
 mod palette;
 mod scene;
+mod shading;
 mod shut;
 mod solid;
 mod surface;

@@ -7,8 +7,18 @@ use crate::random::{between, grain, normal, unit};
 /// How often a camera sharpens what it has taken.
 const SHARPENED: f64 = 0.3;
 
-/// Turns a square of linear RGB values into those of a picture, 0 to 1, in place.
-pub(super) fn develop(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
+/// From how many pixels a texel on its corners would show, and by what share of its width they are
+/// blurred (standard deviation), at most so many: an enlarged photograph is soft, not jagged.
+const ENLARGED: f32 = 0.7;
+const SOFT: f32 = 0.5;
+const SOFTEST: f32 = 2.0;
+
+/// Turns a square of linear RGB values into those of a picture, 0 to 1, in place; `enlarged` is how
+/// many pixels a texel of its view is wide.
+pub(super) fn develop(rgb: &mut [f32], side: usize, enlarged: f32, rng: &mut ChaCha8Rng) {
+    if enlarged > ENLARGED {
+        blur(rgb, side, (SOFT * enlarged).min(SOFTEST), [1.0, 1.0]);
+    }
     if unit(rng) < 0.5 {
         blur(rgb, side, between(rng, [0.3, 0.9]) as f32, [1.0, 1.0]);
     }
@@ -178,7 +188,7 @@ mod tests {
         for seed in 0..20 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let mut rgb: Vec<f32> = (0..3 * 32 * 32).map(|_| 2.0 * unit(&mut rng) as f32).collect();
-            develop(&mut rgb, 32, &mut rng);
+            develop(&mut rgb, 32, 0.5 * (1 + seed % 4) as f32, &mut rng);
             assert!(rgb.iter().all(|v| (0.0..=1.0).contains(v)));
         }
     }

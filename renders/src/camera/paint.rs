@@ -105,7 +105,7 @@ impl Layers {
                 picture.masks.iter_mut().zip(parts).for_each(|(mask, count)| mask.push(count * share));
             }
         }
-        develop(&mut picture.rgb, side, rng);
+        develop(&mut picture.rgb, side, side as f32 / framing.side, rng);
         picture
     }
 }

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::dress::dress;
 use super::marks::{Mark, marks};
+use super::shading::smoothed;
 use super::wrist::Wrist;
 use crate::mesh::Mesh;
 use crate::random::{between, unit};
@@ -32,7 +33,7 @@ pub struct CameraScene {
     pub(super) places: Vec<Vector3<f32>>,
     /// What the skin has at each vertex of the hand.
     pub(super) marks: Vec<Mark>,
-    /// One unit normal a vertex of the hand.
+    /// One unit normal a vertex.
     pub(super) normals: Vec<Vector3<f32>>,
     /// Corners, and the part that they are of.
     pub(super) triangles: Vec<([u32; 3], u8)>,
@@ -66,7 +67,7 @@ impl CameraScene {
             vertices: Vec::new(),
             places: Vec::new(),
             marks: marks(&hand, &chains),
-            normals: hand.normals.clone(),
+            normals: Vec::new(),
             triangles: Vec::new(),
             is_sleeved,
             world_from_hand: world_from_hand(&spec.grasp.up),
@@ -74,12 +75,12 @@ impl CameraScene {
             joints,
         };
         scene.add(&hand, HAND);
-        scene.add(&arm, ARM);
+        scene.add(&smoothed(&arm), ARM);
         scene.bend(&wrist);
         if is_held {
             let [_, largest] = spec.grasp.object.radius;
             for (part, mesh) in dress(&object, largest, &mut rng).iter().enumerate() {
-                scene.add(mesh, FIRST_OBJECT.saturating_add(part as u8));
+                scene.add(&smoothed(mesh), FIRST_OBJECT.saturating_add(part as u8));
             }
         }
         Ok(scene)
@@ -87,9 +88,8 @@ impl CameraScene {
 
     /// Bends what there is, hand and arm.
     fn bend(&mut self, wrist: &Wrist) {
-        let mut normals = self.normals.iter_mut();
-        for vertex in &mut self.vertices {
-            wrist.bend(vertex, normals.next());
+        for (vertex, normal) in self.vertices.iter_mut().zip(&mut self.normals) {
+            wrist.bend(vertex, normal);
         }
     }
 
@@ -107,6 +107,7 @@ impl CameraScene {
         let offset = self.vertices.len() as u32;
         self.vertices.extend(&mesh.vertices);
         self.places.extend(&mesh.vertices);
+        self.normals.extend(&mesh.normals);
         self.triangles.extend(mesh.triangles.iter().map(|corners| (corners.map(|c| c + offset), part)));
     }
 }

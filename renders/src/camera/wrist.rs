@@ -37,7 +37,7 @@ impl Wrist {
     }
 
     /// Where a point of a straight hand and arm comes to lie, and its normal.
-    pub(super) fn bend(&self, point: &mut Vector3<f32>, normal: Option<&mut Vector3<f32>>) {
+    pub(super) fn bend(&self, point: &mut Vector3<f32>, normal: &mut Vector3<f32>) {
         let share = ((FROM - point.x) / (FROM - TO)).clamp(0.0, 1.0);
         if share == 0.0 {
             return;
@@ -45,9 +45,7 @@ impl Wrist {
         let turn = Rotation3::new(self.turn * share);
         let joint = Vector3::new(JOINT, 0.0, 0.0);
         *point = joint + turn * (*point - joint);
-        if let Some(normal) = normal {
-            *normal = turn * *normal;
-        }
+        *normal = turn * *normal;
     }
 }
 
@@ -61,14 +59,14 @@ mod tests {
         let back = Wrist { turn: Vector3::new(0.0, 0.5, 0.0) };
         let (mut finger, mut elbow) = (Vector3::new(0.1, 0.02, 0.0), Vector3::new(-0.3, 0.0, 0.0));
         let mut normal = Vector3::z();
-        back.bend(&mut finger, None);
-        back.bend(&mut elbow, Some(&mut normal));
+        back.bend(&mut finger, &mut Vector3::z());
+        back.bend(&mut elbow, &mut normal);
         assert_eq!(finger, Vector3::new(0.1, 0.02, 0.0));
         assert!(elbow.z > 0.1, "to the back of the hand: {elbow:?}");
         let along = (elbow - Vector3::new(JOINT, 0.0, 0.0)).normalize();
         assert!(along.dot(&normal).abs() < 1e-6);
         let (little, mut elbow) = (Wrist { turn: Vector3::new(0.0, 0.0, 0.5) }, Vector3::new(-0.3, 0.0, 0.0));
-        little.bend(&mut elbow, None);
+        little.bend(&mut elbow, &mut Vector3::z());
         assert!(elbow.y < -0.1, "to the little finger's side: {elbow:?}");
     }
 
@@ -77,7 +75,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for _ in 0..500 {
             let mut elbow = Vector3::new(-0.3, 0.0, 0.0);
-            Wrist::random(&mut rng).bend(&mut elbow, None);
+            Wrist::random(&mut rng).bend(&mut elbow, &mut Vector3::z());
             assert!(elbow.x < -0.1, "{elbow:?}");
         }
     }
