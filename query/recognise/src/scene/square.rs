@@ -45,7 +45,17 @@ impl Square {
             4.0.. => self.sampled::<4>(texels, side, planes),
             3.0.. => self.sampled::<3>(texels, side, planes),
             2.0.. => self.sampled::<2>(texels, side, planes),
-            _ => self.sampled::<1>(texels, side, planes),
+            _ => self.enlarged(texels, side, planes),
+        }
+    }
+
+    /// The same where a pixel shows less than one of the picture's: between four of them.
+    fn enlarged(&self, texels: &Texels, side: usize, planes: &mut [f32]) {
+        let Map([[ux, vx, x], [uy, vy, y]]) = self.to_picture();
+        let step = 1.0 / side as f64;
+        for (at, pixel) in planes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let [u, v] = [at % side, at / side].map(|i| (i as f64 + 0.5) * step);
+            *pixel = texels.between((x + ux * u + vx * v) as f32, (y + uy * u + vy * v) as f32);
         }
     }
 
@@ -110,6 +120,25 @@ impl Texels {
     fn place(&self, x: f32, y: f32) -> u32 {
         let [x, y] = [whole(x, self.last[0]), whole(y, self.last[1])];
         y.wrapping_mul(self.width).wrapping_add(x)
+    }
+
+    /// The colour at a place between the middles of pixels, -1 to 1.
+    fn between(&self, x: f32, y: f32) -> [f32; 3] {
+        let [(x, u), (y, v)] = [(x - 0.5, self.last[0]), (y - 0.5, self.last[1])].map(|(place, last)| {
+            let low = place.clamp(0.0, last).floor();
+            (low, (place - low).clamp(0.0, 1.0))
+        });
+        let mut sum = [0.0f32; 3];
+        for (dx, dy, weight) in [
+            (0.0, 0.0, (1.0 - u) * (1.0 - v)),
+            (1.0, 0.0, u * (1.0 - v)),
+            (0.0, 1.0, (1.0 - u) * v),
+            (1.0, 1.0, u * v),
+        ] {
+            let rgb = self.at(self.place(x + dx, y + dy)).to_le_bytes();
+            (0..3).for_each(|i| sum[i] += weight * f32::from(rgb[i]));
+        }
+        sum.map(|v| v * (2.0 / 255.0) - 1.0)
     }
 
     fn at(&self, place: u32) -> u32 {
@@ -198,12 +227,27 @@ mod tests {
     }
 
     #[test]
+    fn an_enlarged_slope_is_even_and_stops_at_the_border() {
+        let rgb = (0..20 * 10).map(|at| [at % 20 * 10, at / 20 * 20, 7].map(|v| v as u8)).collect();
+        let picture = Picture::new(20, 10, rgb).unwrap();
+        let square = Square { centre: [17.0, 5.0], side: 8.0, turn: 0.2 };
+        let (side, mut planes) = (24, Vec::new());
+        square.planes(&Texels::of(&picture), side, &mut planes);
+        let map = square.to_picture();
+        for (at, found) in planes.as_chunks::<3>().0.iter().enumerate() {
+            let [x, y] = map.apply([at % side, at / side].map(|i| (i as f64 + 0.5) / side as f64));
+            let right = [10.0 * (x - 0.5).clamp(0.0, 19.0), 20.0 * (y - 0.5).clamp(0.0, 9.0), 7.0];
+            assert!(found.iter().zip(right).all(|(a, b)| (f64::from(*a) - (b / 127.5 - 1.0)).abs() < 1e-3));
+        }
+    }
+
+    #[test]
     fn a_pixel_is_the_mean_of_its_samples() {
         let rgb =
             (0..90 * 70).map(|at| [at % 90, at / 90, 255 - at % 90 - at / 90].map(|v| v as u8)).collect();
         let picture = Picture::new(90, 70, rgb).unwrap();
         let side = 8;
-        for (length, samples) in [(5.0, 1), (15.0, 2), (20.0, 3), (30.0, 4), (90.0, 4)] {
+        for (length, samples) in [(15.0, 2), (20.0, 3), (30.0, 4), (90.0, 4)] {
             let square = Square { centre: [40.0, 30.0], side: length, turn: 0.3 };
             let mut planes = Vec::new();
             square.planes(&Texels::of(&picture), side, &mut planes);
