@@ -2,16 +2,19 @@
 
 use grasp_index::{Index, Vote};
 
-use super::Prediction;
 use super::prediction::Powers;
+use super::{Prediction, opening};
 use crate::side::Side;
 
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
+/// Where the stages have the one in which the thing is held.
+const GRASP: usize = 2;
 
 impl Prediction {
-    /// Weighs the neighbours' classes by what the networks make of hand and object. Classes that
-    /// they do not know count as their mean. Returns how likely the hand is in none of the grasps.
+    /// Weighs the neighbours' classes and stages by what the networks make of hand and object.
+    /// Classes that they do not know count as their mean. Returns how likely the hand is in none of
+    /// the grasps.
     pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) -> f64 {
         let probabilities = self.probabilities(side);
         let (none, grasps) = probabilities.split_last().expect("none is always there");
@@ -20,17 +23,30 @@ impl Prediction {
             let at = self.grasps.iter().position(|grasp| grasp == name);
             at.map_or(1.0 / grasps.len() as f64, |at| grasps[at] / known.max(LEAST))
         };
-        let by_scene = |class: u16| {
-            let class = index.catalogue().classes.get(usize::from(class));
-            class.map_or(0.0, |class| of_name(&class.name))
-        };
+        let name = |class: u16| index.catalogue().classes.get(usize::from(class)).map(|c| c.name.as_str());
+        let by_scene = |class: u16| name(class).map_or(0.0, of_name);
         let both = vote.classes.iter().map(|score| (score.probability, by_scene(score.class)));
-        let (joined, none) = joined(&both.collect::<Vec<_>>(), *none, self.powers);
-        vote.classes.iter_mut().zip(joined).for_each(|(score, joined)| score.probability = joined);
+        let (mut joined, none) = joined(&both.collect::<Vec<_>>(), *none, self.powers);
+        if let Some(stages) = &mut vote.stages {
+            *stages = joined_stages(stages, &self.stages(side));
+            let open = self.powers.opening * (1.0 - stages[GRASP]);
+            let factors = vote.classes.iter().map(|score| opening::factor(name(score.class), open));
+            joined.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+        }
+        let total: f64 = joined.iter().sum();
+        vote.classes.iter_mut().zip(joined).for_each(|(score, value)| score.probability = value / total);
         vote.classes.sort_by_key(|score| score.class);
         vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         none
     }
+}
+
+/// The probability of each stage by neighbours and networks.
+fn joined_stages<const N: usize>(neighbours: &[f64; N], networks: &[f64; N]) -> [f64; N] {
+    let both: [f64; N] =
+        std::array::from_fn(|stage| neighbours[stage].max(LEAST) * networks[stage].max(LEAST));
+    let total: f64 = both.iter().sum();
+    both.map(|value| value / total)
 }
 
 /// The probability of each class, if it is one of them, and that of none: from the neighbours' and
@@ -52,7 +68,7 @@ fn joined(classes: &[(f64, f64)], none: f64, powers: Powers) -> (Vec<f64>, f64) 
 mod tests {
     use super::*;
 
-    const POWERS: Powers = Powers { neighbours: 0.7, networks: 1.2 };
+    const POWERS: Powers = Powers { neighbours: 0.7, networks: 1.2, opening: 0.0 };
 
     #[test]
     fn both_are_multiplied() {
@@ -61,6 +77,13 @@ mod tests {
         // The networks count for more.
         assert!(classes[1] > classes[0] && classes[0] > classes[2], "{classes:?}");
         assert!(none < 0.05, "{none}");
+    }
+
+    #[test]
+    fn stages_are_multiplied_and_none_is_impossible() {
+        let stages = joined_stages(&[0.5, 0.25, 0.25], &[0.2, 0.0, 0.8]);
+        assert!((stages.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(stages[2] > stages[0] && stages[0] > stages[1] && stages[1] > 0.0, "{stages:?}");
     }
 
     #[test]

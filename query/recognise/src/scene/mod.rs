@@ -18,6 +18,7 @@ mod look;
 mod masks;
 mod name;
 mod network;
+mod opening;
 mod patch;
 mod prediction;
 mod square;

@@ -10,7 +10,7 @@ pub(super) const SIDE: usize = 64;
 /// Masks that it answers with: hand, forearm, object.
 pub(super) const MASKS: usize = 3;
 /// Values of the heads behind the classes: three stages, and a rotation as two columns.
-const STAGES: usize = 3;
+pub(super) const STAGES: usize = 3;
 const ROTATION: usize = 6;
 
 /// A scene network, and what its heads mean.
@@ -100,11 +100,13 @@ impl SceneNetwork {
         let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
         let mut rotation = [0.0; ROTATION];
         rotation.iter_mut().zip(rest.iter().skip(STAGES)).for_each(|(to, from)| *to = f64::from(*from));
+        let mut stages = [0.0; STAGES];
+        stages.iter_mut().zip(rest).for_each(|(to, from)| *to = f64::from(*from));
         let classes: Vec<f64> = classes.iter().copied().map(f64::from).collect();
         let mut classes = normalised(&classes);
         let mirrored = classes.remove(self.grasps.len());
         let mask_side = self.network.architecture().mask_side().unwrap_or_default();
-        Heads { classes, mirrored, rotation, masks: output.masks.to_vec(), mask_side }
+        Heads { classes, mirrored, stages, rotation, masks: output.masks.to_vec(), mask_side }
     }
 }
 
@@ -115,6 +117,8 @@ pub(super) struct Heads {
     pub(super) classes: Vec<f64>,
     /// The logarithm of the probability that the hand is mirrored.
     pub(super) mirrored: f64,
+    /// The logarithm of the probability of each stage, reach, close and grasp, up to a constant.
+    pub(super) stages: [f64; STAGES],
     /// The first and the second column of the rotation, of any length.
     pub(super) rotation: [f64; ROTATION],
     /// Logits of hand, forearm and object, row by row.

@@ -1,7 +1,7 @@
 //! Which hand it is and what it does, by looks of networks at it.
 
 use super::look::Eye;
-use super::network::{Heads, SceneNetwork, normalised};
+use super::network::{Heads, STAGES, SceneNetwork, normalised};
 use super::square::Square;
 use crate::side::Side;
 
@@ -27,14 +27,19 @@ pub struct Prediction {
     /// For a right and for a left hand, the logarithm of each grasp's probability by all that is
     /// seen, in the order of the names, then that of none.
     by_side: [Vec<f64>; 2],
+    /// For each hand, the logarithm of the probability of each stage, up to a constant.
+    stages_by_side: [[f64; STAGES]; 2],
 }
 
-/// The powers of the neighbours' and of the networks' probabilities: all see the same hand, and are
-/// sure of the same mistakes.
+/// The powers of the neighbours' and of the networks' probabilities (all see the same hand, and are
+/// sure of the same mistakes), and what is added to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Powers {
     pub(super) neighbours: f64,
     pub(super) networks: f64,
+    /// How much it counts that hands look different before they hold something ([`super::opening`]),
+    /// 0 to 1.
+    pub(super) opening: f64,
 }
 
 impl Prediction {
@@ -45,13 +50,17 @@ impl Prediction {
         let voices = [(SceneNetwork::finding(), FINDING), (naming, 1.0 - FINDING)];
         let named = looks(eye, square, sides, &voices);
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
+        let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
-        Self { right_odds, grasps: naming.grasps.clone(), powers, by_side }
+        Self { right_odds, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
     }
 
     /// Joins what is seen in a square around what the hand holds.
     pub(super) fn add_thing(&mut self, eye: &mut Eye<'_>, square: &Square, sides: &[Side]) {
         let seen = looks(eye, square, sides, &[(SceneNetwork::things(), THING)]);
+        for (stages, seen) in self.stages_by_side.iter_mut().zip(&seen) {
+            stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += seen);
+        }
         for (logs, seen) in self.by_side.iter_mut().zip(seen) {
             logs.iter_mut().zip(seen.grasps).for_each(|(log, seen)| *log += seen);
             *logs = normalised(logs);
@@ -62,6 +71,12 @@ impl Prediction {
     pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
         let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
         1.0 / (1.0 + libm::exp(odds))
+    }
+
+    /// How likely the stages reach, close and grasp are if the hand is this one.
+    pub fn stages(&self, side: Side) -> [f64; STAGES] {
+        let logs = normalised(&self.stages_by_side[usize::from(side == Side::Left)]);
+        std::array::from_fn(|stage| libm::exp(logs[stage]))
     }
 
     /// How likely each grasp is if the hand is this one, in the order of the network's names; then
@@ -99,17 +114,21 @@ struct Named {
     odds: f64,
     /// The logarithm of each grasp's probability, then that of none, up to the same constant.
     grasps: Vec<f64>,
+    /// The same of each stage.
+    stages: [f64; STAGES],
 }
 
 impl Named {
     fn new(grasps: usize) -> Self {
-        Self { odds: 0.0, grasps: vec![0.0; grasps + 1] }
+        Self { odds: 0.0, grasps: vec![0.0; grasps + 1], stages: [0.0; STAGES] }
     }
 
     /// Counts one look more.
     fn add(&mut self, heads: &Heads, share: f64) {
         self.odds += share * (libm::log((-libm::expm1(heads.mirrored)).max(LEAST)) - heads.mirrored);
         self.grasps.iter_mut().zip(&heads.classes).for_each(|(sum, log)| *sum += share * log);
+        let stages = normalised(&heads.stages);
+        self.stages.iter_mut().zip(stages).for_each(|(sum, log)| *sum += share * log);
     }
 }
 
@@ -124,7 +143,7 @@ mod tests {
         let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
         let mut eye = Eye::new(&picture);
         let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
-        let powers = Powers { neighbours: 1.0, networks: 1.0 };
+        let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
         let without = Prediction::of_square(&mut eye, &square, &[Side::Right], powers);
         let mut with = without.clone();
         with.add_thing(&mut eye, &Square { side: 30.0, ..square }, &[Side::Right]);
