@@ -40,6 +40,9 @@ impl StageShares {
 /// How far things that are held in another way are tilted in the hand, in degrees (standard
 /// deviation).
 const TILT_OF_WAYS: f64 = 25.0;
+/// How differently far hands are closed on their way to a thing (standard deviation of the share):
+/// some people's open much wider than they will have to.
+const CLOSURE: f64 = 0.25;
 /// Pixels a side of a render: somewhat more than a network sees, as augmentation turns and cuts it.
 const SIDE: usize = 80;
 
@@ -85,7 +88,7 @@ impl Scenes {
         Self {
             grasps: plan.grasps.iter().cloned().map(Arc::new).collect(),
             look: Look { side: SIDE, ..plan.look },
-            variation: Variation { recorded_from: poses, ..plan.variation },
+            variation: Variation { recorded_from: poses, closure: CLOSURE, ..plan.variation },
             hands: Hands::Training,
             stages: StageShares::default(),
             presented: 0.0,
