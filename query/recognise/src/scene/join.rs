@@ -2,14 +2,12 @@
 
 use grasp_index::{Index, Vote};
 
-use super::prediction::Powers;
+use super::prediction::{GRASP, Powers};
 use super::{Prediction, opening};
 use crate::side::Side;
 
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
-/// Where the stages have the one in which the thing is held.
-const GRASP: usize = 2;
 
 impl Prediction {
     /// Weighs the neighbours' classes and stages by what the networks make of hand and object.

@@ -10,8 +10,12 @@ const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 /// How much the network counts that finds hands; the rest is that of the network that has learned
 /// to name them. Chosen on pictures of two hands (docs/accuracy.md).
 const FINDING: f64 = 0.4;
-/// How much the network counts beside both that looks at what is held.
-const THING: f64 = 0.4;
+/// How much the network counts beside both that looks at what is held: of the stage, and of the
+/// grasp where the thing is held for certain.
+const THING_OF_STAGE: f64 = 0.4;
+const THING_OF_GRASP: f64 = 0.7;
+/// Where the stages have the one in which the thing is held.
+pub(super) const GRASP: usize = 2;
 /// The least probability that is divided by.
 const LEAST: f64 = 1e-6;
 
@@ -55,14 +59,14 @@ impl Prediction {
         Self { right_odds, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
     }
 
-    /// Joins what is seen in a square around what the hand holds.
+    /// Joins what is seen in a square around what the hand holds, the more the likelier it is that
+    /// the hand holds something.
     pub(super) fn add_thing(&mut self, eye: &mut Eye<'_>, square: &Square, sides: &[Side]) {
-        let seen = looks(eye, square, sides, &[(SceneNetwork::things(), THING)]);
-        for (stages, seen) in self.stages_by_side.iter_mut().zip(&seen) {
-            stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += seen);
-        }
-        for (logs, seen) in self.by_side.iter_mut().zip(seen) {
-            logs.iter_mut().zip(seen.grasps).for_each(|(log, seen)| *log += seen);
+        let seen = looks(eye, square, sides, &[(SceneNetwork::things(), 1.0)]);
+        for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
+            stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
+            let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
+            logs.iter_mut().zip(seen.grasps).for_each(|(log, seen)| *log += share * seen);
             *logs = normalised(logs);
         }
     }
