@@ -161,7 +161,14 @@ mod tests {
     fn all_hand(picture: &Picture, square: Square) -> Masks {
         let cells = 32 * 32;
         let masks = (0..MASKS * cells).map(|at| if at < cells { 2.0 } else { -2.0 }).collect();
-        let heads = Heads { classes: vec![], mirrored: 0.0, rotation: [0.0; 6], masks, mask_side: 32 };
+        let heads = Heads {
+            classes: vec![],
+            mirrored: 0.0,
+            stages: [0.0; 3],
+            rotation: [0.0; 6],
+            masks,
+            mask_side: 32,
+        };
         Masks::new(picture, square, heads)
     }
 
@@ -194,7 +201,14 @@ mod tests {
             let masks = (0..MASKS * cells)
                 .map(|at| if at / cells == 2 && is_object(at % cells) { 2.0 } else { -2.0 })
                 .collect();
-            let heads = Heads { classes: vec![], mirrored: 0.0, rotation: [0.0; 6], masks, mask_side: 32 };
+            let heads = Heads {
+                classes: vec![],
+                mirrored: 0.0,
+                stages: [0.0; 3],
+                rotation: [0.0; 6],
+                masks,
+                mask_side: 32,
+            };
             Masks::new(&picture, Square { centre: [32.0, 32.0], side: 64.0, turn: 0.0 }, heads)
         };
         let square = with(8).around_object(2.0, 10.0).unwrap();
