@@ -47,8 +47,8 @@ pub(super) struct Powers {
 }
 
 impl Prediction {
-    /// What the scene and the naming network see in a square that a hand stands upright in, as each of these hands;
-    /// nothing is known of another one.
+    /// What the scene and the naming network see in a square that a hand stands upright in, as each
+    /// of these hands; nothing is known of another one.
     pub(super) fn of_square(eye: &mut Eye<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
         let naming = SceneNetwork::naming();
         let voices = [(SceneNetwork::finding(), FINDING), (naming, 1.0 - FINDING)];
