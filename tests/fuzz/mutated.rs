@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::sample::Index as Place;
 
 /// One of the seeds, changed here and there, with a piece of another in it, cut; or noise.
-pub(super) fn mutated(seeds: &'static [Vec<u8>]) -> impl Strategy<Value = Vec<u8>> {
+pub(super) fn mutated(seeds: &[Vec<u8>]) -> impl Strategy<Value = Vec<u8>> {
     let edits = vec((any::<Place>(), any::<u8>()), 0..8);
     let places = (option::of(any::<Place>()), option::of(any::<Place>()));
     let changed = (any::<Place>(), edits, places).prop_map(|(seed, edits, (other, cut))| {
