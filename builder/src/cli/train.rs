@@ -23,7 +23,7 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Train
 ///
 /// The learned descriptor's network that comes with this program was trained by the default
 /// options, and so on all recorded poses; the scene network twice, the second time `--from` the
-/// first; the naming network in three trainings more, the thing network in three others.
+/// first; the naming network in three trainings more, the thing network in four others.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -45,7 +45,7 @@ pub(crate) struct Train {
     kind: Kind,
     /// Pictures to show the network in all; full batches of 64 are. By default as many as the
     /// shipped network of that kind was shown in its last training: 3,200,000 (hand), 1,600,000
-    /// (scene), 1,000,000 (naming), 700,000 (thing).
+    /// (scene), 1,000,000 (naming, thing).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// Begin with the weights of a trained network of the same kind, and not with random ones. Give

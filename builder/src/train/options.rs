@@ -36,13 +36,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Samples of the shipped network.
+    /// Samples of the shipped network's last training.
     pub fn default_samples(self) -> u64 {
         match self {
             Self::Hand => 3_200_000,
             Self::Scene => 1_600_000,
             Self::Naming => 1_000_000,
-            Self::Thing => 700_000,
+            Self::Thing => 1_000_000,
         }
     }
 

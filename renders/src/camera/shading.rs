@@ -14,7 +14,7 @@ const SAME: f32 = 1e-6;
 /// The same surface, each triangle with corners of its own. A corner's normal is the mean of the
 /// facets that meet in it and are turned less than a crease from its own, weighted by their areas.
 ///
-/// A can's facets would tell it from a ball as no real can's do.
+/// By its facets a can would be told from a ball, and no real one has any.
 pub(super) fn smoothed(mesh: &Mesh) -> Mesh {
     let corners_of = |triangle: &[u32; 3]| triangle.map(|v| mesh.vertices[v as usize]);
     let facet = |triangle: &[u32; 3]| {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_round_and_keeps_its_facets_places() {
+    fn a_ball_is_round_and_its_facets_stay_in_their_places() {
         let (solid, mesh) = (Lathe::ball(0.03), of(&Lathe::ball(0.03)));
         assert!((mesh.volume() - solid.mesh(&Isometry3::identity()).volume()).abs() < 1e-9);
         // Facets are up to 15 degrees wide.

@@ -2,7 +2,8 @@
 
 use grasp_index::{Index, Vote};
 
-use super::prediction::{GRASP, Powers};
+use super::network::GRASP;
+use super::prediction::Powers;
 use super::{Prediction, opening};
 use crate::side::Side;
 

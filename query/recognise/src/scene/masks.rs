@@ -157,19 +157,16 @@ impl Masks {
 mod tests {
     use super::*;
 
+    /// The answer of a network that says nothing but its masks.
+    fn heads(masks: Vec<f32>) -> Heads {
+        Heads { classes: vec![], mirrored: 0.0, stages: [0.0; 3], rotation: [0.0; 6], masks, mask_side: 32 }
+    }
+
     /// A square that a network takes for hand, all of it.
     fn all_hand(picture: &Picture, square: Square) -> Masks {
         let cells = 32 * 32;
         let masks = (0..MASKS * cells).map(|at| if at < cells { 2.0 } else { -2.0 }).collect();
-        let heads = Heads {
-            classes: vec![],
-            mirrored: 0.0,
-            stages: [0.0; 3],
-            rotation: [0.0; 6],
-            masks,
-            mask_side: 32,
-        };
-        Masks::new(picture, square, heads)
+        Masks::new(picture, square, heads(masks))
     }
 
     #[test]
@@ -201,15 +198,8 @@ mod tests {
             let masks = (0..MASKS * cells)
                 .map(|at| if at / cells == 2 && is_object(at % cells) { 2.0 } else { -2.0 })
                 .collect();
-            let heads = Heads {
-                classes: vec![],
-                mirrored: 0.0,
-                stages: [0.0; 3],
-                rotation: [0.0; 6],
-                masks,
-                mask_side: 32,
-            };
-            Masks::new(&picture, Square { centre: [32.0, 32.0], side: 64.0, turn: 0.0 }, heads)
+            let square = Square { centre: [32.0, 32.0], side: 64.0, turn: 0.0 };
+            Masks::new(&picture, square, heads(masks))
         };
         let square = with(8).around_object(2.0, 10.0).unwrap();
         assert_eq!((square.centre, square.turn), ([48.0, 52.0], 0.0));

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use grasp_index::NETWORK_STAGES;
 use grasp_network::{Network, ReadError, Scratch};
 use thiserror::Error;
 
@@ -10,7 +11,9 @@ pub(super) const SIDE: usize = 64;
 /// Masks that it answers with: hand, forearm, object.
 pub(super) const MASKS: usize = 3;
 /// Values of the heads behind the classes: three stages, and a rotation as two columns.
-pub(super) const STAGES: usize = 3;
+pub(super) const STAGES: usize = NETWORK_STAGES.len();
+/// Which of the stages is the one in which something is held.
+pub(super) const GRASP: usize = STAGES - 1;
 const ROTATION: usize = 6;
 
 /// A scene network, and what its heads mean.
@@ -171,6 +174,11 @@ mod tests {
         let error = SceneNetwork::from_bytes(&other.to_bytes(), &GRASPS).unwrap_err();
         assert_eq!(error.to_string(), "not a network of scenes: the number of planes is 2, 3 expected");
         assert!(SceneNetwork::from_bytes(&bytes[..1000], &GRASPS).is_err());
+    }
+
+    #[test]
+    fn something_is_held_at_the_last_stage() {
+        assert_eq!(NETWORK_STAGES[GRASP], "grasp");
     }
 
     #[test]

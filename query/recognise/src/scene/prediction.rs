@@ -1,7 +1,7 @@
 //! Which hand it is and what it does, by looks of networks at it.
 
 use super::look::Eye;
-use super::network::{Heads, STAGES, SceneNetwork, normalised};
+use super::network::{GRASP, Heads, STAGES, SceneNetwork, normalised};
 use super::square::Square;
 use crate::side::Side;
 
@@ -14,8 +14,6 @@ const FINDING: f64 = 0.4;
 /// grasp where the thing is held for certain.
 const THING_OF_STAGE: f64 = 0.4;
 const THING_OF_GRASP: f64 = 0.7;
-/// Where the stages have the one in which the thing is held.
-pub(super) const GRASP: usize = 2;
 /// The least probability that is divided by.
 const LEAST: f64 = 1e-6;
 
@@ -41,8 +39,8 @@ pub struct Prediction {
 pub(super) struct Powers {
     pub(super) neighbours: f64,
     pub(super) networks: f64,
-    /// How much it counts that hands look different before they hold something ([`super::opening`]),
-    /// 0 to 1.
+    /// How much it counts that hands look different before they hold something, 0 to 1: see
+    /// [`super::opening`].
     pub(super) opening: f64,
 }
 
