@@ -1,8 +1,8 @@
-//! How long a picture takes, on each path that this machine has, by both shipped networks, or by
-//! those in the files that are named:
+//! How long a picture takes, on each path that this machine has and in floats as in integers, by
+//! both shipped networks, or by those in the files that are named:
 //! `cargo run -p grasp-network --example network_speed [FILE...]`.
 
-use grasp_network::{Layer, Network, Path, Scratch};
+use grasp_network::{Layer, Network, Path, QuantisedNetwork, QuantisedScratch, Scratch};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -30,24 +30,37 @@ fn measure(network: &Network) -> Result<(), Box<dyn Error>> {
     let inputs = (architecture.side * architecture.side * architecture.planes) as usize;
     let input: Vec<f32> = (0..inputs).map(|at| wave(at).max(0.0)).collect();
 
-    println!("| path     | median us a picture | fastest |");
-    println!("|----------|---------------------|---------|");
+    println!("| path         | floats: median us a picture | fastest | integers: median | fastest |");
+    println!("|--------------|-----------------------------|---------|------------------|---------|");
     for path in Path::available() {
         let network = network.clone().with_path(path);
-        let mut scratch = Scratch::default();
-        let mut times: Vec<Duration> = (0..PICTURES)
-            .map(|_| {
-                let start = Instant::now();
-                std::hint::black_box(network.run(&mut scratch, std::hint::black_box(&input)));
-                start.elapsed()
-            })
-            .collect();
-        times.sort_unstable();
-        let micros = |time: Duration| time.as_secs_f64() * 1e6;
-        let (median, fastest) = (micros(times[PICTURES / 2]), micros(times[0]));
-        println!("| {:8} | {median:19.0} | {fastest:7.0} |", path.name());
+        let quantised = QuantisedNetwork::from(network.clone());
+        let (mut scratch, mut integers) = (Scratch::default(), QuantisedScratch::default());
+        let [median, fastest] = times(|| {
+            std::hint::black_box(network.run(&mut scratch, std::hint::black_box(&input)));
+        });
+        let [median_of_integers, fastest_of_integers] = times(|| {
+            std::hint::black_box(quantised.run(&mut integers, std::hint::black_box(&input)));
+        });
+        println!(
+            "| {:12} | {median:27.0} | {fastest:7.0} | {median_of_integers:16.0} | {fastest_of_integers:7.0} |",
+            path.name()
+        );
     }
     Ok(())
+}
+
+/// The median and the least of the times that a picture takes, in microseconds.
+fn times(mut run: impl FnMut()) -> [f64; 2] {
+    let mut times: Vec<Duration> = (0..PICTURES)
+        .map(|_| {
+            let start = Instant::now();
+            run();
+            start.elapsed()
+        })
+        .collect();
+    times.sort_unstable();
+    [times[PICTURES / 2], times[0]].map(|time| time.as_secs_f64() * 1e6)
 }
 
 /// Numbers from -1 to 1 without a pattern that matters.

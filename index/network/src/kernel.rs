@@ -59,7 +59,7 @@ fn sums<const PIXELS: usize>(
 
 /// What follows the sums. Comparisons, because the sign of a zero from `max` is unspecified.
 #[inline(always)]
-fn rectify(sums: [f32; LANES], rectifier: Rectifier) -> [f32; LANES] {
+pub(crate) fn rectify(sums: [f32; LANES], rectifier: Rectifier) -> [f32; LANES] {
     match rectifier {
         Rectifier::Zero => sums.map(|sum| if sum > 0.0 { sum } else { 0.0 }),
         Rectifier::Leaky => sums.map(|sum| if sum > 0.0 { sum } else { sum * Architecture::LEAK }),

@@ -39,6 +39,7 @@ mod masks;
 mod network;
 mod packed;
 mod path;
+mod quantised;
 mod supported;
 mod weights;
 
@@ -48,5 +49,6 @@ pub use layer::{Layer, Rectifier};
 pub use masks::Masks;
 pub use network::{Network, Output, Scratch};
 pub use path::Path;
+pub use quantised::{QuantisedNetwork, QuantisedScratch};
 pub use supported::ArchitectureError;
 pub use weights::WeightsError;

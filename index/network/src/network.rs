@@ -34,9 +34,17 @@ pub struct Scratch {
     layers: Vec<Layer>,
     /// The picture, then the output of each layer, with the padding that the next layer needs: it
     /// stays 0.
-    buffers: Vec<Vec<f32>>,
+    pub(crate) buffers: Vec<Vec<f32>>,
     /// The masks in [`Output`]'s order.
     masks: Vec<f32>,
+}
+
+/// What a network consists of.
+pub(crate) struct Parts {
+    pub(crate) architecture: Architecture,
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) packed: Vec<Packed>,
+    pub(crate) path: Path,
 }
 
 /// What a network returns for one picture.
@@ -128,6 +136,12 @@ impl Network {
         self.packed.iter().flat_map(Packed::parameters)
     }
 
+    /// What it consists of.
+    pub(crate) fn into_parts(self) -> Parts {
+        let Self { architecture, layers, packed, path, .. } = self;
+        Parts { architecture, layers, packed, path }
+    }
+
     /// The network's shape.
     pub fn architecture(&self) -> &Architecture {
         &self.architecture
@@ -160,12 +174,7 @@ impl Network {
                 self.path.compute(layer, input, output);
             }
         }
-        scratch.spread(self.architecture.masks);
-        let dense = scratch.buffers.get(self.architecture.convolutions.len() + 1..);
-        match dense {
-            Some([embedding, heads, ..]) => Output { embedding, heads, masks: &scratch.masks },
-            _ => Output { embedding: &[], heads: &[], masks: &[] },
-        }
+        scratch.output(&self.architecture)
     }
 }
 
@@ -182,11 +191,11 @@ impl fmt::Debug for Network {
 }
 
 impl Scratch {
-    /// Makes the buffers of these layers, unless they are there.
-    fn fit(&mut self, layers: &[Layer]) {
+    /// Makes the buffers of these layers, unless they are there. Returns whether it did.
+    pub(crate) fn fit(&mut self, layers: &[Layer]) -> bool {
         // Buffers of the same sizes do not suffice: the zeros of the padding lie elsewhere.
         if self.layers == layers {
-            return;
+            return false;
         }
         let picture = layers.first().map(Layer::padded_values);
         let outputs = layers.iter().enumerate().map(|(at, layer)| {
@@ -195,10 +204,11 @@ impl Scratch {
         });
         self.buffers = picture.into_iter().chain(outputs).map(|values| vec![0.0; values]).collect();
         self.layers = layers.to_vec();
+        true
     }
 
     /// Copies a picture into the first layer's padded input.
-    fn set_input(&mut self, input: &[f32]) {
+    pub(crate) fn set_input(&mut self, input: &[f32]) {
         let (Some(layer), Some(buffer)) = (self.layers.first(), self.buffers.first_mut()) else { return };
         assert_eq!(input.len(), layer.input_values(), "the values of a picture");
         let padding = layer.padding * layer.input_planes;
@@ -206,6 +216,16 @@ impl Scratch {
         let rows = buffer.chunks_exact_mut(row + 2 * padding).skip(layer.padding);
         for (padded, values) in rows.zip(input.chunks_exact(row)) {
             padded[padding..][..row].copy_from_slice(values);
+        }
+    }
+
+    /// What the last layers have left in the buffers.
+    pub(crate) fn output(&mut self, architecture: &Architecture) -> Output<'_> {
+        self.spread(architecture.masks);
+        let dense = self.buffers.get(architecture.convolutions.len() + 1..);
+        match dense {
+            Some([embedding, heads, ..]) => Output { embedding, heads, masks: &self.masks },
+            _ => Output { embedding: &[], heads: &[], masks: &[] },
         }
     }
 

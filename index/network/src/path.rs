@@ -5,13 +5,19 @@ use crate::packed::Packed;
 
 /// Which instructions compute a network. The results are the same to the last bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Path(Level);
+pub struct Path(pub(crate) Level);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Level {
+pub(crate) enum Level {
+    /// AVX-512 with instructions that sum products of bytes.
+    #[cfg(target_arch = "x86_64")]
+    Avx512Vnni,
     /// AVX-512: vectors of 16 values, 32 registers.
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    /// AVX2 with instructions that sum products of bytes.
+    #[cfg(target_arch = "x86_64")]
+    AvxVnni,
     /// AVX2: vectors of 8 values, 16 registers.
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -30,12 +36,15 @@ impl Path {
         let mut levels = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f") {
-                levels.push(Self(Level::Avx512));
-            }
-            if is_x86_feature_detected!("avx2") {
-                levels.push(Self(Level::Avx2));
-            }
+            let has_avx512 = is_x86_feature_detected!("avx512f");
+            let has_avx2 = is_x86_feature_detected!("avx2");
+            let found = [
+                (has_avx512 && is_x86_feature_detected!("avx512vnni"), Level::Avx512Vnni),
+                (has_avx512, Level::Avx512),
+                (has_avx2 && is_x86_feature_detected!("avxvnni"), Level::AvxVnni),
+                (has_avx2, Level::Avx2),
+            ];
+            levels.extend(found.into_iter().filter(|(is_there, _)| *is_there).map(|(_, level)| Self(level)));
         }
         levels.push(Self(Level::Portable));
         levels
@@ -45,7 +54,11 @@ impl Path {
     pub fn name(self) -> &'static str {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
+            Level::Avx512Vnni => "AVX-512 VNNI",
+            #[cfg(target_arch = "x86_64")]
             Level::Avx512 => "AVX-512",
+            #[cfg(target_arch = "x86_64")]
+            Level::AvxVnni => "AVX-VNNI",
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => "AVX2",
             Level::Portable => "portable",
@@ -58,10 +71,10 @@ impl Path {
             // SAFETY: the level says that the processor has the instructions: only
             // `Self::available`, which asked it, makes one.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512(layer, input, output) },
+            Level::Avx512Vnni | Level::Avx512 => unsafe { avx512(layer, input, output) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2(layer, input, output) },
+            Level::AvxVnni | Level::Avx2 => unsafe { avx2(layer, input, output) },
             Level::Portable => portable(layer, input, output),
         }
     }

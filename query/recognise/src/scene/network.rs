@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use grasp_index::NETWORK_STAGES;
-use grasp_network::{Network, ReadError, Scratch};
+use grasp_network::{Network, QuantisedNetwork, QuantisedScratch, ReadError};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
@@ -19,7 +19,7 @@ const ROTATION: usize = 6;
 /// A scene network, and what its heads mean.
 #[derive(Clone, Debug)]
 pub struct SceneNetwork {
-    pub(super) network: Network,
+    pub(super) network: QuantisedNetwork,
     /// The grasps' names in the heads' order. Behind them comes a hand that is mirrored, then one
     /// in none of the grasps.
     pub(super) grasps: Vec<String>,
@@ -80,7 +80,7 @@ impl SceneNetwork {
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.
     pub fn from_bytes(bytes: &[u8], grasps: &[&str]) -> Result<Self, SceneNetworkError> {
-        let network = Network::from_bytes(bytes)?;
+        let network = QuantisedNetwork::from(Network::from_bytes(bytes)?);
         let architecture = network.architecture();
         let masks = architecture.masks.map_or(0, |masks| masks.count as usize);
         let shape = [
@@ -98,7 +98,7 @@ impl SceneNetwork {
     }
 
     /// What it answers to one picture.
-    pub(super) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
+    pub(super) fn run(&self, scratch: &mut QuantisedScratch, planes: &[f32]) -> Heads {
         let output = self.network.run(scratch, planes);
         let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
         let mut rotation = [0.0; ROTATION];
