@@ -56,6 +56,10 @@ pub(crate) struct Train {
     /// less is forgotten of pictures unlike renders. The curve is of the trained weights.
     #[arg(long, value_name = "PERCENT", requires = "from", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=99))]
     keep: u8,
+    /// The learning rate after the warm-up: 0.002 unless given, and 0.001 with --from. A smaller one
+    /// forgets less of what the network has learned.
+    #[arg(long, value_name = "R", value_parser = parse_rate)]
+    rate: Option<f32>,
     /// What all randomness comes from.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
@@ -83,6 +87,7 @@ impl Train {
             hold_out_poses: self.hold_out_poses,
             validate_every: self.validate_every,
             start: start.as_ref().map(Network::fingerprint),
+            peak_rate: self.rate,
             keep_percent: self.keep,
         };
         let files = self.files();
@@ -124,4 +129,9 @@ impl Train {
             "nothing was trained yet; run the same command again".to_owned()
         }
     }
+}
+
+fn parse_rate(text: &str) -> Result<f32, String> {
+    let rate: f32 = text.parse().map_err(|_| "a number is needed, for example 0.0003")?;
+    if rate > 0.0 && rate <= 0.1 { Ok(rate) } else { Err("it must be above 0 and at most 0.1".to_owned()) }
 }

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Samples from one validation to the next, unless others are asked for.
 pub const DEFAULT_VALIDATE_EVERY: u64 = 100_000;
 
-/// The learning rate after the warm-up, of random weights and of a trained network's.
+/// The learning rate after the warm-up unless another is asked for, of random weights and of a
+/// trained network's.
 const PEAK_RATE: f32 = 2e-3;
 const PEAK_RATE_OF_TRAINED: f32 = 1e-3;
 /// The share of a batch that is augmented hard, at first.
@@ -58,7 +59,7 @@ impl Kind {
 }
 
 /// What the trained network and its curve follow from.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// Which network is trained.
     pub kind: Kind,
@@ -72,6 +73,8 @@ pub struct Options {
     pub validate_every: u64,
     /// The fingerprint of the network whose weights it begins with; random ones without.
     pub start: Option<u64>,
+    /// The learning rate after the warm-up, above 0; `None` takes the usual one.
+    pub peak_rate: Option<f32>,
     /// How much of that network's weights the network that is written has, in percent; the rest is
     /// of the trained ones.
     pub keep_percent: u8,
@@ -80,7 +83,8 @@ pub struct Options {
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, samples, seed, hold_out_poses, validate_every, start, keep_percent } = self;
+        let Self { kind, samples, seed, hold_out_poses, validate_every, start, peak_rate, keep_percent } =
+            self;
         match kind {
             Kind::Hand => (),
             Kind::Scene => write!(formatter, "--kind scene ")?,
@@ -94,6 +98,9 @@ impl fmt::Display for Options {
         if let Some(start) = start {
             write!(formatter, " --from the network {start:016x}")?;
         }
+        if let Some(rate) = peak_rate {
+            write!(formatter, " --rate {rate}")?;
+        }
         if *keep_percent > 0 { write!(formatter, " --keep {keep_percent}") } else { Ok(()) }
     }
 }
@@ -101,7 +108,8 @@ impl fmt::Display for Options {
 impl Options {
     /// The learning rate after the warm-up.
     pub(super) fn peak_rate(&self) -> f32 {
-        if self.start.is_some() { PEAK_RATE_OF_TRAINED } else { PEAK_RATE }
+        let usual = if self.start.is_some() { PEAK_RATE_OF_TRAINED } else { PEAK_RATE };
+        self.peak_rate.unwrap_or(usual)
     }
 
     /// The recorded poses that are trained on.
