@@ -274,6 +274,47 @@ fn trust_is_fitted_to_the_same_bytes_at_any_number_of_threads() {
 }
 
 #[test]
+fn open_hands_are_fitted_to_the_same_bytes_at_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let index = folder.path().join("learned.idx");
+    let built = run(program("grasp-builder")
+        .args(["build", "--descriptor", "learned", "--step", "60", "--out"])
+        .arg(&index));
+    assert_eq!(built.status, 0, "{}", built.stderr);
+    let fit = |threads: &str| {
+        let out = folder.path().join(format!("opening-{threads}.toml"));
+        let fitted = run(program("grasp-query")
+            .args(["experiment", "opening", "--json", "--threads", threads])
+            .arg(pictures().join("labels.csv"))
+            .arg("--index")
+            .arg(&index)
+            .arg("--out")
+            .arg(&out));
+        assert_eq!(fitted.status, 0, "{}", fitted.stderr);
+        (fitted.json_lines().remove(0), fs::read_to_string(out).unwrap())
+    };
+    let (figures, written) = fit("1");
+    assert_eq!(figures["log_odds"].as_object().unwrap().len(), 6, "{figures}");
+    // All sample pictures hold their things: both parts are measured, and there is no other table.
+    let by: Vec<&str> =
+        figures["worth"].as_array().unwrap().iter().map(|row| row["by"].as_str().unwrap()).collect();
+    assert_eq!(by, ["fitted", "held_out"], "{figures}");
+    assert!(written.contains("# Made by: grasp-query experiment opening pictures/labels.csv"), "{written}");
+    assert_eq!(fit("2"), (figures, written));
+}
+
+#[test]
+fn open_hands_cannot_be_fitted_by_an_index_that_knows_no_stages() {
+    let refused = run(program("grasp-query")
+        .args(["experiment", "opening"])
+        .arg(pictures().join("labels.csv"))
+        .arg("--index")
+        .arg(small_index()));
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("the index must know stages"), "{}", refused.stderr);
+}
+
+#[test]
 fn an_evaluation_counts_what_is_stated_above_nine_tenths() {
     let evaluated = run(program("grasp-query")
         .args(["evaluate", "--json", "--where", "kind=segmented", "--accept", "always", "--index"])

@@ -12,12 +12,13 @@ use tracing::warn;
 use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
+use super::opening_experiment::OpeningArguments;
 use super::options::{FrameArguments, SegmentArguments, parse_share};
 use super::overwriting::refuse_overwriting;
 use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
-use super::selection::{Selected, Selection};
+use super::selection::{Selected, Selection, without_folders};
 use crate::evaluate::labels::Kind;
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
@@ -41,6 +42,7 @@ enum Name {
     Shapes(ShapesArguments),
     Unknown(UnknownArguments),
     Trust(TrustArguments),
+    Opening(OpeningArguments),
     #[cfg(feature = "simulate")]
     Robustness(RobustnessArguments),
     #[cfg(feature = "simulate")]
@@ -192,6 +194,7 @@ impl Experiment {
             Name::Shapes(shapes) => shapes.run(global),
             Name::Unknown(unknown) => unknown.run(global),
             Name::Trust(trust) => trust.run(global),
+            Name::Opening(opening) => opening.run(global),
             #[cfg(feature = "simulate")]
             Name::Robustness(robustness) => robustness.run(global),
             #[cfg(feature = "simulate")]
@@ -288,8 +291,7 @@ impl TrustArguments {
         }
         let index = self.index.open_for_pictures()?;
         let classes = index.catalogue().class_names();
-        let tables = self.labels.iter().map(|path| Selection::all(path).read(&classes));
-        let tables: Vec<Selected> = tables.collect::<anyhow::Result<_>>()?;
+        let tables = Selection::all_of(&self.labels, &classes)?;
         let recognisers = Recognisers::new(&index, self.segment.finder()?);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
@@ -329,11 +331,7 @@ impl TrustArguments {
 
     /// The command that repeats the fit, without folders that are only here.
     fn command(&self) -> String {
-        let last_two = |path: &PathBuf| {
-            let parts: Vec<_> = path.components().rev().take(2).collect();
-            parts.into_iter().rev().collect::<PathBuf>().display().to_string()
-        };
-        let labels: Vec<String> = self.labels.iter().map(last_two).collect();
+        let labels: Vec<String> = self.labels.iter().map(|path| without_folders(path)).collect();
         let (labels, segment) = (labels.join(" "), self.segment.named());
         let Self { least, floor, .. } = self;
         format!(

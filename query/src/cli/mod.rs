@@ -7,6 +7,7 @@ mod figures;
 mod index_file;
 mod labelled;
 mod name_or_file;
+mod opening_experiment;
 mod options;
 mod overwriting;
 #[cfg(feature = "serve")]

@@ -43,6 +43,11 @@ impl Selection {
         Self { labels: labels.to_owned(), conditions: Vec::new(), part: Part::All }
     }
 
+    /// All rows of several tables, as [`Self::read`] reads them.
+    pub(super) fn all_of(tables: &[PathBuf], classes: &[String]) -> anyhow::Result<Vec<Selected>> {
+        tables.iter().map(|table| Self::all(table).read(classes)).collect()
+    }
+
     /// The table's path.
     pub(super) fn path(&self) -> &Path {
         &self.labels
@@ -143,6 +148,13 @@ impl Selected {
         recogniser.index().check_unchanged().context("cannot use the index")?;
         Ok(outcomes)
     }
+}
+
+/// A table as files that were fitted to it name it: with the folder that it lies in, without those
+/// above, which are only here.
+pub(super) fn without_folders(table: &Path) -> String {
+    let parts: Vec<_> = table.components().rev().take(2).collect();
+    parts.into_iter().rev().collect::<PathBuf>().display().to_string()
 }
 
 /// The first values of a column, and how many more there are.

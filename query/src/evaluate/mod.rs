@@ -10,7 +10,7 @@ pub mod spread;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use grasp_index::HandImage;
+use grasp_index::{HandImage, NETWORK_STAGES};
 use nalgebra::UnitQuaternion;
 
 use grasp_answer::record::UNKNOWN;
@@ -51,6 +51,8 @@ pub struct Guess {
     pub probability: f64,
     /// The probability of every class, by name, most probable first.
     pub classes: Vec<(String, f64)>,
+    /// How likely it reaches, closes and grasps, where the index knows.
+    pub stages: Option<[f64; NETWORK_STAGES.len()]>,
     /// The hand.
     pub hand: Side,
     /// `camera_from_hand`.
@@ -184,6 +186,7 @@ fn guess(recogniser: &Recogniser<'_>, found: &Recognition) -> Guess {
         },
         probability: first.map_or(0.0, |class| class.probability),
         classes: best.vote.classes.iter().map(|class| (class.name.clone(), class.probability)).collect(),
+        stages: best.vote.stages,
         hand: best.side,
         orientation: best.vote.orientation.rotation,
         spread_deg: best.vote.orientation.spread_deg,

@@ -1,13 +1,14 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the
 //! paper, [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other
 //! hands are told from known ones, [`sequence`] what the frames before are worth. [`trust`] fits
-//! how far an answer about a camera picture is to be trusted, and [`report`] makes one page of
-//! somebody's own pictures. [`robustness`] asks how far a robot's
-//! grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that
-//! lifts the object.
+//! how far an answer about a camera picture is to be trusted, [`opening`] what hands look like
+//! before they hold something, and [`report`] makes one page of somebody's own pictures.
+//! [`robustness`] asks how far a robot's grasp may be off, and [`imitation`] runs the whole chain,
+//! from the picture to the robot that lifts the object.
 
 #[cfg(feature = "simulate")]
 pub mod imitation;
+pub mod opening;
 pub mod paper;
 pub mod report;
 #[cfg(feature = "simulate")]

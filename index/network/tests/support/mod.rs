@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use grasp_network::{Architecture, Convolution, Masks};
+use proptest::prelude::*;
 
 /// Numbers from -1 to 1 by a linear congruential generator.
 pub(crate) struct Numbers(pub(crate) u64);
@@ -52,4 +53,33 @@ pub(crate) fn picture(architecture: &Architecture, seed: u64) -> Vec<f32> {
     let values = (architecture.side * architecture.side * architecture.planes) as usize;
     let blank = |number: f32| if number < -0.5 { number * 0.0 } else { number };
     Numbers(seed).take(values).map(blank).collect()
+}
+
+/// Networks with convolutions of these kernels and so many outputs, some of them with masks.
+pub(crate) fn architectures<const N: usize>(
+    kernels: [u32; N],
+    outputs: impl Strategy<Value = u32>,
+) -> impl Strategy<Value = Architecture> {
+    let kernel = prop::sample::select(kernels.to_vec());
+    let convolution = (kernel, 1..=2u32, outputs).prop_map(|(kernel, stride, outputs)| Convolution {
+        kernel,
+        stride,
+        outputs,
+    });
+    let convolutions = prop::collection::vec(convolution, 0..=3);
+    let masks = (0..3u32, 1..=3u32, 1..=5u32).prop_map(|(convolution, count, cells)| Masks {
+        convolution,
+        count,
+        cells,
+    });
+    (1..=13u32, 1..=4u32, convolutions, 1..=70u32, 1..=40u32, prop::option::of(masks)).prop_map(
+        |(side, planes, convolutions, embedding, heads, masks)| Architecture {
+            side,
+            planes,
+            masks: masks.filter(|masks| (masks.convolution as usize) < convolutions.len()),
+            convolutions,
+            embedding,
+            heads,
+        },
+    )
 }

@@ -4,7 +4,7 @@ use grasp_index::{Index, Vote};
 
 use super::network::GRASP;
 use super::prediction::Powers;
-use super::{Prediction, opening};
+use super::{Opening, Prediction};
 use crate::side::Side;
 
 /// The least probability that is taken seriously: neither is so sure.
@@ -29,7 +29,9 @@ impl Prediction {
         if let Some(stages) = &mut vote.stages {
             *stages = joined_stages(stages, &self.stages(side));
             let open = self.powers.opening * (1.0 - stages[GRASP]);
-            let factors = vote.classes.iter().map(|score| opening::factor(name(score.class), open));
+            let opening = Opening::built_in();
+            let names = vote.classes.iter().map(|score| name(score.class).unwrap_or_default());
+            let factors = names.map(|name| libm::exp(opening.log_odds(name, open)));
             joined.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
         }
         let total: f64 = joined.iter().sum();

@@ -29,5 +29,6 @@ pub use find::{Detection, find, find_at, follow};
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use network::{SceneNetwork, SceneNetworkError};
+pub use opening::Opening;
 pub use prediction::Prediction;
 pub use square::{Map, Square};

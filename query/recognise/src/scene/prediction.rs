@@ -40,7 +40,7 @@ pub(super) struct Powers {
     pub(super) neighbours: f64,
     pub(super) networks: f64,
     /// How much it counts that hands look different before they hold something, 0 to 1: see
-    /// [`super::opening`].
+    /// [`super::Opening`].
     pub(super) opening: f64,
 }
 

@@ -155,6 +155,7 @@ pub(super) mod tests {
             columns: [].into(),
         };
         let guess = |(grasp, degrees): (&str, f64)| Guess {
+            stages: None,
             classes: vec![(grasp.to_owned(), 1.0)],
             grasp: grasp.into(),
             spread_deg: 10.0,
