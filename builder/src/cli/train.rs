@@ -56,8 +56,8 @@ pub(crate) struct Train {
     /// less is forgotten of pictures unlike renders. The curve is of the trained weights.
     #[arg(long, value_name = "PERCENT", requires = "from", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=99))]
     keep: u8,
-    /// The learning rate after the warm-up: 0.002 unless given, and 0.001 with --from. A smaller one
-    /// forgets less of what the network has learned.
+    /// The learning rate after the warm-up: 0.002 unless given, and 0.001 with --from. A smaller
+    /// one forgets less of what the network has learned.
     #[arg(long, value_name = "R", value_parser = parse_rate)]
     rate: Option<f32>,
     /// What all randomness comes from.

@@ -5,8 +5,8 @@
 //! output, to the last bit, on every processor: a descriptor that was computed here can be compared
 //! with one from another machine, and a rebuilt index has the same bytes.
 //!
-//! A [`QuantisedNetwork`] computes a network in integers of 8 bits, up to four times as fast and with
-//! nearly the same output.
+//! A [`QuantisedNetwork`] computes a network in integers of 8 bits, up to four times as fast and
+//! with nearly the same output.
 //!
 //! ```
 //! use grasp_network::{Architecture, Convolution, Network, Scratch};

@@ -5,8 +5,9 @@ use crate::packed::Packed;
 
 /// Which instructions compute a network. The results are the same to the last bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Path(pub(crate) Level);
+pub struct Path(Level);
 
+/// The instructions, of which only [`Path::available`] makes a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Level {
     /// AVX-512 with instructions that sum products of bytes.
@@ -48,6 +49,11 @@ impl Path {
         }
         levels.push(Self(Level::Portable));
         levels
+    }
+
+    /// What the instructions are.
+    pub(crate) fn level(self) -> Level {
+        self.0
     }
 
     /// A name for people.

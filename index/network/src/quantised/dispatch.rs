@@ -16,7 +16,7 @@ pub(super) enum Integers<'a> {
 
 /// Whether a path has instructions that sum products of bytes.
 pub(super) fn sums_bytes(path: Path) -> bool {
-    match path.0 {
+    match path.level() {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512Vnni | Level::AvxVnni => true,
         _ => false,
@@ -25,7 +25,7 @@ pub(super) fn sums_bytes(path: Path) -> bool {
 
 /// Computes a layer whose weights were packed for this path; see [`compute`].
 pub(super) fn run(path: Path, layer: &PackedIntegers, input: Integers<'_>, output: &mut [f32]) {
-    match (path.0, &layer.weights, input) {
+    match (path.level(), &layer.weights, input) {
         // SAFETY: the level says that the processor has the instructions: only `Path::available`,
         // which asked it, makes one.
         #[cfg(target_arch = "x86_64")]
@@ -54,9 +54,9 @@ pub(super) fn run(path: Path, layer: &PackedIntegers, input: Integers<'_>, outpu
     }
 }
 
-/// Rounds values to integers, as bytes; see [`kernel::to_bytes`].
+/// Rounds values to integers, as bytes, and returns what each counts; see [`kernel::to_bytes`].
 pub(super) fn to_bytes(path: Path, values: &[f32], bytes: &mut [u8]) -> f32 {
-    match path.0 {
+    match path.level() {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         Level::Avx512Vnni | Level::Avx512 => unsafe { avx512_to_bytes(values, bytes) },
@@ -67,9 +67,9 @@ pub(super) fn to_bytes(path: Path, values: &[f32], bytes: &mut [u8]) -> f32 {
     }
 }
 
-/// Rounds values to integers where they are; see [`kernel::round`].
+/// Rounds values to integers where they are, and returns what each counts; see [`kernel::round`].
 pub(super) fn round(path: Path, values: &mut [f32]) -> f32 {
-    match path.0 {
+    match path.level() {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         Level::Avx512Vnni | Level::Avx512 => unsafe { avx512_round(values) },

@@ -32,7 +32,8 @@ pub(super) fn compute<const PIXELS: usize, W>(
     output: &mut [f32],
     sums: impl Fn(&[W], [usize; PIXELS]) -> [[i32; LANES]; PIXELS],
 ) {
-    let blocks = weights.chunks_exact((weights.len() / layer.scales.len().max(1)).max(1));
+    // A layer has an output at least, and an output an input.
+    let blocks = weights.chunks_exact(weights.len() / layer.scales.len());
     for ((weights, scales), first) in blocks.zip(&layer.scales).zip((0..).step_by(LANES)) {
         let width = LANES.min(layer.outputs - first);
         let units = scales.units.map(|of_weights| unit * of_weights);
@@ -92,6 +93,7 @@ pub(super) fn by_floats<const PIXELS: usize>(
     sums
 }
 
+/// Adds sums that are exact as floats.
 #[inline(always)]
 fn add<const PIXELS: usize>(sums: &mut [[i32; LANES]; PIXELS], exact: &[[f32; LANES]; PIXELS]) {
     for (sum, exact) in sums.as_flattened_mut().iter_mut().zip(exact.as_flattened()) {
@@ -195,7 +197,7 @@ impl Scale {
     }
 }
 
-/// Rounds values to integers, as bytes.
+/// Rounds values that are not below 0 to integers, as bytes. Returns what each integer counts.
 #[inline(always)]
 pub(super) fn to_bytes(values: &[f32], bytes: &mut [u8]) -> f32 {
     let scale = Scale::of(values);
@@ -205,7 +207,7 @@ pub(super) fn to_bytes(values: &[f32], bytes: &mut [u8]) -> f32 {
     scale.unit
 }
 
-/// Rounds values to integers where they are.
+/// The same, where the values are.
 #[inline(always)]
 pub(super) fn round(values: &mut [f32]) -> f32 {
     let scale = Scale::of(values);

@@ -71,8 +71,8 @@ pub enum By {
 }
 
 impl Sample {
-    /// What a picture of a table says of open hands, with `open` as the program has it by now;
-    /// `None` where it was not recognised, or shows no stage or class that is known.
+    /// What a picture of a table says of open hands, where it was recognised `by` this opening,
+    /// which is taken off again; `None` where it was not recognised, or shows no stage or class that is known.
     pub fn new(table: usize, outcome: &Outcome, classes: &[String], by: &Opening) -> Option<Self> {
         let label = &outcome.label;
         let Guess { classes: found, stages, .. } = outcome.result.as_ref().ok()?;
