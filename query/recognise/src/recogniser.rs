@@ -92,7 +92,7 @@ impl<'a> Recogniser<'a> {
         let mut best =
             hypothesis::best(self.index, &hand_image, seen.as_deref(), &self.options, &mut timings)?;
         let side = best.side;
-        let none = seen.map(|seen| seen.join(self.index, side, &mut best.vote));
+        let none = seen.map(|seen| seen.join(self.index, side, self.options.hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let none = none.filter(|_| prepared.scene.is_some());
         let evidence = Evidence::of(self.index, &prepared, &best);

@@ -5,17 +5,20 @@ use grasp_index::{Index, Vote};
 use super::network::GRASP;
 use super::prediction::Powers;
 use super::{Opening, Prediction};
-use crate::side::Side;
+use crate::side::{HandChoice, Side};
 
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
 impl Prediction {
     /// Weighs the neighbours' classes and stages by what the networks make of hand and object.
-    /// Classes that they do not know count as their mean. Returns how likely the hand is in none of
-    /// the grasps.
-    pub(crate) fn join(&self, index: &Index, side: Side, vote: &mut Vote) -> f64 {
-        let probabilities = self.probabilities(side);
+    /// Classes that they do not know count as their mean. `side` is the hand that was asked for, or
+    /// the likelier one. Returns how likely the hand is in none of the grasps.
+    pub(crate) fn join(&self, index: &Index, side: Side, asked: HandChoice, vote: &mut Vote) -> f64 {
+        let probabilities = match asked {
+            HandChoice::Auto => self.probabilities_of_likelier(side),
+            HandChoice::Left | HandChoice::Right => self.probabilities(side),
+        };
         let (none, grasps) = probabilities.split_last().expect("none is always there");
         let known: f64 = grasps.iter().sum();
         let of_name = |name: &str| {

@@ -8,6 +8,7 @@
 //! says which hand it is, and how likely each grasp is by all that is seen, by which the neighbours
 //! are weighed.
 
+mod arm;
 mod cut_out;
 mod find;
 mod join;

@@ -1,5 +1,6 @@
 //! The hand of a camera picture, and what it does.
 
+use super::arm;
 use super::find::Detection;
 use super::look::Eye;
 use super::prediction::{Powers, Prediction};
@@ -32,7 +33,7 @@ impl Scene {
         if let Some(thing) = found.square_of_thing() {
             prediction.add_thing(&mut eye, &thing, &sides);
         }
-        prediction.right_odds += found.right_odds;
+        prediction.right_odds += found.right_odds + arm::right_odds(square.turn);
         Self { found, square, prediction }
     }
 }

@@ -14,6 +14,9 @@ const FINDING: f64 = 0.4;
 /// grasp where the thing is held for certain.
 const THING_OF_STAGE: f64 = 0.4;
 const THING_OF_GRASP: f64 = 0.7;
+/// How far the networks' logarithm of odds of the hand is taken at its word where both hands'
+/// grasps are joined by it.
+const SIDE_AT_ITS_WORD: f64 = 0.5;
 /// The least probability that is divided by.
 const LEAST: f64 = 1e-6;
 
@@ -22,6 +25,8 @@ const LEAST: f64 = 1e-6;
 pub struct Prediction {
     /// The logarithm of how much likelier a right hand is than a left one.
     pub right_odds: f64,
+    /// The same by what the networks see of the hand itself.
+    pub(crate) seen_odds: f64,
     /// The grasps' names.
     pub(super) grasps: Vec<String>,
     /// How it joins what the neighbours say.
@@ -54,7 +59,14 @@ impl Prediction {
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
-        Self { right_odds, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
+        Self {
+            right_odds,
+            seen_odds: right_odds,
+            grasps: naming.grasps.clone(),
+            powers,
+            by_side,
+            stages_by_side,
+        }
     }
 
     /// Joins what is seen in a square around what the hand holds, the more the likelier it is that
@@ -86,6 +98,15 @@ impl Prediction {
     pub fn probabilities(&self, side: Side) -> Vec<f64> {
         let logs = &self.by_side[usize::from(side == Side::Left)];
         logs.iter().copied().map(libm::exp).collect()
+    }
+
+    /// The same of a hand that is taken for this one but might be the other: the mean of what both
+    /// would be, by how likely the networks find each, this one at least as likely.
+    pub(crate) fn probabilities_of_likelier(&self, side: Side) -> Vec<f64> {
+        let odds = if side == Side::Right { self.seen_odds } else { -self.seen_odds };
+        let other = 1.0 / (1.0 + libm::exp((SIDE_AT_ITS_WORD * odds).max(0.0)));
+        let sides = self.probabilities(side).into_iter().zip(self.probabilities(side.other()));
+        sides.map(|(this, that)| this + other * (that - this)).collect()
     }
 }
 
@@ -157,5 +178,31 @@ mod tests {
         for side in [Side::Right, Side::Left] {
             assert!((with.probabilities(side).iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
+    }
+
+    /// A hand that is a pinch if it is a right one, and a lid's if it is a left one.
+    fn of_odds(seen_odds: f64) -> Prediction {
+        Prediction {
+            right_odds: 5.0,
+            seen_odds,
+            grasps: vec!["pinch".to_owned(), "precision-disc".to_owned()],
+            powers: Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 },
+            by_side: [[0.8, 0.1, 0.1], [0.2, 0.7, 0.1]].map(|of| of.map(libm::log).to_vec()),
+            stages_by_side: [[0.0; STAGES]; 2],
+        }
+    }
+
+    #[test]
+    fn a_hand_that_might_be_the_other_one_does_what_both_would() {
+        let pinch = |odds: f64, side: Side| of_odds(odds).probabilities_of_likelier(side)[0];
+        assert!(
+            (pinch(60.0, Side::Right) - 0.8).abs() < 1e-9 && (pinch(0.0, Side::Right) - 0.5).abs() < 1e-9
+        );
+        // A hand that is known by its arm counts for half at least, whatever the networks see.
+        assert!((pinch(-60.0, Side::Right) - 0.5).abs() < 1e-9);
+        assert!((pinch(-60.0, Side::Left) - 0.2).abs() < 1e-9);
+        assert!(pinch(3.0, Side::Right) > pinch(1.0, Side::Right));
+        let sum: f64 = of_odds(1.0).probabilities_of_likelier(Side::Left).iter().sum();
+        assert!((sum - 1.0).abs() < 1e-9);
     }
 }
