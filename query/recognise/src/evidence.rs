@@ -41,7 +41,7 @@ impl SceneEvidence {
     fn of(scene: &Scene, skin: &Mask, side: Side) -> Self {
         let grasps = scene.prediction.probabilities(side);
         let sure = grasps.iter().rev().skip(1).copied().fold(0.0, f64::max);
-        Self { side: scene.prediction.seen_odds.abs(), agrees: scene.found.agreement(skin), sure }
+        Self { side: scene.prediction.right_odds.abs(), agrees: scene.found.agreement(skin), sure }
     }
 }
 

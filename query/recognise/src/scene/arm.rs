@@ -1,18 +1,18 @@
 //! Which hand it is, by where its arm comes from.
 //!
 //! Most pictures of a hand that holds something are taken from about where its person looks, with
-//! the camera level: a right arm comes in from the right then, and a left one from the left. Where
-//! a wearer's camera sees the hands, this alone tells them apart (Betancourt, Morerio, Barakova,
+//! the camera level: a right arm comes in from the right then, and a left one from the left. In
+//! egocentric videos hands are told apart by their angle and place (Betancourt, Morerio, Barakova,
 //! Marcenaro, Rauterberg and Regazzoni, "Left/right hand segmentation in egocentric videos",
-//! Computer Vision and Image Understanding 154, 2017). A camera may stand elsewhere, so it counts
-//! as one voice beside those of the networks.
+//! Computer Vision and Image Understanding 154, 2017). A camera may stand elsewhere, so the arm is
+//! one voice beside those of the networks.
 
 /// How much likelier the hand of the side is that an arm comes from, level, as a logarithm. Chosen
 /// on photographs and on pictures of two hands (docs/accuracy.md).
 const FROM_THE_SIDE: f64 = 2.0;
 
-/// The logarithm of how much likelier a right hand is than a left one, for a square that it stands
-/// upright in.
+/// The logarithm of how much likelier a right hand is than a left one that stands upright in a
+/// square of this turn, in radians.
 pub(super) fn right_odds(turn: f64) -> f64 {
     // What is below in the square is to the right in the picture by so much.
     FROM_THE_SIDE * libm::sin(turn)
@@ -33,9 +33,12 @@ mod tests {
     }
 
     #[test]
-    fn the_right_is_where_a_turned_square_has_its_lower_end() {
-        let square = Square { centre: [50.0, 50.0], side: 40.0, turn: FRAC_PI_2 };
-        let [x, y] = square.to_picture().apply([0.5, 1.0]);
-        assert!((x - 70.0).abs() < 1e-9 && (y - 50.0).abs() < 1e-9, "{x} {y}");
+    fn the_side_is_where_the_squares_lower_end_is_in_the_picture() {
+        for step in -12..=12 {
+            let turn = f64::from(step) * PI / 12.0;
+            let square = Square { centre: [50.0, 50.0], side: 2.0, turn };
+            let [x, _] = square.to_picture().apply([0.5, 1.0]);
+            assert!((right_odds(turn) - FROM_THE_SIDE * (x - 50.0)).abs() < 1e-9, "{turn}: {x}");
+        }
     }
 }

@@ -33,7 +33,8 @@ impl Scene {
         if let Some(thing) = found.square_of_thing() {
             prediction.add_thing(&mut eye, &thing, &sides);
         }
-        prediction.right_odds += found.right_odds + arm::right_odds(square.turn);
+        prediction.right_odds += found.right_odds;
+        prediction.arm_odds = arm::right_odds(square.turn);
         Self { found, square, prediction }
     }
 }

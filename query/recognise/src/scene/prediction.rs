@@ -23,10 +23,10 @@ const LEAST: f64 = 1e-6;
 /// Which hand it is, and what it does, by what the networks see.
 #[derive(Clone, Debug)]
 pub struct Prediction {
-    /// The logarithm of how much likelier a right hand is than a left one.
+    /// The logarithm of how much likelier a right hand is than a left one, by what networks see.
     pub right_odds: f64,
-    /// The same by what the networks see of the hand itself.
-    pub(crate) seen_odds: f64,
+    /// The same by where its arm comes from.
+    pub(super) arm_odds: f64,
     /// The grasps' names.
     pub(super) grasps: Vec<String>,
     /// How it joins what the neighbours say.
@@ -59,14 +59,7 @@ impl Prediction {
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
-        Self {
-            right_odds,
-            seen_odds: right_odds,
-            grasps: naming.grasps.clone(),
-            powers,
-            by_side,
-            stages_by_side,
-        }
+        Self { right_odds, arm_odds: 0.0, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
     }
 
     /// Joins what is seen in a square around what the hand holds, the more the likelier it is that
@@ -83,8 +76,8 @@ impl Prediction {
 
     /// The probability that the hand is the other one than `side`.
     pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
-        let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
-        1.0 / (1.0 + libm::exp(odds))
+        let right = self.right_odds + self.arm_odds;
+        1.0 / (1.0 + libm::exp(if side == Side::Right { right } else { -right }))
     }
 
     /// How likely the stages reach, close and grasp are if the hand is this one.
@@ -103,7 +96,7 @@ impl Prediction {
     /// The same of a hand that is taken for this one but might be the other: the mean of what both
     /// would be, by how likely the networks find each, this one at least as likely.
     pub(crate) fn probabilities_of_likelier(&self, side: Side) -> Vec<f64> {
-        let odds = if side == Side::Right { self.seen_odds } else { -self.seen_odds };
+        let odds = if side == Side::Right { self.right_odds } else { -self.right_odds };
         let other = 1.0 / (1.0 + libm::exp((SIDE_AT_ITS_WORD * odds).max(0.0)));
         let sides = self.probabilities(side).into_iter().zip(self.probabilities(side.other()));
         sides.map(|(this, that)| this + other * (that - this)).collect()
@@ -181,10 +174,10 @@ mod tests {
     }
 
     /// A hand that is a pinch if it is a right one, and a lid's if it is a left one.
-    fn of_odds(seen_odds: f64) -> Prediction {
+    fn of_odds(right_odds: f64) -> Prediction {
         Prediction {
-            right_odds: 5.0,
-            seen_odds,
+            right_odds,
+            arm_odds: 0.0,
             grasps: vec!["pinch".to_owned(), "precision-disc".to_owned()],
             powers: Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 },
             by_side: [[0.8, 0.1, 0.1], [0.2, 0.7, 0.1]].map(|of| of.map(libm::log).to_vec()),
@@ -195,14 +188,20 @@ mod tests {
     #[test]
     fn a_hand_that_might_be_the_other_one_does_what_both_would() {
         let pinch = |odds: f64, side: Side| of_odds(odds).probabilities_of_likelier(side)[0];
-        assert!(
-            (pinch(60.0, Side::Right) - 0.8).abs() < 1e-9 && (pinch(0.0, Side::Right) - 0.5).abs() < 1e-9
-        );
+        assert!((pinch(60.0, Side::Right) - 0.8).abs() < 1e-9);
+        assert!((pinch(0.0, Side::Right) - 0.5).abs() < 1e-9);
         // A hand that is known by its arm counts for half at least, whatever the networks see.
         assert!((pinch(-60.0, Side::Right) - 0.5).abs() < 1e-9);
         assert!((pinch(-60.0, Side::Left) - 0.2).abs() < 1e-9);
         assert!(pinch(3.0, Side::Right) > pinch(1.0, Side::Right));
         let sum: f64 = of_odds(1.0).probabilities_of_likelier(Side::Left).iter().sum();
         assert!((sum - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_arm_settles_which_hand_it_is_where_networks_do_not_know_and_not_where_they_do() {
+        let right = |right_odds: f64| Prediction { arm_odds: 2.0, ..of_odds(right_odds) };
+        assert!(right(0.0).is_other_hand(Side::Right) < 0.2 && right(0.0).is_other_hand(Side::Left) > 0.8);
+        assert!(right(-6.0).is_other_hand(Side::Right) > 0.8);
     }
 }
