@@ -74,6 +74,12 @@ pub(crate) struct Train {
     /// figures of these poses are then those of poses that the network has not seen.
     #[arg(long)]
     hold_out_poses: bool,
+    /// Train on so many percent of the other recorded poses, for experiments.
+    #[arg(long, value_name = "PERCENT", requires = "hold_out_poses", default_value_t = 100, value_parser = clap::value_parser!(u8).range(0..=100))]
+    recorded_poses: u8,
+    /// Train on so many hand shapes, for experiments; without it, on ever new ones.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    hands: Option<u64>,
 }
 
 impl Train {
@@ -85,6 +91,8 @@ impl Train {
             samples: self.samples.unwrap_or_else(|| self.kind.default_samples()),
             seed: self.seed,
             hold_out_poses: self.hold_out_poses,
+            recorded_percent: self.recorded_poses,
+            hands: self.hands,
             validate_every: self.validate_every,
             start: start.as_ref().map(Network::fingerprint),
             peak_rate: self.rate,

@@ -69,6 +69,10 @@ pub struct Options {
     pub seed: u64,
     /// Whether a fifth of the recorded poses is not trained on.
     pub hold_out_poses: bool,
+    /// How much of the other recorded poses it is, in percent.
+    pub recorded_percent: u8,
+    /// How many hand shapes are drawn; `None` of no end.
+    pub hands: Option<u64>,
     /// Samples from one validation to the next.
     pub validate_every: u64,
     /// The fingerprint of the network whose weights it begins with; random ones without.
@@ -83,8 +87,7 @@ pub struct Options {
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, samples, seed, hold_out_poses, validate_every, start, peak_rate, keep_percent } =
-            self;
+        let Self { kind, samples, seed, validate_every, start, peak_rate, keep_percent, .. } = self;
         match kind {
             Kind::Hand => (),
             Kind::Scene => write!(formatter, "--kind scene ")?,
@@ -92,8 +95,14 @@ impl fmt::Display for Options {
             Kind::Thing => write!(formatter, "--kind thing ")?,
         }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
-        if *hold_out_poses {
+        if self.hold_out_poses {
             write!(formatter, " --hold-out-poses")?;
+        }
+        if self.recorded_percent < 100 {
+            write!(formatter, " --recorded-poses {}", self.recorded_percent)?;
+        }
+        if let Some(hands) = self.hands {
+            write!(formatter, " --hands {hands}")?;
         }
         if let Some(start) = start {
             write!(formatter, " --from the network {start:016x}")?;
@@ -114,7 +123,17 @@ impl Options {
 
     /// The recorded poses that are trained on.
     pub(super) fn poses(&self) -> PoseGroup {
-        if self.hold_out_poses { PoseGroup::Kept } else { PoseGroup::All }
+        self.poses_of(self.recorded_percent)
+    }
+
+    /// Those that a training with all of the poses that are not held out is trained on: what is
+    /// measured on them can be compared.
+    pub(super) fn poses_to_measure(&self) -> PoseGroup {
+        self.poses_of(100)
+    }
+
+    fn poses_of(&self, percent: u8) -> PoseGroup {
+        if self.hold_out_poses { PoseGroup::Kept { percent } } else { PoseGroup::All }
     }
 
     /// The seed of the random weights. Those of scenes, picks and variations are others.

@@ -53,6 +53,8 @@ pub struct Scenes {
     look: Look,
     variation: Variation,
     hands: Hands,
+    /// How many of them are drawn; `None` of no end.
+    count: Option<u64>,
     stages: StageShares,
     /// The share of scenes in which a thing is held up at the finger tips, and of those in which
     /// the hand is posed as another grasp's, where a grasp has such ways.
@@ -90,6 +92,7 @@ impl Scenes {
             look: Look { side: SIDE, ..plan.look },
             variation: Variation { recorded_from: poses, closure: CLOSURE, ..plan.variation },
             hands: Hands::Training,
+            count: None,
             stages: StageShares::default(),
             presented: 0.0,
             alike: 0.0,
@@ -110,6 +113,11 @@ impl Scenes {
     pub fn held_out_poses(seed: u64) -> Self {
         let scenes = Self::other_hands(seed, PoseGroup::HeldOut);
         Self { variation: Variation { examples: 0.0, recorded: 1.0, ..scenes.variation }, ..scenes }
+    }
+
+    /// The same scenes of so many hands, all of them without end.
+    pub fn with_hands(self, count: Option<u64>) -> Self {
+        Self { count, ..self }
     }
 
     /// The same scenes in other stages.
@@ -137,6 +145,7 @@ impl Scenes {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
         let drawn = rng.next_u64();
+        let drawn = self.count.map_or(drawn, |count| drawn % count.max(1));
         let shape = HandShape::sample(match self.hands {
             Hands::Training => drawn | 1 << 63,
             Hands::Others => drawn & !(1 << 63),
@@ -181,6 +190,24 @@ fn way(ways: &'static [Arc<Grasp>], name: &str, which: f64) -> Option<&'static A
 mod tests {
     use super::*;
 
+    const KEPT: PoseGroup = PoseGroup::Kept { percent: 100 };
+
+    #[test]
+    fn so_many_hands_are_drawn_as_are_asked_for() {
+        let shapes = |count| {
+            let scenes = Scenes::training(7, PoseGroup::All).with_hands(count);
+            let mut shapes = Vec::new();
+            for number in 0..40 {
+                let shape = scenes.scene(number).spec.hand_shape;
+                if !shapes.contains(&shape) {
+                    shapes.push(shape);
+                }
+            }
+            shapes.len()
+        };
+        assert_eq!([Some(1), Some(3), None].map(shapes), [1, 3, 40]);
+    }
+
     #[test]
     fn classes_take_turns_and_stages_have_their_shares() {
         let scenes = Scenes::training(7, PoseGroup::All);
@@ -197,8 +224,8 @@ mod tests {
 
     #[test]
     fn scenes_to_measure_by_show_other_hands_at_the_grasp() {
-        let training = Scenes::training(7, PoseGroup::Kept);
-        let (hands, poses) = (Scenes::other_hands(7, PoseGroup::Kept), Scenes::held_out_poses(7));
+        let training = Scenes::training(7, KEPT);
+        let (hands, poses) = (Scenes::other_hands(7, KEPT), Scenes::held_out_poses(7));
         for number in 0..60 {
             let trained = training.scene(number).spec.hand_shape;
             let [hand, pose] = [&hands, &poses].map(|scenes| scenes.scene(number).spec);

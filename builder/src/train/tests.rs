@@ -17,6 +17,8 @@ const OPTIONS: Options = Options {
     samples: 170,
     seed: 7,
     hold_out_poses: false,
+    recorded_percent: 100,
+    hands: None,
     validate_every: 80,
     start: None,
     peak_rate: None,
@@ -138,7 +140,14 @@ fn another_trainings_checkpoint_is_refused_and_kept() {
     assert!(run(&OPTIONS, folder.path(), 2, 36).unwrap_err().is::<Interrupted>());
     let checkpoint = files(folder.path()).checkpoint;
     let bytes = fs::read(&checkpoint).unwrap();
-    let other = Options { seed: 8, hold_out_poses: true, peak_rate: Some(3e-4), ..OPTIONS };
+    let other = Options {
+        seed: 8,
+        hold_out_poses: true,
+        recorded_percent: 40,
+        hands: Some(12),
+        peak_rate: Some(3e-4),
+        ..OPTIONS
+    };
     let refused = |options: &Options| format!("{:#}", run(options, folder.path(), 2, 0).unwrap_err());
     let message = refused(&other);
     assert!(
@@ -146,7 +155,7 @@ fn another_trainings_checkpoint_is_refused_and_kept() {
             "cannot go on from"
         ) && message.contains(
             "it is of a training with --samples 170 --seed 7 --validate-every 80, and not with --samples 170 --seed 8 \
-             --validate-every 80 --hold-out-poses --rate 0.0003: give its options to go on with it, remove it to begin again, or name \
+             --validate-every 80 --hold-out-poses --recorded-poses 40 --hands 12 --rate 0.0003: give its options to go on with it, remove it to begin again, or name \
              another file with --checkpoint"
         ),
         "{message}"

@@ -38,8 +38,11 @@ pub enum PoseGroup {
     /// A fifth of them, chosen by a hash of grasp and joint angles: to measure on poses that
     /// nothing was learned from.
     HeldOut,
-    /// The others.
-    Kept,
+    /// So many percent of the others: those that a smaller share has are among them.
+    Kept {
+        /// 0 to 100.
+        percent: u8,
+    },
 }
 
 impl PoseGroup {
@@ -48,7 +51,7 @@ impl PoseGroup {
         match self {
             PoseGroup::All => true,
             PoseGroup::HeldOut => recorded.is_held_out(),
-            PoseGroup::Kept => !recorded.is_held_out(),
+            PoseGroup::Kept { percent } => recorded.is_kept(percent),
         }
     }
 }
@@ -68,8 +71,15 @@ impl RecordedPose {
     }
 
     fn is_held_out(&self) -> bool {
-        let hash = Encoder::new().u32(HELD_OUT_SALT).text(&self.grasp).value(&self.pose).hash();
-        hash.is_multiple_of(HELD_OUT)
+        self.hash().is_multiple_of(HELD_OUT)
+    }
+
+    fn is_kept(&self, percent: u8) -> bool {
+        !self.is_held_out() && self.hash() / HELD_OUT % 100 < u64::from(percent)
+    }
+
+    fn hash(&self) -> u64 {
+        Encoder::new().u32(HELD_OUT_SALT).text(&self.grasp).value(&self.pose).hash()
     }
 }
 
@@ -106,9 +116,26 @@ mod tests {
                 let of_grasp = RecordedPose::all().iter().filter(|recorded| recorded.grasp == grasp.name);
                 of_grasp.filter(|recorded| group.contains(recorded)).count()
             };
-            let [all, held_out, kept] = [PoseGroup::All, PoseGroup::HeldOut, PoseGroup::Kept].map(count);
+            let [all, held_out, kept] =
+                [PoseGroup::All, PoseGroup::HeldOut, PoseGroup::Kept { percent: 100 }].map(count);
             assert_eq!(held_out + kept, all);
             assert!(held_out > 0 && held_out <= kept, "{}: {held_out} of {all}", grasp.name);
+        }
+    }
+
+    #[test]
+    fn a_larger_share_of_what_is_kept_has_all_of_a_smaller_one() {
+        let count = |percent| {
+            let is_kept = |recorded: &&RecordedPose| PoseGroup::Kept { percent }.contains(recorded);
+            RecordedPose::all().iter().filter(is_kept).count()
+        };
+        let counts = [0, 10, 40, 100].map(count);
+        assert_eq!(counts[0], 0);
+        assert!(counts.is_sorted_by(|few, more| few < more), "{counts:?}");
+        for recorded in RecordedPose::all() {
+            let is_kept = |percent| PoseGroup::Kept { percent }.contains(recorded);
+            assert!((0..100).all(|percent| !is_kept(percent) || is_kept(percent + 1)));
+            assert!(!is_kept(100) || !PoseGroup::HeldOut.contains(recorded));
         }
     }
 

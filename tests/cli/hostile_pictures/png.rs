@@ -47,7 +47,7 @@ fn zeros(length: usize) -> Vec<u8> {
 }
 
 /// Half a gigabyte of zeros in two megabytes.
-fn bomb() -> &'static [u8] {
+pub(super) fn bomb() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| zeros(BOMB))
 }

@@ -29,7 +29,8 @@ impl Course for Hand {
     type Validation = Validation;
 
     fn new(options: &Options) -> Self {
-        Self { scenes: Scenes::training(options.seed, options.poses()), options: options.clone() }
+        let scenes = Scenes::training(options.seed, options.poses()).with_hands(options.hands);
+        Self { scenes, options: options.clone() }
     }
 
     /// It distinguishes the classes, and hands that are mirrored.
@@ -72,7 +73,7 @@ impl Course for Hand {
     }
 
     fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
-        Validation::render(schedule, self.options.poses(), check, work)
+        Validation::render(schedule, self.options.poses_to_measure(), check, work)
     }
 
     fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {

@@ -36,7 +36,8 @@ impl Course for Scene {
 
     fn new(options: &Options) -> Self {
         let focus = Focus::of(options.kind);
-        let scenes = Scenes::training(options.seed, options.poses()).with_stages(focus.stages);
+        let scenes = Scenes::training(options.seed, options.poses()).with_hands(options.hands);
+        let scenes = scenes.with_stages(focus.stages);
         Self { views: Views::new(scenes, focus.cut_out, options.seed), focus }
     }
 

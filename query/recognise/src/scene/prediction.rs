@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn an_arm_settles_which_hand_it_is_where_networks_do_not_know_and_not_where_they_do() {
-        let right = |right_odds: f64| Prediction { arm_odds: 2.0, ..of_odds(right_odds) };
+        let right = |right_odds: f64| Prediction { arm_odds: 3.0, ..of_odds(right_odds) };
         assert!(right(0.0).is_other_hand(Side::Right) < 0.2 && right(0.0).is_other_hand(Side::Left) > 0.8);
         assert!(right(-6.0).is_other_hand(Side::Right) > 0.8);
     }

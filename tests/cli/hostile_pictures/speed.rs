@@ -1,0 +1,28 @@
+//! How fast a processor is just now: machines differ, and other tests run beside.
+
+use std::fs;
+use std::io;
+
+use flate2::read::ZlibDecoder;
+
+/// What unpacking [`super::png::bomb`] took where the limits were set, in milliseconds.
+const UNPACKING: u64 = 250;
+
+/// How many times slower than there the processor is, at least 1.
+pub(super) fn slower() -> f64 {
+    let now = || milliseconds("/proc/thread-self/stat");
+    let mut bomb = ZlibDecoder::new(super::png::bomb());
+    let before = now();
+    io::copy(&mut bomb, &mut io::sink()).expect("a sound stream");
+    ((now() - before) as f64 / UNPACKING as f64).max(1.0)
+}
+
+/// The processor time that a file of the form of `/proc/PID/stat` says.
+pub(super) fn milliseconds(stat: &str) -> u64 {
+    let stat = fs::read_to_string(stat).expect("the process runs");
+    // The name in parentheses may hold spaces; user and system time are the 14th and 15th field, in
+    // hundredths of a second.
+    let after_name = stat.rsplit(')').next().expect("fields");
+    let ticks = after_name.split_whitespace().skip(11).take(2);
+    10 * ticks.map(|ticks| ticks.parse::<u64>().expect("a number")).sum::<u64>()
+}
