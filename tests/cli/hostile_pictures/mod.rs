@@ -23,7 +23,7 @@ const BYTES_BESIDES: u64 = 100 << 20;
 /// The processor time that a picture may cost where a machine is as fast as [`speed`] has it: six
 /// times what was measured at most, for each of its pixels, and besides, in milliseconds.
 const NANOSECONDS_A_PIXEL: u64 = 200;
-const MILLISECONDS_BESIDES: u64 = 1000;
+const MILLISECONDS_BESIDES: u64 = 2000;
 
 /// How much metadata a hostile picture carries: less than the service's limit of a body.
 const BULK: usize = 16 << 20;
