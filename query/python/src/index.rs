@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use grasp_about::IndexInfo;
-use grasp_index::{Effort, Neighbour, SearchError, SearchOptions, guard_against_truncation};
+use grasp_index::{Effort, SearchError, SearchOptions, guard_against_truncation};
 use grasp_recognise::MOST_NEIGHBOURS;
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
@@ -13,10 +13,14 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::Rows;
 use crate::error::{self, parameter};
-use crate::parallel::in_parts;
+use crate::parallel::{on_threads, share};
 
 /// Queries after which Python may stop the search (Ctrl-C).
 const AT_ONCE: usize = 1 << 14;
+/// Queries whose neighbours are found before they are handed on: few enough for a core's cache.
+const HANDED_ON: usize = 256;
+/// The number of no entry.
+const NONE: i64 = -1;
 /// Fewer queries a thread are found before the thread would have started.
 const LEAST: usize = 64;
 
@@ -166,15 +170,16 @@ impl Index {
         }
         // Where there is none, what is wrong with the options is reported all the same.
         if rows.count == 0 {
-            batch(&index, &[], &options).map_err(|cause| error::search(&cause))?;
+            let checked = index.searcher().batch(&[], &options, &mut Vec::new());
+            checked.map_err(|cause| error::search(&cause))?;
         }
-        for (number, part) in values.chunks(AT_ONCE * rows.dim.max(1)).enumerate() {
-            let found = py.detach(|| search_all(&index, part, &options, threads));
-            let found = found.map_err(|cause| error::search(&behind(cause, number * AT_ONCE * rows.dim)))?;
-            for neighbour in found.iter().flatten() {
-                ids.push(if neighbour.id == u32::MAX { -1 } else { i64::from(neighbour.id) });
-                distances.push(neighbour.distance);
-            }
+        ids.resize(wanted, NONE);
+        distances.resize(wanted, f32::INFINITY);
+        let at_once = AT_ONCE * options.k;
+        let answers = ids.chunks_mut(at_once).zip(distances.chunks_mut(at_once));
+        for ((number, part), answers) in values.chunks(AT_ONCE * rows.dim.max(1)).enumerate().zip(answers) {
+            let searched = py.detach(|| search_all(&index, part, &options, threads, answers));
+            searched.map_err(|cause| error::search(&behind(cause, number * AT_ONCE * rows.dim)))?;
             py.check_signals()?;
         }
         index.check_unchanged().map_err(|cause| error::changed(&self.named, cause))?;
@@ -305,32 +310,53 @@ pub(crate) fn neighbours(k: i64) -> PyResult<usize> {
     count.ok_or_else(|| parameter(format!("k is {k}: an integer from 1 to {MOST_NEIGHBOURS} is needed")))
 }
 
-/// The neighbours of all queries, those of one thread after those of the other.
+/// Finds the neighbours of all queries: their numbers and their distances, a row of `k` a query.
 fn search_all(
     index: &grasp_index::Index,
     queries: &[f32],
     options: &SearchOptions,
     threads: usize,
-) -> Result<Vec<Vec<Neighbour>>, SearchError> {
+    (ids, distances): (&mut [i64], &mut [f32]),
+) -> Result<(), SearchError> {
     let dim = index.dim().max(1);
     // Comparing with all entries takes long enough for any number of queries.
     let least = if options.effort == Effort::Exact { 1 } else { LEAST };
-    let parts = in_parts(queries.len() / dim, threads, least, |part| {
-        let before = part.start * dim;
-        let own = queries.get(before..part.end * dim).unwrap_or_default();
-        batch(index, own, options).map_err(|cause| behind(cause, before))
+    let each = share(queries.len() / dim, threads, least);
+    let answers = ids.chunks_mut(each * options.k).zip(distances.chunks_mut(each * options.k));
+    let parts = queries.chunks(each * dim).zip(answers.map(Mutex::new)).enumerate();
+    let parts: Vec<_> = parts.collect();
+    let searched = on_threads(&parts, |(number, (queries, answers))| {
+        let mut answers = answers.lock().unwrap_or_else(PoisonError::into_inner);
+        let (ids, distances) = &mut *answers;
+        search_part(index, queries, options, ids, distances)
+            .map_err(|cause| behind(cause, number * each * dim))
     });
-    parts.into_iter().collect()
+    searched.into_iter().collect()
 }
 
-fn batch(
+/// The same on this thread.
+fn search_part(
     index: &grasp_index::Index,
     queries: &[f32],
     options: &SearchOptions,
-) -> Result<Vec<Neighbour>, SearchError> {
-    let mut found = Vec::new();
-    index.searcher().batch(queries, options, &mut found)?;
-    Ok(found)
+    ids: &mut [i64],
+    distances: &mut [f32],
+) -> Result<(), SearchError> {
+    let (dim, k) = (index.dim().max(1), options.k);
+    // Comparing with all entries goes through them once for all queries.
+    let at_once = if options.effort == Effort::Exact { queries.len() / dim } else { HANDED_ON };
+    let (mut searcher, mut found) = (index.searcher(), Vec::new());
+    let answers = ids.chunks_mut(at_once * k).zip(distances.chunks_mut(at_once * k));
+    for ((number, queries), (ids, distances)) in queries.chunks(at_once * dim).enumerate().zip(answers) {
+        found.clear();
+        let searched = searcher.batch(queries, options, &mut found);
+        searched.map_err(|cause| behind(cause, number * at_once * dim))?;
+        for ((id, distance), neighbour) in ids.iter_mut().zip(distances).zip(&found) {
+            *id = if neighbour.id == u32::MAX { NONE } else { i64::from(neighbour.id) };
+            *distance = neighbour.distance;
+        }
+    }
+    Ok(())
 }
 
 /// The same error, counted over the values before as well.

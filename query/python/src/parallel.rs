@@ -3,7 +3,6 @@
 //! A pool of threads that outlived a call would be lost in a forked process, which would then wait
 //! for it for ever; starting a thread takes some microseconds.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
@@ -25,19 +24,11 @@ pub(crate) fn threads(wanted: Option<i64>) -> PyResult<usize> {
     })
 }
 
-/// The results of `work` for consecutive parts of `0..count`, in their order: as many parts as
-/// there are threads, but none of less than `least`.
-pub(crate) fn in_parts<T: Send>(
-    count: usize,
-    threads: usize,
-    least: usize,
-    work: impl Fn(Range<usize>) -> T + Sync,
-) -> Vec<T> {
+/// How many of `count` each thread has: as many as the others, but at least `least`, where there are
+/// so many.
+pub(crate) fn share(count: usize, threads: usize, least: usize) -> usize {
     let parts = threads.min(count / least.max(1)).max(1);
-    let each = count.div_ceil(parts).max(1);
-    let ranges: Vec<Range<usize>> =
-        (0..parts).map(|part| (part * each).min(count)..((part + 1) * each).min(count)).collect();
-    on_threads(&ranges, |range| work(range.clone()))
+    count.div_ceil(parts).max(1)
 }
 
 /// The results of `work` for each of `items`, in their order; each thread takes the next that
@@ -60,7 +51,7 @@ pub(crate) fn each<I: Sync, T: Send>(items: &[I], threads: usize, work: impl Fn(
 
 /// `work` for each of `items`, the first on the calling thread and each other on its own, or on the
 /// calling one where the system has no more.
-fn on_threads<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
+pub(crate) fn on_threads<I: Sync, T: Send>(items: &[I], work: impl Fn(&I) -> T + Sync) -> Vec<T> {
     let work = &work;
     let Some((first, others)) = items.split_first() else { return Vec::new() };
     thread::scope(|scope| {
