@@ -3,7 +3,8 @@
 //! In order of what uses what: `error` raises Python's exceptions, `array` reads NumPy's arrays,
 //! `parallel` shares work among threads; `index` searches, `building` writes indexes and `progress`
 //! says how far that is; `picture` and `mask` say what is to be recognised, `recogniser` recognises
-//! it, `found` is what the answer came from, `strategy` what a robot makes of it.
+//! it, and with `sequence` one picture after the other; `found` is what the answer came from,
+//! `strategy` what a robot makes of it.
 //!
 //! Docstrings are NumPy's, because Python shows them. Whatever takes long lets other Python threads
 //! run. No thread works on after a call and no lock is held between calls, so that a process may
@@ -20,6 +21,7 @@ mod parallel;
 mod picture;
 mod progress;
 mod recogniser;
+mod sequence;
 mod strategy;
 
 /// The compiled half of the package.
@@ -33,6 +35,8 @@ mod _native {
     use super::index::Index;
     #[pymodule_export]
     use super::recogniser::Recogniser;
+    #[pymodule_export]
+    use super::sequence::Sequence;
     #[pymodule_export]
     use super::strategy::strategy;
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use grasp_answer::record::Record;
+use grasp_answer::record::{Record, SingleRecord};
 use grasp_index::{Effort, VoteOptions};
 use grasp_recognise::picture;
 use grasp_recognise::segment::{Finder, SegmentParams};
@@ -221,11 +221,9 @@ impl Recogniser {
         depth: Option<&Bound<'py, PyAny>>,
         depth_range: Option<(i64, i64)>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let index = self.index.get().get()?;
         let input = Input::new(image)?;
         let source = mask::source(py, mask, (landmarks, landmark_unit), segmented, depth, depth_range)?;
-        let answered = py.detach(|| answer(&index, &self.options, &input, &source));
-        self.finish(py, &index, &input, answered)
+        self.recognise_alone(py, &input, &source)
     }
 
     /// Recognise the grasps in many pictures, on several cores.
@@ -319,6 +317,41 @@ impl Recogniser {
 }
 
 impl Recogniser {
+    /// The answer to one picture.
+    fn recognise_alone<'py>(
+        &self,
+        py: Python<'py>,
+        input: &Input,
+        source: &MaskSource,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let index = self.index.get().get()?;
+        let answered = py.detach(|| answer(&index, &self.options, input, source));
+        self.finish(py, &index, input, answered)
+    }
+
+    /// The answer to one picture after others, which `follow` makes of what it says by itself.
+    pub(crate) fn recognise_after<'py>(
+        &self,
+        py: Python<'py>,
+        input: &Input,
+        source: &MaskSource,
+        follow: impl FnOnce(&grasp_recognise::Recogniser<'_>, Result<&mut Recognition, ()>),
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let index = self.index.get().get()?;
+        let mut found = py.detach(|| recognise(&index, &self.options, input, source));
+        let single = found.as_ref().ok().map(SingleRecord::new);
+        let recogniser = grasp_recognise::Recogniser::new(&index, self.options.clone());
+        follow(&recogniser, found.as_mut().map_err(|_| ()));
+        let answered = found.map(|found| {
+            let mut record = record(&index, input, &found);
+            if let Record::Answer(answer) = &mut record {
+                answer.single = single;
+            }
+            (record, found)
+        });
+        self.finish(py, &index, input, answered)
+    }
+
     /// The answer as Python has it, where the index is still what was asked.
     fn finish<'py>(
         &self,
@@ -343,23 +376,35 @@ impl Recogniser {
     }
 }
 
-/// Recognises a picture.
+/// Recognises a picture, and writes down what was.
 fn answer(
     index: &grasp_index::Index,
     options: &RecogniseOptions,
     input: &Input,
     source: &MaskSource,
 ) -> Answered {
+    let found = recognise(index, options, input, source)?;
+    Ok((record(index, input, &found), found))
+}
+
+fn recognise(
+    index: &grasp_index::Index,
+    options: &RecogniseOptions,
+    input: &Input,
+    source: &MaskSource,
+) -> Result<Recognition, RecogniseError> {
     let recogniser = grasp_recognise::Recogniser::new(index, options.clone());
-    let found = match input {
-        Input::File(path) => recogniser.recognise(&picture::read(path)?, source)?,
+    match input {
+        Input::File(path) => recogniser.recognise(&picture::read(path)?, source),
         Input::Pixels(pixels) => {
             let prepared = Prepared::new(pixels.clone(), false, source, &options.segment)?;
-            recogniser.recognise_prepared(prepared, Timings::default())?
+            recogniser.recognise_prepared(prepared, Timings::default())
         }
-    };
+    }
+}
+
+fn record(index: &grasp_index::Index, input: &Input, found: &Recognition) -> Record {
     let name = input.name();
-    let record = Record::answer(name.clone(), None, &found, index, false)
-        .unwrap_or_else(|cause| Record::failed(name, None, "index", cause.to_string()));
-    Ok((record, found))
+    Record::answer(name.clone(), None, found, index, false)
+        .unwrap_or_else(|cause| Record::failed(name, None, "index", cause.to_string()))
 }

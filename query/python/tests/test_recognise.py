@@ -65,6 +65,35 @@ def test_landmarks_of_a_tracker(recogniser, index_path, program):
     assert by_shares.grasp == expected["grasp"]
 
 
+def test_a_sequence_is_answered_as_the_program_answers_it(recogniser, index_path, program):
+    pictures = sorted((PICTURES / "camera").glob("[0-9]*.jpg"))
+    options = ["--json", "--index", index_path, "--sequence", "--switch", 0.1, "--motion", 20]
+    outcome = program("grasp-query", "recognise", *pictures, *options)
+    expected = [json.loads(line) for line in outcome.stdout.splitlines()]
+    sequence = grasp.Sequence(recogniser, switch=0.1, motion_deg=20)
+    assert sequence.recogniser is recogniser and "switch=0.1" in repr(sequence)
+    for again in range(2):
+        for picture, record in zip(pictures, expected, strict=True):
+            if "grasp" in record:
+                assert sequence.recognise(picture).to_dict() == record
+            else:
+                with pytest.raises(grasp.PictureError):
+                    sequence.recognise(picture)
+        sequence.clear()
+    assert sum("single" in record for record in expected) >= 5
+    assert any(record["single"]["probability"] != record["probability"] for record in expected[1:])
+
+
+def test_what_is_no_sequence_is_refused(recogniser):
+    for wrong in ({"switch": -0.1}, {"switch": float("nan")}, {"motion_deg": 181}):
+        with pytest.raises(grasp.ParameterError, match="it must be from 0 to"):
+            grasp.Sequence(recogniser, **wrong)
+    sequence = grasp.Sequence(recogniser)
+    with pytest.raises(grasp.PictureError):
+        sequence.recognise(numpy.zeros((40, 40, 3), numpy.uint8))
+    assert sequence.recognise(CAMERA).to_dict()["single"]["grasp"]
+
+
 def test_an_array_is_answered_as_the_same_pixels_in_a_file(recogniser, tmp_path):
     rgb = numpy.asarray(Image.open(CAMERA).convert("RGB"))
     grey = numpy.asarray(Image.open(CAMERA).convert("L"))

@@ -1,12 +1,12 @@
 """Recognise which of six grasps the hand in a picture makes; search indexes of vectors.
 
 `Index` opens an index and searches it for vectors, `build` makes one of vectors, `Recogniser`
-answers pictures with an `Answer` each, and `strategy` says what a robot does to grasp alike.
+answers pictures with an `Answer` each, a `Sequence` those of one hand one after the other, and `strategy` says what a robot does to grasp alike.
 Errors are `GraspError` and its subclasses. The programs `grasp-builder` and `grasp-query` make
 indexes of pictures, and do the same on the command line.
 """
 
-from ._native import Index, Recogniser, build
+from ._native import Index, Recogniser, Sequence, build
 from .answer import Answer
 from .errors import GraspError, IndexFileError, ParameterError, PictureError
 from .robot import strategy
@@ -19,6 +19,7 @@ __all__ = [
     "ParameterError",
     "PictureError",
     "Recogniser",
+    "Sequence",
     "build",
     "strategy",
 ]

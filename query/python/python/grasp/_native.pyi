@@ -1,7 +1,8 @@
 """The compiled half of the package. What the signatures mean is in the docstrings."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import abc
+from collections.abc import Callable, Iterable, Mapping
 from types import TracebackType
 from typing import Any, Literal, final, overload
 
@@ -12,7 +13,7 @@ from typing_extensions import Self
 from .answer import Answer
 from .errors import PictureError
 
-__all__ = ["Found", "Index", "Recogniser", "build", "strategy"]
+__all__ = ["Found", "Index", "Recogniser", "Sequence", "build", "strategy"]
 
 _Path = str | os.PathLike[str]
 _Picture = _Path | NDArray[numpy.uint8]
@@ -97,13 +98,27 @@ class Recogniser:
     def __getnewargs_ex__(self) -> tuple[tuple[Index], dict[str, Any]]: ...
 
 @final
+class Sequence:
+    def __new__(cls, recogniser: Recogniser, *, switch: float = 0.2, motion_deg: float = 5.0) -> Self: ...
+    @property
+    def recogniser(self) -> Recogniser: ...
+    def recognise(
+        self,
+        image: _Picture,
+        mask: _Path | NDArray[numpy.bool_] | NDArray[numpy.uint8] | None = None,
+        *,
+        segmented: bool = False,
+    ) -> Answer: ...
+    def clear(self) -> None: ...
+
+@final
 class Found:
     def explain(self) -> NDArray[numpy.uint8]: ...
 
 def build(
     vectors: ArrayLike,
     path: _Path,
-    labels: Sequence[str] | NDArray[numpy.str_] | None = None,
+    labels: abc.Sequence[str] | NDArray[numpy.str_] | None = None,
     progress: Callable[[str, float], object] | None = None,
     seed: int = 0,
     *,
@@ -116,7 +131,7 @@ def build(
 def strategy(
     grasp: str,
     hand: str,
-    quaternion_xyzw: Sequence[float],
+    quaternion_xyzw: abc.Sequence[float],
     spread_deg: float,
     robot: str,
     object: _Path,
