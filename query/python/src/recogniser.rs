@@ -223,7 +223,9 @@ impl Recogniser {
     ) -> PyResult<Bound<'py, PyAny>> {
         let input = Input::new(image)?;
         let source = mask::source(py, mask, (landmarks, landmark_unit), segmented, depth, depth_range)?;
-        self.recognise_alone(py, &input, &source)
+        let index = self.index.get().get()?;
+        let answered = py.detach(|| answer(&index, &self.options, &input, &source));
+        self.finish(py, &index, &input, answered)
     }
 
     /// Recognise the grasps in many pictures, on several cores.
@@ -317,31 +319,20 @@ impl Recogniser {
 }
 
 impl Recogniser {
-    /// The answer to one picture.
-    fn recognise_alone<'py>(
-        &self,
-        py: Python<'py>,
-        input: &Input,
-        source: &MaskSource,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let index = self.index.get().get()?;
-        let answered = py.detach(|| answer(&index, &self.options, input, source));
-        self.finish(py, &index, input, answered)
-    }
-
-    /// The answer to one picture after others, which `follow` makes of what it says by itself.
+    /// The answer to one picture after others, which `follow` makes of what it says by itself;
+    /// `None` where that is nothing.
     pub(crate) fn recognise_after<'py>(
         &self,
         py: Python<'py>,
         input: &Input,
         source: &MaskSource,
-        follow: impl FnOnce(&grasp_recognise::Recogniser<'_>, Result<&mut Recognition, ()>),
+        follow: impl FnOnce(&grasp_recognise::Recogniser<'_>, Option<&mut Recognition>),
     ) -> PyResult<Bound<'py, PyAny>> {
         let index = self.index.get().get()?;
         let mut found = py.detach(|| recognise(&index, &self.options, input, source));
         let single = found.as_ref().ok().map(SingleRecord::new);
         let recogniser = grasp_recognise::Recogniser::new(&index, self.options.clone());
-        follow(&recogniser, found.as_mut().map_err(|_| ()));
+        follow(&recogniser, found.as_mut().ok());
         let answered = found.map(|found| {
             let mut record = record(&index, input, &found);
             if let Record::Answer(answer) = &mut record {

@@ -100,8 +100,8 @@ impl Sequence {
         self.recogniser.get().recognise_after(py, &input, &source, |recogniser, found| {
             let mut filter = self.filter.lock().unwrap_or_else(PoisonError::into_inner);
             match found {
-                Ok(found) => recogniser.follow(found, &mut filter),
-                Err(()) => drop(filter.skip()),
+                Some(found) => recogniser.follow(found, &mut filter),
+                None => drop(filter.skip()),
             }
         })
     }

@@ -10,7 +10,7 @@ const TIMES: usize = 8;
 /// What that took where the limits were set, in milliseconds.
 const UNPACKING: u64 = 480;
 
-/// How many times slower than there the processor is, at least 1.
+/// How many times slower than there the processor is, at least a half.
 pub(super) fn slower() -> f64 {
     let now = || milliseconds("/proc/thread-self/stat");
     let bomb = super::png::bomb();
@@ -22,7 +22,7 @@ pub(super) fn slower() -> f64 {
     if std::env::var_os("SHOW_COSTS").is_some() {
         println!("unpacking {TIMES} bombs took {taken} ms");
     }
-    (taken as f64 / UNPACKING as f64).max(1.0)
+    (taken as f64 / UNPACKING as f64).max(0.5)
 }
 
 /// The processor time that a file of the form of `/proc/PID/stat` says.

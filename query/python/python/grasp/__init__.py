@@ -1,9 +1,10 @@
 """Recognise which of six grasps the hand in a picture makes; search indexes of vectors.
 
 `Index` opens an index and searches it for vectors, `build` makes one of vectors, `Recogniser`
-answers pictures with an `Answer` each, a `Sequence` those of one hand one after the other, and `strategy` says what a robot does to grasp alike.
-Errors are `GraspError` and its subclasses. The programs `grasp-builder` and `grasp-query` make
-indexes of pictures, and do the same on the command line.
+answers pictures with an `Answer` each, a `Sequence` those of one hand one after the other, and
+`strategy` says what a robot does to grasp alike. Errors are `GraspError` and its subclasses. The
+programs `grasp-builder` and `grasp-query` make indexes of pictures, and do the same on the command
+line.
 """
 
 from ._native import Index, Recogniser, Sequence, build
