@@ -1,5 +1,5 @@
-//! How long a picture takes, on each path that this machine has and in floats as in integers, by
-//! both shipped networks, or by those in the files that are named:
+//! How long a network's file takes to read, and a picture on each path that this machine has, in
+//! floats as in integers, by both shipped networks, or by those in the files that are named:
 //! `cargo run -p grasp-network --example network_speed [FILE...]`.
 
 use grasp_network::{Layer, Network, Path, QuantisedNetwork, QuantisedScratch, Scratch};
@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 /// Pictures that are timed, one by one.
 const PICTURES: usize = 1001;
+/// How often a file is read.
+const READINGS: usize = 21;
 /// The descriptor's network, and the one that finds a hand.
 const SHIPPED: [&str; 2] = [
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../builder/data/hand.network"),
@@ -18,7 +20,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let named: Vec<String> = std::env::args().skip(1).collect();
     let files = if named.is_empty() { SHIPPED.map(str::to_owned).to_vec() } else { named };
     for file in files {
-        measure(&Network::from_bytes(&std::fs::read(file)?)?)?;
+        let bytes = std::fs::read(file)?;
+        measure(&Network::from_bytes(&bytes)?)?;
+        measure_reading(&bytes);
     }
     Ok(())
 }
@@ -34,12 +38,12 @@ fn measure(network: &Network) -> Result<(), Box<dyn Error>> {
     println!("|--------------|-----------------------------|---------|------------------|---------|");
     for path in Path::available() {
         let network = network.clone().with_path(path);
-        let quantised = QuantisedNetwork::from(network.clone());
+        let quantised = QuantisedNetwork::from(&network);
         let (mut scratch, mut integers) = (Scratch::default(), QuantisedScratch::default());
-        let [median, fastest] = times(|| {
+        let [median, fastest] = times(PICTURES, || {
             std::hint::black_box(network.run(&mut scratch, std::hint::black_box(&input)));
         });
-        let [median_of_integers, fastest_of_integers] = times(|| {
+        let [median_of_integers, fastest_of_integers] = times(PICTURES, || {
             std::hint::black_box(quantised.run(&mut integers, std::hint::black_box(&input)));
         });
         println!(
@@ -50,9 +54,17 @@ fn measure(network: &Network) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The median and the least of the times that a picture takes, in microseconds.
-fn times(mut run: impl FnMut()) -> [f64; 2] {
-    let mut times: Vec<Duration> = (0..PICTURES)
+fn measure_reading(bytes: &[u8]) {
+    // What is read is kept: a process that reads a network once has to be given its memory, too.
+    let (mut floats, mut integers) = (Vec::new(), Vec::new());
+    let [of_floats, _] = times(READINGS, || floats.push(Network::from_bytes(bytes)));
+    let [of_integers, _] = times(READINGS, || integers.push(QuantisedNetwork::from_bytes(bytes)));
+    println!("\nread in {of_floats:.0} us as floats, in {of_integers:.0} us as integers (medians)");
+}
+
+/// The median and the least of the times that something takes, in microseconds.
+fn times(count: usize, mut run: impl FnMut()) -> [f64; 2] {
+    let mut times: Vec<Duration> = (0..count)
         .map(|_| {
             let start = Instant::now();
             run();
@@ -60,7 +72,7 @@ fn times(mut run: impl FnMut()) -> [f64; 2] {
         })
         .collect();
     times.sort_unstable();
-    [times[PICTURES / 2], times[0]].map(|time| time.as_secs_f64() * 1e6)
+    [times[count / 2], times[0]].map(|time| time.as_secs_f64() * 1e6)
 }
 
 /// Numbers from -1 to 1 without a pattern that matters.

@@ -44,6 +44,7 @@ mod packed;
 mod path;
 mod quantised;
 mod supported;
+mod unpacked;
 mod weights;
 
 pub use architecture::{Architecture, Convolution};

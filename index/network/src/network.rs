@@ -5,6 +5,7 @@ use crate::layer::{Layer, Stored};
 use crate::masks::Masks;
 use crate::packed::{Borders, Packed};
 use crate::path::Path;
+use crate::unpacked::Unpacked;
 use crate::weights::{self, WeightsError};
 use crate::{ReadError, file};
 use half::f16;
@@ -37,14 +38,6 @@ pub struct Scratch {
     pub(crate) buffers: Vec<Vec<f32>>,
     /// The masks in [`Output`]'s order.
     masks: Vec<f32>,
-}
-
-/// What a network consists of.
-pub(crate) struct Parts {
-    pub(crate) architecture: Architecture,
-    pub(crate) layers: Vec<Layer>,
-    pub(crate) packed: Vec<Packed>,
-    pub(crate) path: Path,
 }
 
 /// What a network returns for one picture.
@@ -96,20 +89,8 @@ impl Network {
         weights: &[Stored],
         fingerprint: u64,
     ) -> Result<Self, WeightsError> {
-        weights::check(&layers, weights)?;
-        let mut rest = weights;
-        let mut packed = Vec::with_capacity(layers.len());
-        for (at, layer) in layers.iter().enumerate() {
-            let (parameters, after) = rest.split_at(layer.parameters());
-            let source = architecture.source(at);
-            let borders = Borders {
-                input: source.map_or(layer.padding, |source| border(&layers, source)),
-                output: border(&layers, at),
-            };
-            packed.push(Packed::new(layer, parameters, borders));
-            rest = after;
-        }
-        weights::check_sums(&architecture, &packed)?;
+        let packed = Unpacked::layers(&architecture, &layers, weights)?;
+        let packed = packed.map(|layer| Ok(Packed::new(&layer?))).collect::<Result<_, WeightsError>>()?;
         Ok(Self { architecture, layers, packed, path: Path::best(), fingerprint })
     }
 
@@ -134,12 +115,6 @@ impl Network {
     /// The weights as a file has them.
     fn stored(&self) -> impl Iterator<Item = f16> {
         self.packed.iter().flat_map(Packed::parameters)
-    }
-
-    /// What it consists of.
-    pub(crate) fn into_parts(self) -> Parts {
-        let Self { architecture, layers, packed, path, .. } = self;
-        Parts { architecture, layers, packed, path }
     }
 
     /// The network's shape.
@@ -199,7 +174,7 @@ impl Scratch {
         }
         let picture = layers.first().map(Layer::padded_values);
         let outputs = layers.iter().enumerate().map(|(at, layer)| {
-            let side = layer.output_side + 2 * border(layers, at);
+            let side = layer.output_side + 2 * Borders::of_output(layers, at);
             side * side * layer.output_planes
         });
         self.buffers = picture.into_iter().chain(outputs).map(|values| vec![0.0; values]).collect();
@@ -242,11 +217,6 @@ impl Scratch {
             self.masks[to..][..cells].copy_from_slice(&values[from..][..cells]);
         }
     }
-}
-
-/// Pixels of zeros around the output of layer `at`: what the next layer needs.
-fn border(layers: &[Layer], at: usize) -> usize {
-    layers.get(at + 1).map_or(0, |next| next.padding)
 }
 
 /// Networks with the same bytes.

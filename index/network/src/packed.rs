@@ -1,6 +1,7 @@
 //! A layer laid out for the inner loops.
 
 use crate::layer::{LANES, Layer, Rectifier, Stored};
+use crate::unpacked::Unpacked;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
@@ -10,12 +11,15 @@ use half::slice::HalfFloatSliceExt;
 pub(crate) struct Lanes(pub(crate) [f32; LANES]);
 
 impl Lanes {
-    /// As many weights as there are, then 0.
-    fn widened(stored: &[Stored]) -> Self {
-        let (mut narrow, mut lanes) = ([f16::ZERO; LANES], [0.0; LANES]);
+    /// Of no weights.
+    pub(crate) const ZERO: Self = Self([0.0; LANES]);
+
+    /// Takes as many weights as there are; the others stay as they are.
+    pub(crate) fn widen(&mut self, stored: &[Stored]) {
+        let mut narrow = [f16::ZERO; LANES];
+        let (narrow, lanes) = (&mut narrow[..stored.len()], &mut self.0[..stored.len()]);
         narrow.iter_mut().zip(stored).for_each(|(narrow, stored)| *narrow = f16::from_le_bytes(*stored));
-        narrow.convert_to_f32_slice(&mut lanes);
-        Self(lanes)
+        narrow.convert_to_f32_slice(lanes);
     }
 }
 
@@ -37,8 +41,13 @@ pub(crate) struct Borders {
 }
 
 impl Borders {
+    /// Pixels of zeros around the output of layer `at`: what the next layer needs.
+    pub(crate) fn of_output(layers: &[Layer], at: usize) -> usize {
+        layers.get(at + 1).map_or(0, |next| next.padding)
+    }
+
     /// Values from a row of the input's buffer to the next.
-    fn input_row(self, layer: &Layer) -> usize {
+    pub(crate) fn input_row(self, layer: &Layer) -> usize {
         (layer.input_side + 2 * self.input) * layer.input_planes
     }
 }
@@ -63,23 +72,17 @@ pub(crate) struct Packed {
 }
 
 impl Packed {
-    /// Packs a layer. `parameters` are its matrix and bias, [`Layer::parameters`] values. Its input
-    /// and output lie in buffers with these borders.
-    pub(crate) fn new(layer: &Layer, parameters: &[Stored], borders: Borders) -> Self {
-        let outputs = layer.output_planes;
-        let (matrix, bias) = parameters.split_at(layer.inputs() * outputs);
+    /// Packs a layer.
+    pub(crate) fn new(unpacked: &Unpacked<'_>) -> Self {
+        let Unpacked { layer, borders, .. } = *unpacked;
         let mut weights = Vec::with_capacity(layer.padded_parameters() / LANES);
-        for first in (0..outputs).step_by(LANES) {
-            let block = first..outputs.min(first + LANES);
-            let rows = std::iter::once(bias).chain(matrix.chunks_exact(outputs));
-            weights.extend(rows.map(|row| Lanes::widened(&row[block.clone()])));
-        }
+        unpacked.for_each_block(|block| weights.extend_from_slice(block));
         Self {
             weights,
             inputs: layer.inputs(),
             row_length: layer.kernel * layer.input_planes,
             row_step: borders.input_row(layer),
-            outputs,
+            outputs: layer.output_planes,
             pixels: pixels(layer, borders),
             rectifier: layer.rectifier,
         }
@@ -97,21 +100,6 @@ impl Packed {
         f16::from_f32(self.weights[block + row].0[output % LANES])
     }
 
-    /// What the sums can reach, up or down, with inputs to `input`.
-    pub(crate) fn largest_sum(&self, input: f64) -> f64 {
-        let sums_of = |block: &[Lanes]| {
-            let (bias, matrix) = block.split_first().expect("a block begins with its biases");
-            // Sums of millions of weights to 65504 are far from the largest `f32`.
-            let mut sums = [0.0f32; LANES];
-            for row in matrix {
-                sums.iter_mut().zip(row.0).for_each(|(sum, weight)| *sum += weight.abs());
-            }
-            let sums = sums.into_iter().zip(bias.0);
-            sums.map(|(sum, bias)| input * f64::from(sum) + f64::from(bias.abs())).fold(0.0, f64::max)
-        };
-        self.blocks().map(sums_of).fold(0.0, f64::max)
-    }
-
     /// The blocks of outputs: the biases, then the rows of the matrix.
     #[inline(always)]
     pub(crate) fn blocks(&self) -> impl Iterator<Item = &[Lanes]> {
@@ -119,7 +107,8 @@ impl Packed {
     }
 }
 
-fn pixels(layer: &Layer, borders: Borders) -> Vec<Pixel> {
+/// Where a layer's output pixels read and write, row by row.
+pub(crate) fn pixels(layer: &Layer, borders: Borders) -> Vec<Pixel> {
     let (side, border) = (layer.output_side, borders.output);
     // A layer that needs less padding than the buffer has begins inside of it.
     let inset = borders.input - layer.padding;

@@ -1,9 +1,8 @@
 //! What weights a network may have.
 
-use crate::architecture::Architecture;
 use crate::layer::{Layer, Stored};
-use crate::packed::Packed;
 use crate::supported::ArchitectureError;
+use crate::unpacked::Unpacked;
 use half::f16;
 use thiserror::Error;
 
@@ -65,18 +64,25 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
     Ok(())
 }
 
-/// Checks that no sum overflows, whatever the input.
+/// What the sums of a network's layers can reach, up or down, whatever its input.
 ///
-/// Then none is infinite or NaN, and so no result depends on how a processor treats those.
-pub(crate) fn check_sums(architecture: &Architecture, packed: &[Packed]) -> Result<(), WeightsError> {
-    let mut sums: Vec<f64> = Vec::with_capacity(packed.len());
-    for (layer, packed) in packed.iter().enumerate() {
-        let input = architecture.source(layer).and_then(|source| sums.get(source)).copied();
-        let sum = packed.largest_sum(input.unwrap_or(f64::from(MAX_INPUT)));
+/// Where none overflows, none is infinite or NaN, and so no result depends on how a processor treats
+/// those.
+#[derive(Debug, Default)]
+pub(crate) struct Sums(Vec<f64>);
+
+impl Sums {
+    /// Adds the next layer.
+    ///
+    /// # Errors
+    /// Where its sums might overflow.
+    pub(crate) fn add(&mut self, layer: &Unpacked<'_>) -> Result<(), WeightsError> {
+        let input = layer.source.and_then(|source| self.0.get(source)).copied();
+        let sum = layer.largest_sum(input.unwrap_or(f64::from(MAX_INPUT)));
         if sum > LARGEST_SUM {
-            return Err(WeightsError::Overflow { layer, sum });
+            return Err(WeightsError::Overflow { layer: self.0.len(), sum });
         }
-        sums.push(sum);
+        self.0.push(sum);
+        Ok(())
     }
-    Ok(())
 }

@@ -114,7 +114,7 @@ fn bits(values: &[f32]) -> Vec<u32> {
 }
 
 fn quantised(network: &Network, path: Path) -> QuantisedNetwork {
-    network.clone().with_path(path).into()
+    QuantisedNetwork::from(&network.clone().with_path(path))
 }
 
 /// About half of all layers are computed in integers.
@@ -209,7 +209,7 @@ fn a_scratch_fits_itself_to_another_network() {
     let mut shared = QuantisedScratch::default();
     for shape in [masked(0), masked(1), wide(), masked(2), masked(0)] {
         let network =
-            QuantisedNetwork::from(Network::from_weights(shape.clone(), weights(&shape, 3)).unwrap());
+            QuantisedNetwork::from(&Network::from_weights(shape.clone(), weights(&shape, 3)).unwrap());
         let input = picture(&shape, 4);
         let mut own = QuantisedScratch::default();
         assert_eq!(network.run(&mut shared, &input), network.run(&mut own, &input));
@@ -243,6 +243,6 @@ fn outputs_are_finite_for_large_weights_and_inputs_and_0_for_none() {
 #[test]
 #[should_panic(expected = "the values of a picture")]
 fn an_input_of_another_length_panics() {
-    let network = QuantisedNetwork::from(Network::from_weights(wide(), weights(&wide(), 1)).unwrap());
+    let network = QuantisedNetwork::from(&Network::from_weights(wide(), weights(&wide(), 1)).unwrap());
     network.run(&mut QuantisedScratch::default(), &[0.0; 9]);
 }

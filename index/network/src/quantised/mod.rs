@@ -8,10 +8,10 @@ mod rounding;
 use std::fmt;
 
 use crate::layer::{Layer, Rectifier};
-use crate::network::Parts;
 use crate::packed::Packed;
 use crate::path::Path;
-use crate::{Architecture, Network, Output, Scratch};
+use crate::unpacked::Unpacked;
+use crate::{Architecture, Network, Output, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
 
@@ -58,26 +58,53 @@ pub struct QuantisedScratch {
 }
 
 /// Computed by the network's own [`Path`].
-impl From<Network> for QuantisedNetwork {
-    fn from(network: Network) -> Self {
-        let Parts { architecture, layers, packed, path } = network.into_parts();
-        let mut is_rounded = vec![false; layers.len() + 1];
-        for (at, _) in layers.iter().enumerate().filter(|(_, layer)| layer.rectifier == Rectifier::Zero) {
-            let mut readers = (0..layers.len()).filter(|reader| architecture.source(*reader) == Some(at));
-            is_rounded[at + 1] = readers.all(|reader| PackedIntegers::is_supported(&layers[reader]));
+impl From<&Network> for QuantisedNetwork {
+    fn from(network: &Network) -> Self {
+        Self::read(&network.to_bytes(), network.path()).expect("a network has been checked")
+    }
+}
+
+/// For the picture, then for each layer's output: whether it is read as integers.
+fn is_rounded(architecture: &Architecture, layers: &[Layer]) -> Vec<bool> {
+    let mut is_rounded = vec![false; layers.len() + 1];
+    for (at, _) in layers.iter().enumerate().filter(|(_, layer)| layer.rectifier == Rectifier::Zero) {
+        let mut readers = (0..layers.len()).filter(|reader| architecture.source(*reader) == Some(at));
+        is_rounded[at + 1] = readers.all(|reader| PackedIntegers::is_supported(&layers[reader]));
+    }
+    is_rounded
+}
+
+/// How a layer is computed.
+fn step(layer: &Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
+    match layer.source {
+        Some(source) if is_rounded[source + 1] => {
+            Step::Integers(PackedIntegers::new(layer, dispatch::sums_bytes(path)))
         }
-        let step = |(at, packed): (usize, Packed)| match architecture.source(at) {
-            Some(source) if is_rounded[source + 1] => {
-                Step::Integers(PackedIntegers::new(&packed, dispatch::sums_bytes(path)))
-            }
-            _ => Step::Floats(packed),
-        };
-        let steps = packed.into_iter().enumerate().map(step).collect();
-        Self { architecture, layers, steps, is_rounded, path }
+        _ => Step::Floats(Packed::new(layer)),
     }
 }
 
 impl QuantisedNetwork {
+    /// Reads what [`Network::to_bytes`] has written, to be computed by the fastest [`Path`]: as
+    /// [`Network::from_bytes`], but its floats are never in memory all at once.
+    ///
+    /// # Errors
+    /// As [`Network::from_bytes`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        Self::read(bytes, Path::best())
+    }
+
+    /// The same, computed by these instructions: they say how weights are laid out.
+    fn read(bytes: &[u8], path: Path) -> Result<Self, ReadError> {
+        let (architecture, layers, weights) = file::decode(bytes)?;
+        let is_rounded = is_rounded(&architecture, &layers);
+        let mut steps = Vec::with_capacity(layers.len());
+        for layer in Unpacked::layers(&architecture, &layers, weights)? {
+            steps.push(step(&layer?, &is_rounded, path));
+        }
+        Ok(Self { architecture, layers, steps, is_rounded, path })
+    }
+
     /// The network's shape.
     pub fn architecture(&self) -> &Architecture {
         &self.architecture

@@ -2,7 +2,8 @@
 
 use super::rounding::{nearest, nearest_byte};
 use crate::layer::{LANES, Layer, Rectifier};
-use crate::packed::{Lanes, Packed, Pixel};
+use crate::packed::{Lanes, Pixel, pixels};
+use crate::unpacked::Unpacked;
 
 /// The largest magnitude of a weight's integer.
 const LARGEST_WEIGHT: f32 = 127.0;
@@ -57,24 +58,43 @@ impl PackedIntegers {
     }
 
     /// Rounds the weights of a layer, to be multiplied `in_bytes` or as floats.
-    pub(super) fn new(layer: &Packed, in_bytes: bool) -> Self {
-        let blocks =
-            || layer.blocks().map(|block| block.split_first().expect("a block begins with its biases"));
-        let scales: Vec<Scales> =
-            blocks().map(|(biases, matrix)| Scales { units: units(matrix), biases: biases.0 }).collect();
-        let scaled = blocks().zip(&scales).map(|((_, matrix), scales)| (matrix, inverse(&scales.units)));
-        let weights = match in_bytes {
-            true => Weights::Quads(scaled.flat_map(|(matrix, scale)| quads(matrix, scale)).collect()),
-            false => Weights::Rows(scaled.flat_map(|(matrix, scale)| rows(matrix, scale)).collect()),
-        };
+    pub(super) fn new(unpacked: &Unpacked<'_>, in_bytes: bool) -> Self {
+        let Unpacked { layer, borders, .. } = *unpacked;
+        let blocks = layer.output_planes.div_ceil(LANES);
+        let mut scales = Vec::with_capacity(blocks);
+        let mut weights = Weights::with_room(blocks * layer.inputs(), in_bytes);
+        unpacked.for_each_block(|block| {
+            let (biases, matrix) = block.split_first().expect("a block begins with its biases");
+            let units = units(matrix);
+            weights.extend(matrix, inverse(&units));
+            scales.push(Scales { units, biases: biases.0 });
+        });
         Self {
             weights,
             scales,
-            row_length: layer.row_length,
-            row_step: layer.row_step,
-            outputs: layer.outputs,
-            pixels: layer.pixels.clone(),
+            row_length: layer.kernel * layer.input_planes,
+            row_step: borders.input_row(layer),
+            outputs: layer.output_planes,
+            pixels: pixels(layer, borders),
             rectifier: layer.rectifier,
+        }
+    }
+}
+
+impl Weights {
+    /// None yet, with room for so many rows of a block.
+    fn with_room(rows: usize, in_bytes: bool) -> Self {
+        match in_bytes {
+            true => Self::Quads(Vec::with_capacity(rows / TOGETHER)),
+            false => Self::Rows(Vec::with_capacity(rows)),
+        }
+    }
+
+    /// Adds a block's rows, a unit of whose weights is so many integers.
+    fn extend(&mut self, matrix: &[Lanes], scale: [f32; LANES]) {
+        match self {
+            Self::Quads(weights) => weights.extend(quads(matrix, scale)),
+            Self::Rows(weights) => weights.extend(rows(matrix, scale)),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use grasp_index::NETWORK_STAGES;
-use grasp_network::{Network, QuantisedNetwork, QuantisedScratch, ReadError};
+use grasp_network::{QuantisedNetwork, QuantisedScratch, ReadError};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
@@ -80,7 +80,7 @@ impl SceneNetwork {
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.
     pub fn from_bytes(bytes: &[u8], grasps: &[&str]) -> Result<Self, SceneNetworkError> {
-        let network = QuantisedNetwork::from(Network::from_bytes(bytes)?);
+        let network = QuantisedNetwork::from_bytes(bytes)?;
         let architecture = network.architecture();
         let masks = architecture.masks.map_or(0, |masks| masks.count as usize);
         let shape = [
