@@ -1,5 +1,5 @@
 //! What becomes of indexes that other versions of this crate have written: those of versions 2 to 4
-//! are read, and answer, for ever.
+//! are read, and answer, for ever. (Version 5 brought networks: `learned.rs`.)
 //!
 //! `REGENERATE=1 cargo test -p grasp-index --test compatibility ` writes the fixtures of version 4
 //! anew. That is right only while no release has written version 4, or for a new version under a

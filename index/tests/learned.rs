@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use grasp_index::{
@@ -54,13 +55,17 @@ fn params(network: &Arc<Network>) -> IndexParams {
     IndexParams { descriptor, network: Some(Arc::clone(network)), ..support::small_learned_params() }
 }
 
+/// A hand for each entry, turned as it may.
+fn turned(n: usize) -> HandImage {
+    hand(10 + n % 5).rotated(n as f64 / 7.0)
+}
+
 fn bytes(network: &Arc<Network>) -> Vec<u8> {
     let mut writer = IndexWriter::new(params(network)).expect("sound parameters");
     let mut describer =
         DescriptorModel::learned(Arc::clone(network)).expect("a network of the right input").describer();
     for n in 0..36usize {
-        let turned = hand(10 + n % 5).rotated(n as f64 / 7.0);
-        let descriptor = describer.describe(&turned);
+        let descriptor = describer.describe(&turned(n));
         let entry =
             NewEntry { class: (n % 3) as u16, file: n.to_string(), descriptor, ..NewEntry::default() };
         writer.push(entry).expect("the entry fits");
@@ -181,4 +186,30 @@ fn a_damaged_network_is_found_at_opening() {
         let refused = Index::from_bytes(&damaged).expect_err("the network is damaged").to_string();
         assert!(refused.contains("the network of its descriptors"), "{refused}");
     }
+}
+
+/// Version 5 had networks in floats alone. The fixture is `bytes(&network(1))` of then.
+#[test]
+fn an_index_of_version_5_describes_to_the_same_bits_for_ever() {
+    let path = [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", "v5-network.idx"];
+    let index = Index::open(path.iter().collect::<PathBuf>()).expect("the fixture opens");
+    assert_eq!(index.verify().problems, []);
+    assert_eq!(index.descriptor_model().network(), Some(&network(1)));
+    let mut describer = index.describer();
+    for n in 0..36 {
+        let written = index.descriptor(n as u32).expect("there are 36 entries");
+        assert_eq!(describer.describe(&turned(n)), written.into_owned(), "{n}");
+    }
+}
+
+#[test]
+fn an_index_of_a_network_in_integers_describes_by_it_and_needs_a_reader_of_version_6() {
+    let [floats, integers] = [network(1), Arc::new(Network::clone(&network(1)).in_integers())];
+    let written = bytes(&integers);
+    let index = Index::from_bytes(&written).expect("the index opens");
+    assert_eq!(index.descriptor_model().network(), Some(&integers));
+    let described = index.describer().describe(&turned(3));
+    assert_eq!(described, index.descriptor(3).expect("there are 36 entries").into_owned());
+    let least_reader = |bytes: &[u8]| bytes[8];
+    assert_eq!([least_reader(&written), least_reader(&bytes(&floats))], [6, 5]);
 }

@@ -112,6 +112,8 @@ fn train_on<C: Course>(
         }
         _ => training.network()?,
     };
+    // As it is computed wherever it is used: several times as fast.
+    let network = network.in_integers();
     let rows = training.state().curve.clone();
     curve::write(&files.curve, &rows)?;
     let written = out.write_all(&network.to_bytes());

@@ -2,7 +2,7 @@
 //! floats as in integers, by both shipped networks, or by those in the files that are named:
 //! `cargo run -p grasp-network --example network_speed [FILE...]`.
 
-use grasp_network::{Layer, Network, Path, QuantisedNetwork, QuantisedScratch, Scratch};
+use grasp_network::{Layer, Network, Path, QuantisedNetwork, Scratch};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -39,7 +39,7 @@ fn measure(network: &Network) -> Result<(), Box<dyn Error>> {
     for path in Path::available() {
         let network = network.clone().with_path(path);
         let quantised = QuantisedNetwork::from(&network);
-        let (mut scratch, mut integers) = (Scratch::default(), QuantisedScratch::default());
+        let (mut scratch, mut integers) = (Scratch::default(), Scratch::default());
         let [median, fastest] = times(PICTURES, || {
             std::hint::black_box(network.run(&mut scratch, std::hint::black_box(&input)));
         });

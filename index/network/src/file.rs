@@ -8,15 +8,17 @@
 //! | 16..24 | the file's length in bytes |
 //! | 24..40 | side, planes, embedding, heads: 4 bytes each |
 //! | 40..40 + 12 n | kernel, stride, outputs of each convolution: 4 bytes each |
-//! | 12 more, in version 2 | the masks' convolution, count and cells: 4 bytes each |
+//! | 12 more, but in version 1 | the masks' convolution, count and cells: 4 bytes each |
 //! | to 8 before the end | the weights in [`Architecture`]'s order, `f16` |
 //! | the last 8 | xxh3 of all before |
 //!
-//! Networks without masks are written in version 1, those with masks in version 2.
+//! Networks that are computed in floats are written in version 1 without masks, and in version 2
+//! with masks; those that are computed in integers in version 3, where masks of 0 are none.
 //!
 //! The magic, the version, the length and the hash stay where they are in every version.
 
 use crate::architecture::{Architecture, Convolution};
+use crate::arithmetic::Arithmetic;
 use crate::layer::{Layer, Stored};
 use crate::masks::Masks;
 use crate::weights::WeightsError;
@@ -29,6 +31,8 @@ const MAGIC: [u8; 8] = *b"\x89GRNN\r\n\x1a";
 const PLAIN: u32 = 1;
 /// The version of networks with masks.
 const WITH_MASKS: u32 = 2;
+/// The version of networks that are computed in integers.
+const IN_INTEGERS: u32 = 3;
 /// The bytes before the convolutions.
 const HEADER: usize = 40;
 /// The bytes of one convolution.
@@ -64,7 +68,7 @@ pub enum ReadError {
     #[error("damaged: the bytes do not match their hash")]
     Damaged,
     /// Another version of this crate wrote it.
-    #[error("written in version {found} of the format, where this program reads {PLAIN} and {WITH_MASKS}")]
+    #[error("written in version {found} of the format, where this program reads {PLAIN} to {IN_INTEGERS}")]
     Version {
         /// The file's version.
         found: u32,
@@ -82,11 +86,29 @@ pub enum ReadError {
     Weights(#[from] WeightsError),
 }
 
+/// What a file holds.
+pub(crate) struct Contents<'a> {
+    pub(crate) architecture: Architecture,
+    pub(crate) layers: Vec<Layer>,
+    pub(crate) arithmetic: Arithmetic,
+    /// Of which the number is right; their values have not been checked.
+    pub(crate) weights: &'a [Stored],
+}
+
+/// The version of the file of a network.
+fn version(architecture: &Architecture, arithmetic: Arithmetic) -> u32 {
+    match (arithmetic, architecture.masks) {
+        (Arithmetic::Integers, _) => IN_INTEGERS,
+        (Arithmetic::Floats, Some(_)) => WITH_MASKS,
+        (Arithmetic::Floats, None) => PLAIN,
+    }
+}
+
 /// The bytes of a file, for an architecture that has been validated.
-pub(crate) fn encode(architecture: &Architecture, weights: &[Stored]) -> Vec<u8> {
+pub(crate) fn encode(architecture: &Architecture, arithmetic: Arithmetic, weights: &[Stored]) -> Vec<u8> {
     let Architecture { side, planes, convolutions, embedding, heads, masks } = architecture;
-    let length = start(architecture) + size_of_val(weights) + HASH;
-    let version = if masks.is_some() { WITH_MASKS } else { PLAIN };
+    let version = version(architecture, arithmetic);
+    let length = start(convolutions.len(), version) + size_of_val(weights) + HASH;
     let mut bytes = Vec::with_capacity(length);
     bytes.extend(MAGIC);
     bytes.extend(version.to_le_bytes());
@@ -95,7 +117,11 @@ pub(crate) fn encode(architecture: &Architecture, weights: &[Stored]) -> Vec<u8>
     let sizes = [side, planes, embedding, heads].into_iter();
     let convolutions =
         convolutions.iter().flat_map(|Convolution { kernel, stride, outputs }| [kernel, stride, outputs]);
-    let masks = masks.iter().flat_map(|Masks { convolution, count, cells }| [convolution, count, cells]);
+    let masks = match (masks, version) {
+        (_, PLAIN) => Vec::new(),
+        (Some(Masks { convolution, count, cells }), _) => vec![convolution, count, cells],
+        (None, _) => vec![&0; 3],
+    };
     bytes.extend(sizes.chain(convolutions).chain(masks).flat_map(|value| value.to_le_bytes()));
     bytes.extend(weights.as_flattened());
     let hash = xxh3_64(&bytes);
@@ -103,18 +129,19 @@ pub(crate) fn encode(architecture: &Architecture, weights: &[Stored]) -> Vec<u8>
     bytes
 }
 
-/// The architecture, its layers and the weights, of which the number is right; their values have
-/// not been checked.
-pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, &[Stored]), ReadError> {
+/// What the bytes hold.
+pub(crate) fn decode(bytes: &[u8]) -> Result<Contents<'_>, ReadError> {
     check_whole(bytes)?;
     let malformed =
         |expected: usize| ReadError::Malformed { expected: expected as u64, found: bytes.len() as u64 };
     let mut numbers = bytes.as_chunks::<4>().0.iter().map(|number| u32::from_le_bytes(*number));
     let mut next = || numbers.next().ok_or_else(|| malformed(HEADER + HASH));
     let (_magic, version) = ([next()?, next()?], next()?);
-    if ![PLAIN, WITH_MASKS].contains(&version) {
-        return Err(ReadError::Version { found: version });
-    }
+    let arithmetic = match version {
+        PLAIN | WITH_MASKS => Arithmetic::Floats,
+        IN_INTEGERS => Arithmetic::Integers,
+        found => return Err(ReadError::Version { found }),
+    };
     let (count, _length) = (next()? as usize, [next()?, next()?]);
     let (side, planes, embedding, heads) = (next()?, next()?, next()?, next()?);
     Architecture::check_convolutions(count).map_err(WeightsError::from)?;
@@ -123,19 +150,21 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<(Architecture, Vec<Layer>, &[Stored
         convolutions.push(Convolution { kernel: next()?, stride: next()?, outputs: next()? });
     }
     let masks = match version {
-        WITH_MASKS => Some(Masks { convolution: next()?, count: next()?, cells: next()? }),
-        _ => None,
+        PLAIN => None,
+        _ => Some(Masks { convolution: next()?, count: next()?, cells: next()? }),
     };
+    let none = Masks { convolution: 0, count: 0, cells: 0 };
+    let masks = masks.filter(|masks| version == WITH_MASKS || *masks != none);
     let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
     let layers = architecture.layers().map_err(WeightsError::from)?;
     let parameters: usize = layers.iter().map(Layer::parameters).sum();
-    let start = start(&architecture);
+    let start = start(count, version);
     let expected = start + parameters * size_of::<Stored>() + HASH;
     let weights = bytes
         .get(start..bytes.len() - HASH)
         .filter(|_| bytes.len() == expected)
         .ok_or_else(|| malformed(expected))?;
-    Ok((architecture, layers, weights.as_chunks().0))
+    Ok(Contents { architecture, layers, arithmetic, weights: weights.as_chunks().0 })
 }
 
 /// Checks what holds in every version: the magic, the length and the hash.
@@ -162,8 +191,8 @@ fn check_whole(bytes: &[u8]) -> Result<(), ReadError> {
     }
 }
 
-/// Where the weights begin.
-fn start(architecture: &Architecture) -> usize {
-    let masks = if architecture.masks.is_some() { MASKS } else { 0 };
-    HEADER + architecture.convolutions.len() * CONVOLUTION + masks
+/// Where the weights begin, behind so many convolutions.
+fn start(convolutions: usize, version: u32) -> usize {
+    let masks = if version == PLAIN { 0 } else { MASKS };
+    HEADER + convolutions * CONVOLUTION + masks
 }

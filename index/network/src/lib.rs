@@ -5,8 +5,8 @@
 //! output, to the last bit, on every processor: a descriptor that was computed here can be compared
 //! with one from another machine, and a rebuilt index has the same bytes.
 //!
-//! A [`QuantisedNetwork`] computes a network in integers of 8 bits, up to four times as fast and
-//! with nearly the same output.
+//! In integers of 8 bits a network is computed up to four times as fast, with nearly the same
+//! output: a [`Network`] whose file says so ([`Arithmetic`]), or any as a [`QuantisedNetwork`].
 //!
 //! ```
 //! use grasp_network::{Architecture, Convolution, Network, Scratch};
@@ -35,6 +35,8 @@
 //! ```
 
 mod architecture;
+mod arithmetic;
+mod buffers;
 mod file;
 mod kernel;
 mod layer;
@@ -43,16 +45,19 @@ mod network;
 mod packed;
 mod path;
 mod quantised;
+mod scratch;
 mod supported;
 mod unpacked;
 mod weights;
 
 pub use architecture::{Architecture, Convolution};
+pub use arithmetic::Arithmetic;
 pub use file::ReadError;
 pub use layer::{Layer, Rectifier};
 pub use masks::Masks;
-pub use network::{Network, Output, Scratch};
+pub use network::{Network, Output};
 pub use path::Path;
-pub use quantised::{QuantisedNetwork, QuantisedScratch};
+pub use quantised::QuantisedNetwork;
+pub use scratch::Scratch;
 pub use supported::ArchitectureError;
 pub use weights::WeightsError;

@@ -1,10 +1,13 @@
-//! A network that is ready to run, and the memory that it runs in.
+//! A network that is ready to run.
 
 use crate::architecture::Architecture;
+use crate::arithmetic::Arithmetic;
+use crate::file::Contents;
 use crate::layer::{Layer, Stored};
-use crate::masks::Masks;
-use crate::packed::{Borders, Packed};
+use crate::packed::Packed;
 use crate::path::Path;
+use crate::quantised::QuantisedNetwork;
+use crate::scratch::Scratch;
 use crate::unpacked::Unpacked;
 use crate::weights::{self, WeightsError};
 use crate::{ReadError, file};
@@ -20,24 +23,20 @@ use xxhash_rust::xxh3::xxh3_64;
 pub struct Network {
     architecture: Architecture,
     layers: Vec<Layer>,
-    /// The same layers with their weights.
-    packed: Vec<Packed>,
+    weights: Weights,
     path: Path,
     fingerprint: u64,
 }
 
-/// The memory that a network runs in: one for each thread, used again for each picture.
-///
-/// It fits itself to the network that it is used with.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    /// What the buffers fit.
-    layers: Vec<Layer>,
-    /// The picture, then the output of each layer, with the padding that the next layer needs: it
-    /// stays 0.
-    pub(crate) buffers: Vec<Vec<f32>>,
-    /// The masks in [`Output`]'s order.
-    masks: Vec<f32>,
+/// The weights, ready for what they are computed in.
+#[derive(Clone)]
+enum Weights {
+    /// Those of each layer, from which the weights of the file can be made again.
+    Floats(Vec<Packed>),
+    Integers {
+        stored: Vec<Stored>,
+        network: Box<QuantisedNetwork>,
+    },
 }
 
 /// What a network returns for one picture.
@@ -57,7 +56,7 @@ impl Network {
     pub const MAX_INPUT: f32 = weights::MAX_INPUT;
 
     /// A network of `weights` in the order that [`Architecture`] describes, which are rounded to
-    /// `f16`, as a file holds them.
+    /// `f16`, as a file holds them; it is computed in floats.
     ///
     /// # Errors
     /// An architecture that is not supported, another number of weights than
@@ -68,8 +67,21 @@ impl Network {
         let rounded: Vec<Stored> =
             weights.iter().map(|weight| f16::from_f32(*weight).to_le_bytes()).collect();
         drop(weights);
-        let fingerprint = xxh3_64(&file::encode(&architecture, &rounded));
-        Self::new(architecture, layers, &rounded, fingerprint)
+        let arithmetic = Arithmetic::Floats;
+        let fingerprint = xxh3_64(&file::encode(&architecture, arithmetic, &rounded));
+        let contents = Contents { architecture, layers, arithmetic, weights: &rounded };
+        Self::new(contents, fingerprint, Path::best())
+    }
+
+    /// The same weights, computed in integers: another network, with outputs and a file of its own.
+    #[must_use]
+    pub fn in_integers(self) -> Self {
+        let stored: Vec<Stored> = self.stored().map(f16::to_le_bytes).collect();
+        let Self { architecture, layers, path, .. } = self;
+        let arithmetic = Arithmetic::Integers;
+        let fingerprint = xxh3_64(&file::encode(&architecture, arithmetic, &stored));
+        let contents = Contents { architecture, layers, arithmetic, weights: &stored };
+        Self::new(contents, fingerprint, path).expect("the weights have been checked")
     }
 
     /// Reads what [`Self::to_bytes`] has written. Everything is checked: bytes from anywhere return
@@ -79,26 +91,30 @@ impl Network {
     /// Bytes that are no network's, of another version, cut short, or damaged, and networks that
     /// [`Self::from_weights`] rejects.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
-        let (architecture, layers, weights) = file::decode(bytes)?;
-        Ok(Self::new(architecture, layers, weights, xxh3_64(bytes))?)
+        Ok(Self::new(file::decode(bytes)?, xxh3_64(bytes), Path::best())?)
     }
 
-    fn new(
-        architecture: Architecture,
-        layers: Vec<Layer>,
-        weights: &[Stored],
-        fingerprint: u64,
-    ) -> Result<Self, WeightsError> {
-        let packed = Unpacked::layers(&architecture, &layers, weights)?;
-        let packed = packed.map(|layer| Ok(Packed::new(&layer?))).collect::<Result<_, WeightsError>>()?;
-        Ok(Self { architecture, layers, packed, path: Path::best(), fingerprint })
+    fn new(contents: Contents<'_>, fingerprint: u64, path: Path) -> Result<Self, WeightsError> {
+        let Contents { architecture, layers, arithmetic, weights: stored } = contents;
+        let weights = match arithmetic {
+            Arithmetic::Floats => {
+                let packed = Unpacked::layers(&architecture, &layers, stored)?;
+                let packed = packed.map(|layer| layer.map(|layer| Packed::new(&layer)));
+                Weights::Floats(packed.collect::<Result<_, _>>()?)
+            }
+            Arithmetic::Integers => {
+                let network = QuantisedNetwork::new(architecture.clone(), layers.clone(), stored, path)?;
+                Weights::Integers { stored: stored.to_vec(), network: Box::new(network) }
+            }
+        };
+        Ok(Self { architecture, layers, weights, path, fingerprint })
     }
 
     /// The bytes of a file: see [`Self::from_bytes`]. They are put together anew: who only runs a
     /// network has its weights in memory once.
     pub fn to_bytes(&self) -> Vec<u8> {
         let stored: Vec<Stored> = self.stored().map(f16::to_le_bytes).collect();
-        file::encode(&self.architecture, &stored)
+        file::encode(&self.architecture, self.arithmetic(), &stored)
     }
 
     /// XXH3 of [`Self::to_bytes`]: networks of the same fingerprint have the same outputs.
@@ -114,7 +130,20 @@ impl Network {
 
     /// The weights as a file has them.
     fn stored(&self) -> impl Iterator<Item = f16> {
-        self.packed.iter().flat_map(Packed::parameters)
+        let (packed, stored): (&[_], &[_]) = match &self.weights {
+            Weights::Floats(packed) => (packed, &[]),
+            Weights::Integers { stored, .. } => (&[], stored),
+        };
+        let stored = stored.iter().map(|weight| f16::from_le_bytes(*weight));
+        packed.iter().flat_map(Packed::parameters).chain(stored)
+    }
+
+    /// What it is computed in.
+    pub fn arithmetic(&self) -> Arithmetic {
+        match self.weights {
+            Weights::Floats(_) => Arithmetic::Floats,
+            Weights::Integers { .. } => Arithmetic::Integers,
+        }
     }
 
     /// The network's shape.
@@ -126,7 +155,8 @@ impl Network {
     #[must_use]
     pub fn with_path(mut self, path: Path) -> Self {
         self.path = path;
-        self
+        // Integers are laid out for the instructions that sum their products.
+        if self.arithmetic() == Arithmetic::Integers { self.in_integers() } else { self }
     }
 
     /// The instructions that compute it.
@@ -140,16 +170,21 @@ impl Network {
     /// # Panics
     /// Where `input` has another length.
     pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
-        scratch.fit(&self.layers);
-        scratch.set_input(input);
-        for (at, layer) in self.packed.iter().enumerate() {
+        let packed = match &self.weights {
+            Weights::Floats(packed) => packed,
+            Weights::Integers { network, .. } => return network.run(scratch, input),
+        };
+        scratch.fit(&self.layers, &[]);
+        let buffers = &mut scratch.buffers;
+        buffers.set_input(input);
+        for (at, layer) in packed.iter().enumerate() {
             let source = self.architecture.source(at).map_or(0, |source| source + 1);
-            let (before, from_here) = scratch.buffers.split_at_mut(at + 1);
+            let (before, from_here) = buffers.values.split_at_mut(at + 1);
             if let (Some(input), Some(output)) = (before.get(source), from_here.first_mut()) {
                 self.path.compute(layer, input, output);
             }
         }
-        scratch.output(&self.architecture)
+        buffers.output(&self.architecture)
     }
 }
 
@@ -159,63 +194,10 @@ impl fmt::Debug for Network {
         formatter
             .debug_struct("Network")
             .field("architecture", &self.architecture)
+            .field("arithmetic", &self.arithmetic())
             .field("fingerprint", &format_args!("{:016x}", self.fingerprint))
             .field("path", &self.path)
             .finish_non_exhaustive()
-    }
-}
-
-impl Scratch {
-    /// Makes the buffers of these layers, unless they are there. Returns whether it did.
-    pub(crate) fn fit(&mut self, layers: &[Layer]) -> bool {
-        // Buffers of the same sizes do not suffice: the zeros of the padding lie elsewhere.
-        if self.layers == layers {
-            return false;
-        }
-        let picture = layers.first().map(Layer::padded_values);
-        let outputs = layers.iter().enumerate().map(|(at, layer)| {
-            let side = layer.output_side + 2 * Borders::of_output(layers, at);
-            side * side * layer.output_planes
-        });
-        self.buffers = picture.into_iter().chain(outputs).map(|values| vec![0.0; values]).collect();
-        self.layers = layers.to_vec();
-        true
-    }
-
-    /// Copies a picture into the first layer's padded input.
-    pub(crate) fn set_input(&mut self, input: &[f32]) {
-        let (Some(layer), Some(buffer)) = (self.layers.first(), self.buffers.first_mut()) else { return };
-        assert_eq!(input.len(), layer.input_values(), "the values of a picture");
-        let padding = layer.padding * layer.input_planes;
-        let row = layer.input_side * layer.input_planes;
-        let rows = buffer.chunks_exact_mut(row + 2 * padding).skip(layer.padding);
-        for (padded, values) in rows.zip(input.chunks_exact(row)) {
-            padded[padding..][..row].copy_from_slice(values);
-        }
-    }
-
-    /// What the last layers have left in the buffers.
-    pub(crate) fn output(&mut self, architecture: &Architecture) -> Output<'_> {
-        self.spread(architecture.masks);
-        let dense = self.buffers.get(architecture.convolutions.len() + 1..);
-        match dense {
-            Some([embedding, heads, ..]) => Output { embedding, heads, masks: &self.masks },
-            _ => Output { embedding: &[], heads: &[], masks: &[] },
-        }
-    }
-
-    /// Brings the outputs of the last layer, the masks', into the masks' order.
-    fn spread(&mut self, masks: Option<Masks>) {
-        let last = self.layers.last().zip(self.buffers.last());
-        let Some((masks, (layer, values))) = masks.zip(last) else {
-            self.masks.clear();
-            return;
-        };
-        self.masks.resize(values.len(), 0.0);
-        let cells = masks.cells as usize;
-        for (from, to) in masks.runs(layer.output_side) {
-            self.masks[to..][..cells].copy_from_slice(&values[from..][..cells]);
-        }
     }
 }
 
@@ -223,6 +205,7 @@ impl Scratch {
 impl PartialEq for Network {
     fn eq(&self, other: &Self) -> bool {
         let weights = self.stored().map(f16::to_bits);
-        self.architecture == other.architecture && weights.eq(other.stored().map(f16::to_bits))
+        (&self.architecture, self.arithmetic()) == (&other.architecture, other.arithmetic())
+            && weights.eq(other.stored().map(f16::to_bits))
     }
 }

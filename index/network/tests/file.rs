@@ -15,6 +15,16 @@ fn masked_network() -> Network {
     Network::from_weights(masked(), weights(&masked(), 1)).unwrap()
 }
 
+/// One of each version of the format.
+fn networks() -> [(Network, Architecture); 4] {
+    [
+        (network(), small()),
+        (masked_network(), masked()),
+        (network().in_integers(), small()),
+        (masked_network().in_integers(), masked()),
+    ]
+}
+
 /// The bytes with a hash that fits them again.
 fn hashed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.truncate(bytes.len() - 8);
@@ -35,9 +45,11 @@ fn message(bytes: &[u8]) -> String {
 
 #[test]
 fn a_round_trip_keeps_every_byte() {
-    for (network, architecture) in [(network(), small()), (masked_network(), masked())] {
+    for (network, architecture) in networks() {
         let bytes = network.to_bytes();
         let copy = Network::from_bytes(&bytes).unwrap();
+        assert_eq!(copy, network);
+        assert_eq!(copy.arithmetic(), network.arithmetic());
         assert_eq!(copy.to_bytes(), bytes);
         assert_eq!(copy.architecture(), &architecture);
         assert_eq!(copy.fingerprint(), xxh3_64(&bytes));
@@ -46,15 +58,18 @@ fn a_round_trip_keeps_every_byte() {
 
 #[test]
 fn the_format_stays() {
-    assert_eq!(network().fingerprint(), 16423724866010552684);
-    assert_eq!(masked_network().fingerprint(), 14436974832421869674);
-    let versions = [network(), masked_network()].map(|network| network.to_bytes()[8]);
-    assert_eq!(versions, [1, 2]);
+    let fingerprints = networks().map(|(network, _)| network.fingerprint());
+    assert_eq!(
+        fingerprints,
+        [16423724866010552684, 14436974832421869674, 12768660989567649429, 12801927739035164691]
+    );
+    let versions = networks().map(|(network, _)| network.to_bytes()[8]);
+    assert_eq!(versions, [1, 2, 3, 3]);
 }
 
 #[test]
 fn every_truncated_file_is_reported() {
-    for bytes in [network(), masked_network()].map(|network| network.to_bytes()) {
+    for bytes in networks().map(|(network, _)| network.to_bytes()) {
         for length in 0..bytes.len() {
             let error = Network::from_bytes(&bytes[..length]).unwrap_err();
             match error {
@@ -70,7 +85,7 @@ fn every_truncated_file_is_reported() {
 
 #[test]
 fn every_changed_byte_is_reported() {
-    for bytes in [network(), masked_network()].map(|network| network.to_bytes()) {
+    for bytes in networks().map(|(network, _)| network.to_bytes()) {
         for at in 0..bytes.len() {
             let mut bytes = bytes.clone();
             bytes[at] ^= 1 << (at % 8);
@@ -91,7 +106,7 @@ fn messages_say_what_is_wrong() {
         message(b"GIF89a"),
         message(&network().to_bytes()[..100]),
         message(&[network().to_bytes(), vec![0]].concat()),
-        message(&with_number(8, 3)),
+        message(&with_number(8, 4)),
         message(&with_number(12, 17)),
         message(&with_number(24, 300)),
         message(&with_number(40, 4)),
@@ -105,7 +120,7 @@ fn messages_say_what_is_wrong() {
             "not the weights of a network: the first bytes are others",
             "truncated: 38260 bytes expected, 100 found",
             "too long: 38260 bytes expected, 38261 found",
-            "written in version 3 of the format, where this program reads 1 and 2",
+            "written in version 4 of the format, where this program reads 1 to 3",
             "unsupported network: the number of convolutions is 17, where 0 to 16 are supported",
             "unsupported network: the side is 300, where 1 to 256 pixels are supported",
             "unsupported network: the kernel is 4, where odd sizes to 15 pixels are supported",
@@ -117,7 +132,7 @@ fn messages_say_what_is_wrong() {
 }
 
 #[test]
-fn masks_belong_to_version_2_alone() {
+fn masks_belong_to_versions_2_and_3() {
     let masked = masked_network();
     let messages = [
         message(&with_number(&masked, 8, 1)),
@@ -128,6 +143,8 @@ fn masks_belong_to_version_2_alone() {
         message(&with_number(&masked, 72, 0)),
         message(&with_number(&masked, 72, 4)),
         message(&with_number(&masked, 64, 1)),
+        message(&with_number(&network(), 8, 3)),
+        message(&with_number(&network().in_integers(), 8, 2)),
     ];
     assert_eq!(
         messages,
@@ -141,6 +158,9 @@ fn masks_belong_to_version_2_alone() {
             "unsupported network: the number of mask cells a side is 0, where 1 to 16 are supported",
             "malformed: the architecture takes 38784 bytes, and the file has 38560",
             "malformed: the architecture takes 39496 bytes, and the file has 38560",
+            "unsupported network: the convolution of the masks is 481863889, \
+             where those of the network are supported, counted from 0",
+            "unsupported network: the number of masks is 0, where 1 to 64 are supported",
         ]
     );
 }
@@ -194,10 +214,9 @@ proptest! {
     fn hostile_headers_are_rejected_or_run(
         at in 2..19usize,
         value in prop_oneof![any::<u32>(), 0..300u32, 0..4u32, Just(u32::MAX)],
-        masks: bool,
+        which in 0..4usize,
     ) {
-        let network = if masks { masked_network() } else { network() };
-        let bytes = with_number(&network, 4 * at, value);
+        let bytes = with_number(&networks()[which].0, 4 * at, value);
         if let Ok(network) = Network::from_bytes(&bytes) {
             // Some shapes have the same number of weights: a side of 9 or 10, halved.
             prop_assert_eq!(network.to_bytes(), bytes);

@@ -4,8 +4,7 @@
 mod support;
 
 use grasp_network::{
-    Architecture, Convolution, Layer, Masks, Network, Path, QuantisedNetwork, QuantisedScratch, Rectifier,
-    Scratch,
+    Architecture, Convolution, Layer, Masks, Network, Path, QuantisedNetwork, Rectifier, Scratch,
 };
 use half::f16;
 use proptest::prelude::*;
@@ -147,7 +146,7 @@ proptest! {
         let weights = weights(&architecture, seed);
         let network = Network::from_weights(architecture.clone(), weights.clone()).unwrap();
         // Used again: nothing of one picture may be left in the next one's.
-        let mut scratch = QuantisedScratch::default();
+        let mut scratch = Scratch::default();
         for picture in [picture(&architecture, seed ^ 1), picture(&architecture, seed ^ 2)] {
             let naive = naive(&architecture, &weights, &picture);
             for path in Path::available() {
@@ -164,7 +163,7 @@ proptest! {
 fn outputs_are_nearly_those_of_floats() {
     let network = Network::from_weights(wide(), weights(&wide(), 5)).unwrap();
     for path in Path::available() {
-        let (mut scratch, mut integers) = (Scratch::default(), QuantisedScratch::default());
+        let (mut scratch, mut integers) = (Scratch::default(), Scratch::default());
         let input = picture(&wide(), 6);
         let exact = network.run(&mut scratch, &input);
         let network = quantised(&network, path);
@@ -182,7 +181,7 @@ fn outputs_are_nearly_those_of_floats() {
 #[test]
 fn the_bits_are_those_of_every_other_machine() {
     let network = Network::from_weights(wide(), weights(&wide(), 1)).unwrap();
-    let mut scratch = QuantisedScratch::default();
+    let mut scratch = Scratch::default();
     for path in Path::available() {
         let network = quantised(&network, path);
         let output = network.run(&mut scratch, &picture(&wide(), 2));
@@ -197,6 +196,23 @@ fn the_bits_are_those_of_every_other_machine() {
 }
 
 #[test]
+fn a_network_in_integers_is_the_quantised_one() {
+    for path in Path::available() {
+        let floats = Network::from_weights(wide(), weights(&wide(), 6)).unwrap().with_path(path);
+        let (quantised, integers) = (quantised(&floats, path), floats.clone().in_integers());
+        assert_eq!((integers.path(), integers.weights()), (path, floats.weights()));
+        assert_ne!((integers.fingerprint(), &integers), (floats.fingerprint(), &floats));
+        let (mut scratch, mut other) = (Scratch::default(), Scratch::default());
+        let input = picture(&wide(), 7);
+        assert_eq!(integers.run(&mut scratch, &input), quantised.run(&mut other, &input));
+        // The memory serves either, by turns.
+        let of_floats = floats.run(&mut other, &input).embedding.to_vec();
+        assert_eq!(floats.run(&mut scratch, &input).embedding, of_floats);
+        assert_eq!(integers.run(&mut scratch, &input), quantised.run(&mut other, &input));
+    }
+}
+
+#[test]
 fn a_scratch_fits_itself_to_another_network() {
     let masked = |convolution| Architecture {
         side: 6,
@@ -206,12 +222,12 @@ fn a_scratch_fits_itself_to_another_network() {
         heads: 2,
         masks: Some(Masks { convolution, count: 1, cells: 2 }),
     };
-    let mut shared = QuantisedScratch::default();
+    let mut shared = Scratch::default();
     for shape in [masked(0), masked(1), wide(), masked(2), masked(0)] {
         let network =
             QuantisedNetwork::from(&Network::from_weights(shape.clone(), weights(&shape, 3)).unwrap());
         let input = picture(&shape, 4);
-        let mut own = QuantisedScratch::default();
+        let mut own = Scratch::default();
         assert_eq!(network.run(&mut shared, &input), network.run(&mut own, &input));
     }
 }
@@ -226,7 +242,7 @@ fn outputs_are_finite_for_large_weights_and_inputs_and_0_for_none() {
         masks: None,
         ..wide()
     };
-    let mut scratch = QuantisedScratch::default();
+    let mut scratch = Scratch::default();
     for (weight, value) in [(40_000.0, Network::MAX_INPUT), (0.0, 1.0), (1.0, 0.0), (6e-8, 1e-30)] {
         let weights = vec![weight; shape.parameters().unwrap()];
         let network = Network::from_weights(shape.clone(), weights).unwrap();
@@ -244,5 +260,5 @@ fn outputs_are_finite_for_large_weights_and_inputs_and_0_for_none() {
 #[should_panic(expected = "the values of a picture")]
 fn an_input_of_another_length_panics() {
     let network = QuantisedNetwork::from(&Network::from_weights(wide(), weights(&wide(), 1)).unwrap());
-    network.run(&mut QuantisedScratch::default(), &[0.0; 9]);
+    network.run(&mut Scratch::default(), &[0.0; 9]);
 }

@@ -15,19 +15,20 @@ use crate::search::hash::HashInfo;
 use crate::search::learned::LearnedHash;
 use crate::search::random::RandomHash;
 use crate::vote::{Calibrated, Calibration, Reliability, ReliabilityBin, Sigma};
+use grasp_network::{Arithmetic, Network};
 use rkyv::rancor::Error;
 use rkyv::util::AlignedVec;
 use rkyv::{Archive, Deserialize, Serialize};
 
-/// The least reader that understands what a catalogue holds: version 4 brought hands that are
-/// turned upright, version 5 descriptors that a network makes.
-pub(crate) fn least_reader(catalogue: &Catalogue) -> u32 {
-    if matches!(catalogue.descriptor.kind, DescriptorKind::Learned { .. }) {
-        return 5;
-    }
-    match catalogue.descriptor.sampling {
-        Sampling::Upright { .. } => 4,
-        Sampling::Native | Sampling::KeepAspect { .. } => 3,
+/// The least reader that understands an index of these descriptors: version 4 brought hands that are
+/// turned upright, version 5 descriptors that a network makes, version 6 networks that are computed
+/// in integers.
+pub(crate) fn least_reader(descriptor: &DescriptorParams, network: Option<&Network>) -> u32 {
+    match (network.map(Network::arithmetic), descriptor.sampling) {
+        (Some(Arithmetic::Integers), _) => 6,
+        (Some(Arithmetic::Floats), _) => 5,
+        (None, Sampling::Upright { .. }) => 4,
+        (None, Sampling::Native | Sampling::KeepAspect { .. }) => 3,
     }
 }
 

@@ -7,10 +7,12 @@ mod rounding;
 
 use std::fmt;
 
-use crate::layer::{Layer, Rectifier};
+use crate::file::Contents;
+use crate::layer::{Layer, Rectifier, Stored};
 use crate::packed::Packed;
 use crate::path::Path;
 use crate::unpacked::Unpacked;
+use crate::weights::WeightsError;
 use crate::{Architecture, Network, Output, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
@@ -43,20 +45,6 @@ enum Step {
     Integers(PackedIntegers),
 }
 
-/// The memory that a quantised network runs in: one for each thread, used again for each picture.
-#[derive(Clone, Debug, Default)]
-pub struct QuantisedScratch {
-    /// Where values are read as integers that are no bytes, they are rounded here.
-    floats: Scratch,
-    /// For each of the buffers of `floats`, the bytes that stand for its values; empty where none
-    /// are read.
-    bytes: Vec<Vec<u8>>,
-    /// What each integer of a buffer counts.
-    units: Vec<f32>,
-    /// Which of the buffers are rounded: whose bytes there are.
-    is_rounded: Vec<bool>,
-}
-
 /// Computed by the network's own [`Path`].
 impl From<&Network> for QuantisedNetwork {
     fn from(network: &Network) -> Self {
@@ -85,8 +73,8 @@ fn step(layer: &Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
 }
 
 impl QuantisedNetwork {
-    /// Reads what [`Network::to_bytes`] has written, to be computed by the fastest [`Path`]: as
-    /// [`Network::from_bytes`], but its floats are never in memory all at once.
+    /// Reads what [`Network::to_bytes`] has written, to be computed in integers whatever it says, by
+    /// the fastest [`Path`]. The weights themselves are not kept.
     ///
     /// # Errors
     /// As [`Network::from_bytes`].
@@ -96,7 +84,17 @@ impl QuantisedNetwork {
 
     /// The same, computed by these instructions: they say how weights are laid out.
     fn read(bytes: &[u8], path: Path) -> Result<Self, ReadError> {
-        let (architecture, layers, weights) = file::decode(bytes)?;
+        let Contents { architecture, layers, weights, .. } = file::decode(bytes)?;
+        Ok(Self::new(architecture, layers, weights, path)?)
+    }
+
+    /// Of weights that are yet to be checked.
+    pub(crate) fn new(
+        architecture: Architecture,
+        layers: Vec<Layer>,
+        weights: &[Stored],
+        path: Path,
+    ) -> Result<Self, WeightsError> {
         let is_rounded = is_rounded(&architecture, &layers);
         let mut steps = Vec::with_capacity(layers.len());
         for layer in Unpacked::layers(&architecture, &layers, weights)? {
@@ -114,14 +112,14 @@ impl QuantisedNetwork {
     ///
     /// # Panics
     /// Where `input` has another length.
-    pub fn run<'a>(&self, scratch: &'a mut QuantisedScratch, input: &[f32]) -> Output<'a> {
+    pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
         let in_bytes = dispatch::sums_bytes(self.path);
-        scratch.fit(self);
-        let QuantisedScratch { floats, bytes, units, .. } = scratch;
-        floats.set_input(input);
+        scratch.fit(&self.layers, &self.is_rounded);
+        let Scratch { buffers, bytes, units, .. } = scratch;
+        buffers.set_input(input);
         for (at, step) in self.steps.iter().enumerate() {
             let source = self.architecture.source(at).map_or(0, |source| source + 1);
-            let (before, from_here) = floats.buffers.split_at_mut(at + 1);
+            let (before, from_here) = buffers.values.split_at_mut(at + 1);
             let Some(output) = from_here.first_mut() else { continue };
             match step {
                 Step::Floats(layer) => self.path.compute(layer, &before[source], output),
@@ -140,22 +138,7 @@ impl QuantisedNetwork {
                 };
             }
         }
-        floats.output(&self.architecture)
-    }
-}
-
-impl QuantisedScratch {
-    /// Makes the buffers of this network, unless they are there.
-    fn fit(&mut self, network: &QuantisedNetwork) {
-        let is_new = self.floats.fit(&network.layers);
-        // Networks of the same layers may have their masks read from others.
-        if is_new || self.is_rounded != network.is_rounded {
-            let buffers = self.floats.buffers.iter().zip(&network.is_rounded);
-            let size = |(buffer, is_rounded): (&Vec<f32>, &bool)| if *is_rounded { buffer.len() } else { 0 };
-            self.bytes = buffers.map(|buffer| vec![0; size(buffer)]).collect();
-            self.units = vec![0.0; self.bytes.len()];
-            self.is_rounded.clone_from(&network.is_rounded);
-        }
+        buffers.output(&self.architecture)
     }
 }
 

@@ -226,7 +226,7 @@ impl IndexWriter {
         let catalogue = self.catalogue(&model, sections);
         Ok(Summary {
             entries: self.len() as u64,
-            bytes: seal(&mut self.out, &catalogue)?,
+            bytes: seal(&mut self.out, &catalogue, self.params.network.as_deref())?,
             sigma: model.sigma,
             calibration: model.calibration,
             hash: model.search.hash.info(),
@@ -317,11 +317,11 @@ fn check_count(params: &IndexParams, entries: usize) -> Result<(), BuildError> {
 }
 
 /// Writes the catalogue, and the header last of all; returns how many bytes the file has.
-fn seal(out: &mut Sink, catalogue: &Catalogue) -> io::Result<u64> {
+fn seal(out: &mut Sink, catalogue: &Catalogue, network: Option<&Network>) -> io::Result<u64> {
     let archive = wire::write(catalogue).map_err(io::Error::other)?;
     out.open()?;
     let header = Header {
-        least_reader: wire::least_reader(catalogue),
+        least_reader: wire::least_reader(&catalogue.descriptor, network),
         version: header::VERSION,
         file_length: out.len() + archive.len() as u64,
         catalogue_offset: out.len(),

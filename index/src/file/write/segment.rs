@@ -70,7 +70,7 @@ fn write(
         sections,
         ..own
     };
-    Ok(seal(out, &catalogue)?)
+    Ok(seal(out, &catalogue, index.network.as_deref())?)
 }
 
 /// The bytes of a section of the segment; `None` where the index's own make no sense.

@@ -1,6 +1,6 @@
 //! Looks at squares of a picture.
 
-use grasp_network::QuantisedScratch;
+use grasp_network::Scratch;
 
 use super::network::{Heads, SIDE, SceneNetwork};
 use super::square::{Square, Texels};
@@ -11,7 +11,7 @@ use crate::segment::Mask;
 pub(super) struct Eye<'a> {
     pub(super) picture: &'a Picture,
     texels: Texels,
-    scratch: QuantisedScratch,
+    scratch: Scratch,
     /// The square that it is turned to, as the networks are shown it.
     planes: Vec<f32>,
 }
@@ -27,7 +27,7 @@ impl<'a> Eye<'a> {
     }
 
     fn of_texels(picture: &'a Picture, texels: Texels) -> Self {
-        Self { picture, texels, scratch: QuantisedScratch::default(), planes: Vec::new() }
+        Self { picture, texels, scratch: Scratch::default(), planes: Vec::new() }
     }
 
     /// Turns to a square.

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use grasp_index::NETWORK_STAGES;
-use grasp_network::{QuantisedNetwork, QuantisedScratch, ReadError};
+use grasp_network::{QuantisedNetwork, Scratch, ReadError};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
@@ -98,7 +98,7 @@ impl SceneNetwork {
     }
 
     /// What it answers to one picture.
-    pub(super) fn run(&self, scratch: &mut QuantisedScratch, planes: &[f32]) -> Heads {
+    pub(super) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
         let output = self.network.run(scratch, planes);
         let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
         let mut rotation = [0.0; ROTATION];
@@ -170,7 +170,7 @@ mod tests {
             masks: None,
         };
         let weights = vec![0.0; architecture.parameters().unwrap()];
-        let other = Network::from_weights(architecture, weights).unwrap();
+        let other = grasp_network::Network::from_weights(architecture, weights).unwrap();
         let error = SceneNetwork::from_bytes(&other.to_bytes(), &GRASPS).unwrap_err();
         assert_eq!(error.to_string(), "not a network of scenes: the number of planes is 2, 3 expected");
         assert!(SceneNetwork::from_bytes(&bytes[..1000], &GRASPS).is_err());
