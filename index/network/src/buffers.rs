@@ -3,8 +3,8 @@
 use crate::architecture::Architecture;
 use crate::layer::Layer;
 use crate::masks::Masks;
-use crate::network::Output;
-use crate::packed::Borders;
+use crate::output::Output;
+use crate::pixels::Borders;
 
 /// A picture and the outputs of the layers.
 #[derive(Clone, Debug, Default)]

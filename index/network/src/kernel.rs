@@ -5,8 +5,9 @@
 //! never contracts a multiplication and an addition into one: all paths return the same bits.
 
 use crate::architecture::Architecture;
+use crate::lanes::Lanes;
 use crate::layer::{LANES, Rectifier};
-use crate::packed::{Lanes, Packed};
+use crate::packed::Packed;
 
 /// Computes a layer, `PIXELS` of its pixels at a time: their sums, [`LANES`] a pixel, should fit
 /// into the registers of the path.

@@ -4,6 +4,7 @@ use crate::architecture::Architecture;
 use crate::arithmetic::Arithmetic;
 use crate::file::Contents;
 use crate::layer::{Layer, Stored};
+use crate::output::Output;
 use crate::packed::Packed;
 use crate::path::Path;
 use crate::quantised::QuantisedNetwork;
@@ -37,17 +38,6 @@ enum Weights {
         stored: Vec<Stored>,
         network: Box<QuantisedNetwork>,
     },
-}
-
-/// What a network returns for one picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Output<'a> {
-    /// [`Architecture::embedding`] values.
-    pub embedding: &'a [f32],
-    /// [`Architecture::heads`] values.
-    pub heads: &'a [f32],
-    /// Logits `[mask][y][x]` of a side of [`Architecture::mask_side`]; empty without masks.
-    pub masks: &'a [f32],
 }
 
 impl Network {
@@ -185,6 +175,13 @@ impl Network {
             }
         }
         buffers.output(&self.architecture)
+    }
+}
+
+/// Computed by the network's own [`Path`].
+impl From<&Network> for QuantisedNetwork {
+    fn from(network: &Network) -> Self {
+        Self::read(&network.to_bytes(), network.path()).expect("a network has been checked")
     }
 }
 

@@ -1,56 +1,10 @@
 //! A layer laid out for the inner loops.
 
-use crate::layer::{LANES, Layer, Rectifier, Stored};
+use crate::lanes::Lanes;
+use crate::layer::{LANES, Rectifier};
+use crate::pixels::{Pixel, pixels};
 use crate::unpacked::Unpacked;
 use half::f16;
-use half::slice::HalfFloatSliceExt;
-
-/// The weights of one input for a block of outputs, aligned to cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(crate) struct Lanes(pub(crate) [f32; LANES]);
-
-impl Lanes {
-    /// Of no weights.
-    pub(crate) const ZERO: Self = Self([0.0; LANES]);
-
-    /// Takes as many weights as there are; the others stay as they are.
-    pub(crate) fn widen(&mut self, stored: &[Stored]) {
-        let mut narrow = [f16::ZERO; LANES];
-        let (narrow, lanes) = (&mut narrow[..stored.len()], &mut self.0[..stored.len()]);
-        narrow.iter_mut().zip(stored).for_each(|(narrow, stored)| *narrow = f16::from_le_bytes(*stored));
-        narrow.convert_to_f32_slice(lanes);
-    }
-}
-
-/// Where an output pixel reads and writes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pixel {
-    /// The first value of its window in the input's buffer.
-    pub(crate) input: usize,
-    /// Its first value in the output's buffer, which has the padding of the next layer.
-    pub(crate) output: usize,
-}
-
-/// Pixels of zeros on each side of the buffers that a layer reads and writes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Borders {
-    /// At least the layer's own padding.
-    pub(crate) input: usize,
-    pub(crate) output: usize,
-}
-
-impl Borders {
-    /// Pixels of zeros around the output of layer `at`: what the next layer needs.
-    pub(crate) fn of_output(layers: &[Layer], at: usize) -> usize {
-        layers.get(at + 1).map_or(0, |next| next.padding)
-    }
-
-    /// Values from a row of the input's buffer to the next.
-    pub(crate) fn input_row(self, layer: &Layer) -> usize {
-        (layer.input_side + 2 * self.input) * layer.input_planes
-    }
-}
 
 /// A layer's weights in blocks of outputs, and where its pixels lie.
 #[derive(Clone, Debug)]
@@ -105,17 +59,4 @@ impl Packed {
     pub(crate) fn blocks(&self) -> impl Iterator<Item = &[Lanes]> {
         self.weights.chunks_exact(1 + self.inputs)
     }
-}
-
-/// Where a layer's output pixels read and write, row by row.
-pub(crate) fn pixels(layer: &Layer, borders: Borders) -> Vec<Pixel> {
-    let (side, border) = (layer.output_side, borders.output);
-    // A layer that needs less padding than the buffer has begins inside of it.
-    let inset = borders.input - layer.padding;
-    let place = |y: usize, x: usize| Pixel {
-        input: (y * layer.stride + inset) * borders.input_row(layer)
-            + (x * layer.stride + inset) * layer.input_planes,
-        output: ((y + border) * (side + 2 * border) + x + border) * layer.output_planes,
-    };
-    (0..side * side).map(|pixel| place(pixel / side, pixel % side)).collect()
 }

@@ -5,8 +5,9 @@
 //! question would spend much of its time on getting that memory.
 
 use crate::architecture::Architecture;
+use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer, Stored};
-use crate::packed::{Borders, Lanes};
+use crate::pixels::Borders;
 use crate::weights::{self, Sums, WeightsError};
 
 /// A layer that is yet to be packed.
@@ -45,7 +46,7 @@ impl<'a> Unpacked<'a> {
                 output: Borders::of_output(layers, at),
             };
             let unpacked = Self { layer, borders, source, matrix, bias };
-            sums.add(&unpacked).map(|()| unpacked)
+            sums.add(source, |input| unpacked.largest_sum(input)).map(|()| unpacked)
         };
         Ok(layers.iter().enumerate().map(layer))
     }
@@ -67,7 +68,7 @@ impl<'a> Unpacked<'a> {
     }
 
     /// What the sums can reach, up or down, with inputs to `input`.
-    pub(crate) fn largest_sum(&self, input: f64) -> f64 {
+    fn largest_sum(&self, input: f64) -> f64 {
         let mut largest = 0.0f64;
         self.for_each_block(|block| {
             let (bias, matrix) = block.split_first().expect("a block begins with its biases");

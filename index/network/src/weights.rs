@@ -2,7 +2,6 @@
 
 use crate::layer::{Layer, Stored};
 use crate::supported::ArchitectureError;
-use crate::unpacked::Unpacked;
 use half::f16;
 use thiserror::Error;
 
@@ -72,13 +71,18 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
 pub(crate) struct Sums(Vec<f64>);
 
 impl Sums {
-    /// Adds the next layer.
+    /// Adds the next layer, which reads the output of layer `source`, or the input; `largest` is
+    /// what its sums can reach with inputs to what it is given.
     ///
     /// # Errors
     /// Where its sums might overflow.
-    pub(crate) fn add(&mut self, layer: &Unpacked<'_>) -> Result<(), WeightsError> {
-        let input = layer.source.and_then(|source| self.0.get(source)).copied();
-        let sum = layer.largest_sum(input.unwrap_or(f64::from(MAX_INPUT)));
+    pub(crate) fn add(
+        &mut self,
+        source: Option<usize>,
+        largest: impl FnOnce(f64) -> f64,
+    ) -> Result<(), WeightsError> {
+        let input = source.and_then(|source| self.0.get(source)).copied();
+        let sum = largest(input.unwrap_or(f64::from(MAX_INPUT)));
         if sum > LARGEST_SUM {
             return Err(WeightsError::Overflow { layer: self.0.len(), sum });
         }

@@ -2,7 +2,7 @@
 
 use super::kernel::{self, by_floats, compute};
 use super::packed::{PackedIntegers, Quads, Weights};
-use crate::packed::Lanes;
+use crate::lanes::Lanes;
 use crate::path::{Level, Path};
 
 /// Integers that stand for values, and what each of them counts.

@@ -9,8 +9,8 @@ use std::mem::transmute;
 use super::packed::{PackedIntegers, Quads, TOGETHER};
 use super::rounding::{nearest, nearest_byte};
 use crate::kernel::rectify;
+use crate::lanes::Lanes;
 use crate::layer::LANES;
-use crate::packed::Lanes;
 
 /// The largest integer that stands for a value.
 const LARGEST_VALUE: f32 = 255.0;

@@ -9,11 +9,12 @@ use std::fmt;
 
 use crate::file::Contents;
 use crate::layer::{Layer, Rectifier, Stored};
+use crate::output::Output;
 use crate::packed::Packed;
 use crate::path::Path;
 use crate::unpacked::Unpacked;
 use crate::weights::WeightsError;
-use crate::{Architecture, Network, Output, ReadError, Scratch, file};
+use crate::{Architecture, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
 
@@ -23,7 +24,7 @@ use packed::PackedIntegers;
 /// A weight is an integer of -127 to 127 times a factor of its output. Values that are not below 0,
 /// as behind a rectifier, are integers of 0 to 255 times a 255th of the layer's largest. Products
 /// are summed exactly. The first layer, whose inputs have either sign, and the heads are computed
-/// as [`Network`] computes them. (B. Jacob et al., "Quantization and Training of Neural Networks
+/// in floats. (B. Jacob et al., "Quantization and Training of Neural Networks
 /// for Efficient Integer-Arithmetic-Only Inference", CVPR 2018; here the factors of values follow
 /// each picture's, so that no pictures are needed to choose them.)
 ///
@@ -43,13 +44,6 @@ pub struct QuantisedNetwork {
 enum Step {
     Floats(Packed),
     Integers(PackedIntegers),
-}
-
-/// Computed by the network's own [`Path`].
-impl From<&Network> for QuantisedNetwork {
-    fn from(network: &Network) -> Self {
-        Self::read(&network.to_bytes(), network.path()).expect("a network has been checked")
-    }
 }
 
 /// For the picture, then for each layer's output: whether it is read as integers.
@@ -73,17 +67,17 @@ fn step(layer: &Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
 }
 
 impl QuantisedNetwork {
-    /// Reads what [`Network::to_bytes`] has written, to be computed in integers whatever it says, by
-    /// the fastest [`Path`]. The weights themselves are not kept.
+    /// Reads the file of a network, to be computed in integers whatever it says, by the fastest
+    /// [`Path`]. The weights themselves are not kept.
     ///
     /// # Errors
-    /// As [`Network::from_bytes`].
+    /// Bytes that are no network's, of another version, cut short, or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         Self::read(bytes, Path::best())
     }
 
     /// The same, computed by these instructions: they say how weights are laid out.
-    fn read(bytes: &[u8], path: Path) -> Result<Self, ReadError> {
+    pub(crate) fn read(bytes: &[u8], path: Path) -> Result<Self, ReadError> {
         let Contents { architecture, layers, weights, .. } = file::decode(bytes)?;
         Ok(Self::new(architecture, layers, weights, path)?)
     }
@@ -108,7 +102,8 @@ impl QuantisedNetwork {
         &self.architecture
     }
 
-    /// Computes one picture, as [`Network::run`] does.
+    /// Computes one picture: `side * side * planes` values, row by row, the planes of a pixel
+    /// together.
     ///
     /// # Panics
     /// Where `input` has another length.

@@ -1,8 +1,9 @@
 //! A layer of integer weights, laid out for the inner loops.
 
 use super::rounding::{nearest, nearest_byte};
+use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer, Rectifier};
-use crate::packed::{Lanes, Pixel, pixels};
+use crate::pixels::{Pixel, pixels};
 use crate::unpacked::Unpacked;
 
 /// The largest magnitude of a weight's integer.

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use grasp_index::NETWORK_STAGES;
-use grasp_network::{QuantisedNetwork, Scratch, ReadError};
+use grasp_network::{QuantisedNetwork, ReadError, Scratch};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
