@@ -100,8 +100,8 @@ impl Network {
         Ok(Self { architecture, layers, weights, path, fingerprint })
     }
 
-    /// The bytes of a file: see [`Self::from_bytes`]. They are put together anew: who only runs a
-    /// network has its weights in memory once.
+    /// The bytes of a file: see [`Self::from_bytes`]. They are put together anew: whoever only runs a
+    /// network in floats has its weights in memory once.
     pub fn to_bytes(&self) -> Vec<u8> {
         let stored: Vec<Stored> = self.stored().map(f16::to_le_bytes).collect();
         file::encode(&self.architecture, self.arithmetic(), &stored)

@@ -1,8 +1,8 @@
 //! A network's layers with the weights of its file, one after the other.
 //!
-//! A layer is packed from here, a block of outputs at a time: of weights that are kept as something
-//! smaller there never are more floats in memory than one block's. A process that answers one
-//! question would spend much of its time on getting that memory.
+//! A layer is packed from here, a block of outputs at a time, so that weights which are kept as
+//! integers never lie in memory as floats but for one block: a process that answers one question
+//! would spend much of its time on getting that memory.
 
 use crate::architecture::Architecture;
 use crate::lanes::Lanes;

@@ -24,9 +24,9 @@ use packed::PackedIntegers;
 /// A weight is an integer of -127 to 127 times a factor of its output. Values that are not below 0,
 /// as behind a rectifier, are integers of 0 to 255 times a 255th of the layer's largest. Products
 /// are summed exactly. The first layer, whose inputs have either sign, and the heads are computed
-/// in floats. (B. Jacob et al., "Quantization and Training of Neural Networks
-/// for Efficient Integer-Arithmetic-Only Inference", CVPR 2018; here the factors of values follow
-/// each picture's, so that no pictures are needed to choose them.)
+/// in floats. (B. Jacob et al., "Quantization and Training of Neural Networks for Efficient
+/// Integer-Arithmetic-Only Inference", CVPR 2018; here the factors of values follow each picture's,
+/// so that no pictures are needed to choose them.)
 ///
 /// One input has one output, to the last bit, on every processor, as a network's.
 #[derive(Clone)]
@@ -71,7 +71,8 @@ impl QuantisedNetwork {
     /// [`Path`]. The weights themselves are not kept.
     ///
     /// # Errors
-    /// Bytes that are no network's, of another version, cut short, or damaged.
+    /// Bytes that are no network's, of another version, cut short, or damaged, and weights that are
+    /// not finite or so large that outputs might not be.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         Self::read(bytes, Path::best())
     }
