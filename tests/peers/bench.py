@@ -57,6 +57,9 @@ def arguments() -> argparse.Namespace:
         metavar="LABELS.csv",
         help="with an index: the pictures that are searched for beside renders; default: the sample pictures",
     )
+    parser.add_argument(
+        "--entries", type=int, metavar="N", help="with an index: take N of its entries, evenly; default: all"
+    )
     parser.add_argument("--work", type=Path, required=True, help="folder that keeps truth and built indexes")
     parser.add_argument("--only", type=names, help="comma-separated contenders, or beginnings of their names")
     parser.add_argument("--skip", type=names, default=[], help="likewise")
@@ -84,6 +87,8 @@ def arguments() -> argparse.Namespace:
     given = parser.parse_args()
     if len(given.data) > 2 or (len(given.data) == 1 and given.data[0].endswith(".npy")):
         parser.error("name one index, or two arrays")
+    if given.entries is not None and (len(given.data) == 2 or given.entries < 1):
+        parser.error("--entries takes some of an index's entries, at least one")
     return given
 
 
@@ -112,7 +117,7 @@ def say(text: str) -> None:
 def data(given: argparse.Namespace, work: Path) -> vectors.Vectors:
     """What is compared on."""
     if len(given.data) == 1:
-        return vectors.of_index(given.data[0], given.pictures, work, given.binaries)
+        return vectors.of_index(given.data[0], given.pictures, work, given.binaries, given.entries)
     base, queries = (str(Path(path).resolve()) for path in given.data)
     dim = checked_shape(base)[1]
     return vectors.Vectors(base, {given.data[1]: queries}, held_out="", descriptor=f"D = {dim}")

@@ -49,6 +49,13 @@ class Pictures(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "names no picture with a mask"):
             vectors.cut_out(labels, self.at / "out")
 
+    def test_some_entries_are_taken_evenly(self) -> None:
+        rows = np.arange(10, dtype=np.float32).reshape(5, 2)
+        np.testing.assert_array_equal(vectors.evenly(rows, 5), rows)
+        np.testing.assert_array_equal(vectors.evenly(rows, 2), rows[[0, 2]])
+        with self.assertRaisesRegex(ValueError, "has 5 entries, 6 are asked for"):
+            vectors.evenly(rows, 6)
+
     def test_the_preset_is_the_one_that_the_index_was_built_by(self) -> None:
         facts = {"provenance": [{"name": "options", "value": '{"version":1,"preset":"wide"}'}]}
         self.assertEqual(vectors.preset(facts), "wide")

@@ -8,6 +8,8 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from peers.ours import tool
 
 SAMPLES = Path(__file__).resolve().parent.parent / "pictures" / "labels.csv"
@@ -32,8 +34,8 @@ class Vectors:
     """For the table's head."""
 
 
-def of_index(index: str, pictures: Path, work: Path, binaries: str) -> Vectors:
-    """Writes the arrays into `work`. Raises ValueError saying what does not fit, and OSError.
+def of_index(index: str, pictures: Path, work: Path, binaries: str, entries: int | None = None) -> Vectors:
+    """Writes the arrays into `work`, of all entries or of so many. Raises ValueError saying what does not fit, and OSError.
 
     The queries are of two kinds: `moved`, of hands that no index holds, rendered as the index's own and moved as far
     from their neighbours as real pictures are; and `pictures`, of the hands in a table of labelled pictures, as
@@ -46,6 +48,8 @@ def of_index(index: str, pictures: Path, work: Path, binaries: str) -> Vectors:
         raise ValueError(f"{index} is not of pictures: name an index that recognises, or two arrays")
     base, moved, held_out, seen = (work / f"{array}.npy" for array in ("base", "moved", "held_out", "pictures"))
     called(builder, "export", index, "--descriptors", base)
+    if entries is not None:
+        np.save(base, evenly(np.load(base), entries))
     describe = ["--descriptor", name, "--preset", preset(facts)]
     called(builder, "queries", *describe, "--seed", MOVED_SEED, "--out", moved)
     called(builder, "queries", *describe, "--seed", HELD_OUT_SEED, "--out", held_out)
@@ -64,6 +68,13 @@ def of_index(index: str, pictures: Path, work: Path, binaries: str) -> Vectors:
         held_out=str(held_out),
         descriptor=f"`{name}`, D = {dim}",
     )
+
+
+def evenly(rows: np.ndarray, count: int) -> np.ndarray:
+    """So many of the rows, from first to last; raises ValueError where there are fewer."""
+    if count > len(rows):
+        raise ValueError(f"the index has {len(rows):,} entries, {count:,} are asked for")
+    return rows[np.arange(count) * len(rows) // count]
 
 
 def preset(facts: dict) -> str:

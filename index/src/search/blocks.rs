@@ -196,11 +196,10 @@ pub(crate) enum Precision {
 pub(crate) struct QuantisedQuery {
     /// The values in units of `step`, zeros up to a multiple of 4.
     pub(crate) values: Vec<i16>,
-    /// Four values as 16-bit numbers.
-    pub(crate) quads: Vec<i64>,
-    /// Four values as bytes, split into `HALF * high + low`: high ones, low ones.
-    pub(crate) halves: Vec<[i32; 2]>,
-    /// Where it is coarse, all low halves are 0.
+    /// The values as bytes, `HALF * high + low`: the high ones, signed.
+    pub(crate) high: Vec<u8>,
+    /// The low ones; where the query is coarse, all of them are 0.
+    pub(crate) low: Vec<u8>,
     pub(crate) precision: Precision,
     /// What [`CODE_ZERO`] adds to every dot product with codes.
     pub(crate) bias: i32,
@@ -249,20 +248,11 @@ impl QuantisedQuery {
         self.values.clear();
         self.values.extend(values);
         self.values.resize(self.values.len().next_multiple_of(4), 0);
-        self.quads.clear();
-        self.halves.clear();
-        let mut sum = 0;
-        for four in self.values.as_chunks::<4>().0 {
-            let (mut quad, mut high, mut low) = (0i64, 0i32, 0i32);
-            for (at, &value) in four.iter().enumerate() {
-                sum += i32::from(value);
-                quad |= i64::from(value as u16) << (16 * at);
-                high |= i32::from((value >> 7) as u8) << (8 * at);
-                low |= i32::from((value & 127) as u8) << (8 * at);
-            }
-            self.quads.push(quad);
-            self.halves.push([high, low]);
-        }
+        self.high.clear();
+        self.high.extend(self.values.iter().map(|value| (value >> 7) as u8));
+        self.low.clear();
+        self.low.extend(self.values.iter().map(|value| (value & 127) as u8));
+        let sum: i32 = self.values.iter().map(|&value| i32::from(value)).sum();
         self.bias = CODE_ZERO * sum;
     }
 }

@@ -74,7 +74,8 @@ pub(crate) fn build<E: Send>(
     let rows = source.rows;
     let hash = match params {
         HashParams::Learned => {
-            OwnedHash::Learned(fit(rows, Simd::best(), &|share| progress(Phase::Tables, share))?)
+            let progress = |share| progress(Phase::Tables, share);
+            OwnedHash::Learned(fit(rows, keeps_descriptors, Simd::best(), &progress)?)
         }
         HashParams::Random(params) => {
             let size = match params {

@@ -116,7 +116,7 @@ proptest! {
     #[test]
     fn with_all_buckets_a_learned_search_is_brute_force(values in rows(), query in prop::array::uniform5(0..4u8), k in 1..20usize) {
         let (rows, query) = (Rows { values: &values, dim: DIM }, query.map(f32::from));
-        let fitted = fit::<()>(rows, Simd::best(), &|_| Ok(())).expect("nothing stops it");
+        let fitted = fit::<()>(rows, true, Simd::best(), &|_| Ok(())).expect("nothing stops it");
         let hash = Hash::Learned(fitted.as_learned());
         let all = brute_force(rows, &query);
         for simd in Simd::available() {
@@ -133,7 +133,7 @@ proptest! {
     #[test]
     fn every_path_learns_the_same_hash(values in prop::collection::vec(-1.0..1.0f32, 40 * DIM..400 * DIM)) {
         let rows = Rows { values: &values[..values.len() / DIM * DIM], dim: DIM };
-        let fitted = |simd| fit::<()>(rows, simd, &|_| Ok(())).expect("nothing stops it");
+        let fitted = |simd| fit::<()>(rows, true, simd, &|_| Ok(())).expect("nothing stops it");
         let expected = fitted(Simd::best());
         for simd in Simd::available() {
             let other = fitted(simd);
@@ -150,7 +150,7 @@ proptest! {
     #[test]
     fn every_row_is_in_one_learned_bucket(values in rows()) {
         let rows = Rows { values: &values, dim: DIM };
-        let fitted = fit::<()>(rows, Simd::best(), &|_| Ok(())).expect("nothing stops it");
+        let fitted = fit::<()>(rows, true, Simd::best(), &|_| Ok(())).expect("nothing stops it");
         let learned = fitted.as_learned();
         let mut ids: Vec<u32> =
             learned.files[0].blocks.iter().flat_map(|block| (0..blocks::LANES).map(move |lane| block.id(lane))).collect();

@@ -21,9 +21,9 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
     for block in run.iter() {
         // Each register holds four vectors, two sums of two axes each.
         let mut sums = [_mm256_setzero_si256(); 4];
-        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter().zip(&query.quads);
-        for (codes, &quad) in groups {
-            let values = _mm256_set1_epi64x(quad);
+        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter().zip(query.values.as_chunks::<4>().0);
+        for (codes, &four) in groups {
+            let values = _mm256_set1_epi64x(bytemuck::cast(four));
             for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
                 *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(_mm256_cvtepu8_epi16(load(codes)), values));
             }

@@ -57,17 +57,19 @@ fn score<const N: usize, const LOW: bool>(
     into: &mut Smallest,
 ) {
     let codes = blocks.map(|block| block.codes.as_chunks::<{ 4 * LANES }>().0);
-    let groups = codes.iter().fold(query.halves.len(), |groups, codes| groups.min(codes.len()));
-    let (pairs, last) = query.halves[..groups].as_chunks::<2>();
+    let (high, low) = (query.high.as_chunks::<4>().0, query.low.as_chunks::<4>().0);
+    let groups = codes.iter().fold(high.len().min(low.len()), |groups, codes| groups.min(codes.len()));
+    let (high, last_high) = high[..groups].as_chunks::<2>();
+    let (low, last_low) = low[..groups].as_chunks::<2>();
     let codes = codes.map(|codes| {
-        let (pair_codes, last) = codes[..groups].as_chunks::<2>();
-        (&pair_codes[..pairs.len()], last)
+        let (pairs, last) = codes[..groups].as_chunks::<2>();
+        (&pairs[..high.len()], last)
     });
     // The high and the low half of each block's even and odd groups.
     let mut sums = [[[_mm512_setzero_si512(); 2]; 2]; N];
-    for (at, pair) in pairs.iter().enumerate() {
-        for (odd, half) in pair.iter().enumerate() {
-            let (high, low) = (_mm512_set1_epi32(half[0]), _mm512_set1_epi32(half[1]));
+    for (at, pair) in high.iter().zip(low).enumerate() {
+        for odd in 0..2 {
+            let (high, low) = (four(pair.0[odd]), four(pair.1[odd]));
             for (sums, (codes, _)) in sums.iter_mut().zip(&codes) {
                 let codes = load(&codes[at][odd]);
                 sums[odd][0] = _mm512_dpbusd_epi32(sums[odd][0], codes, high);
@@ -77,8 +79,8 @@ fn score<const N: usize, const LOW: bool>(
             }
         }
     }
-    for half in last {
-        let (high, low) = (_mm512_set1_epi32(half[0]), _mm512_set1_epi32(half[1]));
+    for (&high, &low) in last_high.iter().zip(last_low) {
+        let (high, low) = (four(high), four(low));
         for (sums, (_, codes)) in sums.iter_mut().zip(&codes) {
             for codes in *codes {
                 let codes = load(codes);
@@ -106,6 +108,13 @@ fn score<const N: usize, const LOW: bool>(
             into.offer(block, &found, mask);
         }
     }
+}
+
+/// Four values of a query, for each of sixteen vectors.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn four(values: [u8; 4]) -> __m512i {
+    _mm512_set1_epi32(i32::from_ne_bytes(values))
 }
 
 #[inline]
@@ -190,9 +199,11 @@ pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut 
         let columns = Columns { matrix, offset, vector, start };
         start += match (axes - start) / LANES {
             8.. => columns.project::<8>(out),
-            4.. => columns.project::<4>(out),
-            2.. => columns.project::<2>(out),
-            _ => columns.project::<1>(out),
+            7 => columns.project::<7>(out),
+            6 => columns.project::<6>(out),
+            4 | 5 => columns.project::<4>(out),
+            2 | 3 => columns.project::<2>(out),
+            0 | 1 => columns.project::<1>(out),
         };
     }
 }

@@ -140,15 +140,13 @@ fn quantised_values_are_near_and_their_forms_agree() {
     let mut query = QuantisedQuery::default();
     for (precision, bits) in [(Precision::Fine, 14), (Precision::Coarse, 7)] {
         query.set(&coordinates, precision);
-        assert_eq!((query.values.len(), query.quads.len(), query.halves.len()), (32, 8, 8));
+        assert_eq!((query.values.len(), query.high.len(), query.low.len()), (32, 32, 32));
         for (at, &value) in query.values.iter().enumerate() {
             let coordinate = coordinates.get(at).copied().unwrap_or(0.0);
             assert!((f32::from(value) * query.step - coordinate).abs() <= 0.6 / f32::from(1i16 << bits));
-            let byte = |half: i32| i32::from((half >> (8 * (at % 4))) as i8);
-            let [high, low] = query.halves[at / 4];
-            assert_eq!(128 * byte(high) + byte(low), i32::from(value));
+            let (high, low) = (query.high[at] as i8, query.low[at] as i8);
+            assert_eq!(128 * i32::from(high) + i32::from(low), i32::from(value));
             assert!(precision == Precision::Fine || low == 0);
-            assert_eq!((query.quads[at / 4] >> (16 * (at % 4))) as i16, value);
         }
     }
     // All zeros, and what no finite query holds: no panic, and no NaN among the units.

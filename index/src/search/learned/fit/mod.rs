@@ -19,7 +19,7 @@ use rkyv::util::AlignedVec;
 
 /// Entries of a bucket, on average, that are aimed at: with fewer, more centres have to be ranked;
 /// with more, more entries scanned.
-const BUCKET: usize = 56;
+const BUCKET: usize = 70;
 /// The most planes: buckets are numbered in 32 bits, and this many hold four thousand million
 /// entries.
 pub(crate) const MAX_PLANES: u32 = 26;
@@ -71,14 +71,16 @@ fn planes(rows: usize) -> u32 {
 }
 
 /// Learns a hash for the rows: the same one at any number of threads and on any machine's
-/// instructions. `progress` hears the share that is done, and stops the work by returning an error.
+/// instructions. `keeps_descriptors`: whether the index keeps them, to measure the best exactly.
+/// `progress` hears the share that is done, and stops the work by returning an error.
 pub(crate) fn fit<E: Send>(
     rows: Rows<'_>,
+    keeps_descriptors: bool,
     simd: Simd,
     progress: &dyn Fn(f64) -> Result<(), E>,
 ) -> Result<Fitted, E> {
     let planes = planes(rows.len());
-    let axes = axes::fit(rows);
+    let axes = axes::fit(rows, keeps_descriptors);
     progress(0.05)?;
     let (mut codes, centre_scale) = quantise(rows, &axes, simd);
     progress(0.15)?;
