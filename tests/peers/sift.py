@@ -2,7 +2,8 @@
 
     python sift.py base.npy queries.npy && python bench.py base.npy queries.npy --work sift-work
 
-Queries are of other photographs than the base: the right picture of a stereo pair whose left is in it, and a flower."""
+Queries are of other photographs than the base: the right picture of a stereo pair whose left is in it, and a flower.
+"""
 
 from __future__ import annotations
 

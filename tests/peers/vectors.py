@@ -35,7 +35,8 @@ class Vectors:
 
 
 def of_index(index: str, pictures: Path, work: Path, binaries: str, entries: int | None = None) -> Vectors:
-    """Writes the arrays into `work`, of all entries or of so many. Raises ValueError saying what does not fit, and OSError.
+    """Writes the arrays into `work`, of all entries or of so many. Raises ValueError saying what does not fit, and
+    OSError.
 
     The queries are of two kinds: `moved`, of hands that no index holds, rendered as the index's own and moved as far
     from their neighbours as real pictures are; and `pictures`, of the hands in a table of labelled pictures, as
@@ -46,7 +47,9 @@ def of_index(index: str, pictures: Path, work: Path, binaries: str, entries: int
     name, dim = facts["descriptor"]["name"], facts["descriptor"]["dim"]
     if not facts["recognises"]:
         raise ValueError(f"{index} is not of pictures: name an index that recognises, or two arrays")
-    base, moved, held_out, seen = (work / f"{array}.npy" for array in ("base", "moved", "held_out", "pictures"))
+    base, moved, held_out, seen = (
+        work / f"{array}.npy" for array in ("base", "moved", "held_out", "pictures")
+    )
     called(builder, "export", index, "--descriptors", base)
     if entries is not None:
         np.save(base, evenly(np.load(base), entries))
