@@ -16,8 +16,8 @@ import numpy as np
 
 BASE = {
     "skimage.data": (
-        "astronaut.png brick.png camera.png chelsea.png coffee.png coins.png grass.png gravel.png hubble_deep_field.jpg "
-        "ihc.png moon.png motorcycle_left.png retina.jpg rocket.jpg"
+        "astronaut.png brick.png camera.png chelsea.png coffee.png coins.png grass.png gravel.png "
+        "hubble_deep_field.jpg ihc.png moon.png motorcycle_left.png retina.jpg rocket.jpg"
     ).split(),
     "sklearn.datasets.images": ["china.jpg"],
 }

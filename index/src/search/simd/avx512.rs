@@ -199,11 +199,9 @@ pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut 
         let columns = Columns { matrix, offset, vector, start };
         start += match (axes - start) / LANES {
             8.. => columns.project::<8>(out),
-            7 => columns.project::<7>(out),
-            6 => columns.project::<6>(out),
-            4 | 5 => columns.project::<4>(out),
-            2 | 3 => columns.project::<2>(out),
-            0 | 1 => columns.project::<1>(out),
+            4.. => columns.project::<4>(out),
+            2.. => columns.project::<2>(out),
+            _ => columns.project::<1>(out),
         };
     }
 }
