@@ -59,3 +59,13 @@ fn a_trained_network_describes_an_index_that_recognises() {
     assert!(answer.status <= 1, "{}", answer.stderr);
     assert_eq!(answer.json_lines()[0]["classes"].as_array().map(Vec::len), Some(6));
 }
+
+#[test]
+fn a_descriptors_network_is_shown_no_scenes_to_leave_something_out_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = ["train", "--out", "hand.network", "--samples", "64", "--without", "skin"];
+    let outcome = run(program("grasp-builder").args(train).current_dir(folder.path()));
+    assert_ne!(outcome.status, 0);
+    assert!(outcome.stderr.contains("give --kind scene, naming or thing as well"), "{}", outcome.stderr);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -55,7 +55,8 @@ def of_index(index: str, pictures: Path, work: Path, binaries: str, entries: int
         np.save(base, evenly(np.load(base), entries))
     describe = ["--descriptor", name, "--preset", preset(facts)]
     called(builder, "queries", *describe, "--seed", MOVED_SEED, "--out", moved)
-    called(builder, "queries", *describe, "--seed", HELD_OUT_SEED, "--out", held_out)
+    # A build moves them itself.
+    called(builder, "queries", *describe, "--clean", "--seed", HELD_OUT_SEED, "--out", held_out)
     count = cut_out(pictures, work / "pictures")
     shown = work / "pictures.idx"
     plain = ["--originals", "f32", "--thumbnails", 0]

@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use anyhow::ensure;
 use grasp_network::Network;
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
@@ -10,7 +11,7 @@ use grasp_terminal::text::{counted, shown};
 use super::seed::DEFAULT_SEED;
 use crate::descriptor::read_network;
 use crate::interrupt;
-use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, Options, Schedule, Trained, train};
+use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, LeftOut, Options, Schedule, Trained, train};
 
 /// Train the network of a learned descriptor on renders that are drawn as it goes.
 ///
@@ -80,11 +81,20 @@ pub(crate) struct Train {
     /// Train on so many hand shapes, for experiments; without it, on ever new ones.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     hands: Option<u64>,
+    /// Leave out a kind of what is random in scenes (--kind scene, naming or thing), for
+    /// experiments: what does it bring? May be given several times.
+    #[arg(long, value_name = "KIND", value_enum)]
+    without: Vec<LeftOut>,
 }
 
 impl Train {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        ensure!(
+            self.without.is_empty() || self.kind != Kind::Hand,
+            "--without leaves something out of scenes, and the network of a learned descriptor is shown \
+             none: give --kind scene, naming or thing as well"
+        );
         let start = self.from.as_deref().map(read_network).transpose()?;
         let options = Options {
             kind: self.kind,
@@ -97,6 +107,7 @@ impl Train {
             start: start.as_ref().map(Network::fingerprint),
             peak_rate: self.rate,
             keep_percent: self.keep,
+            left_out: self.left_out(),
         };
         let files = self.files();
         let schedule = Schedule::standard(self.kind);
@@ -117,6 +128,14 @@ impl Train {
         }
         writeln!(stdout, "  curve: {}", shown(&files.curve))?;
         Ok(())
+    }
+
+    /// Each once, in one order: the same training, however it is asked for.
+    fn left_out(&self) -> Vec<LeftOut> {
+        let mut left_out = self.without.clone();
+        left_out.sort_unstable();
+        left_out.dedup();
+        left_out
     }
 
     fn files(&self) -> Files {

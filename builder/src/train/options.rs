@@ -5,6 +5,8 @@ use std::fmt;
 use grasp_renders::PoseGroup;
 use serde::{Deserialize, Serialize};
 
+use super::left_out::LeftOut;
+
 /// Samples from one validation to the next, unless others are asked for.
 pub const DEFAULT_VALIDATE_EVERY: u64 = 100_000;
 
@@ -46,16 +48,6 @@ impl Kind {
             Self::Thing => 1_000_000,
         }
     }
-
-    /// How many of a batch's samples are augmented hard at a step.
-    pub(super) fn hard_samples(self, batch: usize, step: u64, steps: u64) -> usize {
-        let most = match self {
-            Self::Hand | Self::Scene => HARD_AT_MOST,
-            Self::Naming | Self::Thing => HARD_AT_MOST_NAMED,
-        };
-        let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(most);
-        (share * batch as f64).ceil() as usize
-    }
 }
 
 /// What the trained network and its curve follow from.
@@ -82,12 +74,14 @@ pub struct Options {
     /// How much of that network's weights the network that is written has, in percent; the rest is
     /// of the trained ones.
     pub keep_percent: u8,
+    /// What is not random in its scenes.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, samples, seed, validate_every, start, peak_rate, keep_percent, .. } = self;
+        let Self { kind, samples, seed, validate_every, start, peak_rate, keep_percent, left_out, .. } = self;
         match kind {
             Kind::Hand => (),
             Kind::Scene => write!(formatter, "--kind scene ")?,
@@ -110,11 +104,27 @@ impl fmt::Display for Options {
         if let Some(rate) = peak_rate {
             write!(formatter, " --rate {rate}")?;
         }
-        if *keep_percent > 0 { write!(formatter, " --keep {keep_percent}") } else { Ok(()) }
+        if *keep_percent > 0 {
+            write!(formatter, " --keep {keep_percent}")?;
+        }
+        left_out.iter().try_for_each(|kind| write!(formatter, " --without {}", kind.name()))
     }
 }
 
 impl Options {
+    /// How many of a batch's samples are augmented hard at a step.
+    pub(super) fn hard_samples(&self, batch: usize, step: u64, steps: u64) -> usize {
+        if self.left_out.contains(&LeftOut::Hard) {
+            return 0;
+        }
+        let most = match self.kind {
+            Kind::Hand | Kind::Scene => HARD_AT_MOST,
+            Kind::Naming | Kind::Thing => HARD_AT_MOST_NAMED,
+        };
+        let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(most);
+        (share * batch as f64).ceil() as usize
+    }
+
     /// The learning rate after the warm-up.
     pub(super) fn peak_rate(&self) -> f32 {
         let usual = if self.start.is_some() { PEAK_RATE_OF_TRAINED } else { PEAK_RATE };

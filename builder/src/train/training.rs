@@ -195,7 +195,7 @@ fn batch<C: Course>(
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_picks());
     rng.set_stream(step);
     let picks: Vec<&C::Render> = (0..schedule.batch).filter_map(|_| window.pick(&mut rng)).collect();
-    let hard = options.kind.hard_samples(schedule.batch, step, schedule.steps(options.samples));
+    let hard = options.hard_samples(schedule.batch, step, schedule.steps(options.samples));
     let first = schedule.samples(step);
     let lesson = |(at, render): (usize, &&C::Render)| {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed_of_variations());

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use super::clutter::Clutter;
 use super::lattice::Lattice;
 use super::palette::{self, Rgb, Surroundings, mix, scale};
+use super::randomised::Randomised;
 use crate::random::{between, normal, unit};
 
 /// How often a ground is a pale wall or table.
@@ -58,7 +59,10 @@ pub(super) struct Background {
 
 impl Background {
     /// Behind a hand whose skin has such a colour.
-    pub(super) fn random(skin: Rgb, rng: &mut ChaCha8Rng) -> Self {
+    pub(super) fn random(skin: Rgb, randomised: Randomised, rng: &mut ChaCha8Rng) -> Self {
+        if !randomised.background {
+            return Self::plain(palette::any(rng));
+        }
         let colours = Surroundings { like: (unit(rng) < LIKE_SKIN).then_some(skin) };
         let turn = |rng: &mut ChaCha8Rng| {
             let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(rng));
@@ -93,11 +97,23 @@ impl Background {
         let light = libm::exp(0.25 + 0.6 * normal(rng)) as f32;
         let turn = turn(rng);
         let mut out = Self { grounds, edge: [cos, sin, far as f32], turn, things, clutter: None, light };
-        if unit(rng) < CLUTTERED {
+        if unit(rng) < CLUTTERED && randomised.clutter {
             out.things.clear();
             out.clutter = Some(Clutter::random(|u, v, field| out.colour(u, v, field), colours, rng));
         }
         out
+    }
+
+    /// One colour.
+    fn plain(colour: Rgb) -> Self {
+        Self {
+            grounds: [(Ground::Gradient, [colour; 2]); 2],
+            edge: [1.0, 0.0, 9.0],
+            turn: [0.0, 1.0],
+            things: Vec::new(),
+            clutter: None,
+            light: 1.0,
+        }
     }
 
     /// What is seen at a place of the picture, 0 to 1 right and down, where the room is full of

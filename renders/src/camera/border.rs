@@ -28,6 +28,9 @@ pub(super) struct Border {
 }
 
 impl Border {
+    /// Of a picture that goes on wherever it is looked at.
+    pub(super) const NONE: Self = Self { along: [1.0, 0.0], low: [f32::MIN; 2], high: [f32::MAX; 2] };
+
     /// Of a square around a hand.
     pub(super) fn near(rng: &mut ChaCha8Rng) -> Self {
         let turn = between(rng, [-TURN, TURN]);

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::border::Border;
 use super::marks::Mark;
+use super::randomised::Randomised;
 use super::scene::{CameraScene, FIRST_OBJECT};
 use super::shut::shut;
 use crate::random::{between, normal, unit};
@@ -96,6 +97,7 @@ pub struct Layers {
     hand: Patch,
     thing: Patch,
     pub(super) is_sleeved: bool,
+    pub(super) randomised: Randomised,
     /// The rotation from the hand's frame into the camera's.
     pub camera_from_hand: UnitQuaternion<f64>,
 }
@@ -132,11 +134,12 @@ impl Layers {
         }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
-        Self { texels, centre, size, hand, thing, is_sleeved: scene.is_sleeved, camera_from_hand }
+        let CameraScene { is_sleeved, randomised, .. } = *scene;
+        Self { texels, centre, size, hand, thing, is_sleeved, randomised, camera_from_hand }
     }
 
     /// A view of nothing: what lies behind is all that there is.
-    pub fn of_nothing() -> Self {
+    pub fn of_nothing(randomised: Randomised) -> Self {
         Self {
             texels: vec![Texel::default(); SIDE * SIDE],
             centre: [SIDE as f32 / 2.0; 2],
@@ -144,6 +147,7 @@ impl Layers {
             hand: Patch::default(),
             thing: Patch::default(),
             is_sleeved: false,
+            randomised,
             camera_from_hand: UnitQuaternion::identity(),
         }
     }
@@ -358,7 +362,8 @@ impl Framing {
             true => std::f64::consts::TAU * unit(rng),
             false => turn * normal(rng),
         };
-        Self::of(layers, sizes, Self::NEAR_OFF, turn, Border::near(rng), rng)
+        let border = if layers.randomised.borders { Border::near(rng) } else { Border::NONE };
+        Self::of(layers, sizes, Self::NEAR_OFF, turn, border, rng)
     }
 
     /// A larger square with the hand anywhere in it, the arm from anywhere, but often from below.

@@ -74,6 +74,19 @@ impl Light {
         }
     }
 
+    /// One lamp above the camera, half of the light from everywhere, and no shadows but in hollows.
+    pub(super) fn even() -> Self {
+        let lamp = Lamp { toward: unit_of([0.0, -0.8, -0.5]), colour: [0.6; 3], width: 0.4 };
+        Self {
+            lamps: vec![lamp],
+            even: [0.5; 3],
+            sky: [0.0, -1.0, 0.0],
+            slope: 0.0,
+            hollows: 0.6,
+            shadows: 0.0,
+        }
+    }
+
     /// How much of each lamp's light comes in at a texel of the view.
     pub(super) fn shares(&self, layers: &Layers, x: f32, y: f32) -> Shares {
         let mut shares = [1.0; LAMPS];
@@ -152,14 +165,15 @@ fn unit_of(v: [f64; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::CameraScene;
+    use crate::camera::{CameraScene, Randomised};
     use crate::plan::{Preset, RenderPlan};
     use crate::view::View;
     use rand::SeedableRng;
 
     fn view(seed: u64) -> Layers {
         let specs = RenderPlan::preset(Preset::Paper).scenes();
-        let scene = CameraScene::build(&specs[seed as usize % specs.len()], true, seed).expect("a scene");
+        let scene = CameraScene::build(&specs[seed as usize % specs.len()], true, Randomised::ALL, seed)
+            .expect("a scene");
         scene.layers(&View::random(&mut ChaCha8Rng::seed_from_u64(seed)), 3.0)
     }
 

@@ -17,6 +17,7 @@ mod marks;
 mod optics;
 mod paint;
 mod palette;
+mod randomised;
 mod scene;
 mod shading;
 mod shut;
@@ -26,4 +27,5 @@ mod wrist;
 
 pub use layers::{Framing, Layers};
 pub use paint::{Part, Picture};
+pub use randomised::Randomised;
 pub use scene::CameraScene;

@@ -39,6 +39,13 @@ pub(super) fn develop(rgb: &mut [f32], side: usize, enlarged: f32, rng: &mut Cha
     }
 }
 
+/// The same as a camera without faults would: it brings the mean to about a sixth.
+pub(super) fn develop_ideally(rgb: &mut [f32]) {
+    let mean = rgb.iter().sum::<f32>() / rgb.len().max(1) as f32;
+    let (gain, curve) = (0.17 / mean.max(0.01), Curve::power(1.0 / 2.2));
+    rgb.iter_mut().for_each(|value| *value = curve.at(*value * gain));
+}
+
 /// Brightness, white balance, tone curve, contrast and saturation.
 fn expose(rgb: &mut [f32], rng: &mut ChaCha8Rng) {
     let mean = rgb.iter().sum::<f32>() / rgb.len().max(1) as f32;

@@ -6,8 +6,9 @@ use super::background::Background;
 use super::lattice::Lattice;
 use super::layers::{Framing, Layers, Texel};
 use super::light::Light;
-use super::optics::develop;
+use super::optics::{develop, develop_ideally};
 use super::palette::{Rgb, scale};
+use super::randomised::Randomised;
 use super::scene::FIRST_OBJECT;
 use super::surface::{Material, Skin};
 use crate::random::{between, normal, unit};
@@ -63,9 +64,9 @@ impl Layers {
     /// A picture of what a framing shows of the view, `side` pixels a side; everything that a view
     /// leaves open is random.
     pub fn paint(&self, framing: &Framing, side: usize, rng: &mut ChaCha8Rng) -> Picture {
-        let surfaces = Surfaces::random(self.is_sleeved, rng);
-        let background = Background::random(surfaces.skin.colour(), rng);
-        let shadow = Shadow::random(framing.side, rng);
+        let surfaces = Surfaces::random(self.is_sleeved, self.randomised, rng);
+        let background = Background::random(surfaces.skin.colour(), self.randomised, rng);
+        let shadow = if self.randomised.light { Shadow::random(framing.side, rng) } else { Shadow::NONE };
         let map = framing.map();
         let mut picture = Picture {
             side,
@@ -105,25 +106,29 @@ impl Layers {
                 picture.masks.iter_mut().zip(parts).for_each(|(mask, count)| mask.push(count * share));
             }
         }
-        develop(&mut picture.rgb, side, side as f32 / framing.side, rng);
+        match self.randomised.camera {
+            true => develop(&mut picture.rgb, side, side as f32 / framing.side, rng),
+            false => develop_ideally(&mut picture.rgb),
+        }
         picture
     }
 }
 
 impl Surfaces {
-    fn random(is_sleeved: bool, rng: &mut ChaCha8Rng) -> Self {
+    fn random(is_sleeved: bool, randomised: Randomised, rng: &mut ChaCha8Rng) -> Self {
         let cloth = is_sleeved.then(|| Material::cloth(rng));
-        let watch = (unit(rng) < WATCH).then(|| {
+        let watch = (unit(rng) < WATCH && randomised.arms).then(|| {
             let from = between(rng, [0.022, 0.05]) as f32;
             [from, from + between(rng, [0.012, 0.035]) as f32]
         });
+        let material = if randomised.materials { Material::random } else { Material::plain };
         Self {
-            skin: Skin::random(rng),
+            skin: if randomised.skin { Skin::random(rng) } else { Skin::even() },
             cloth,
             watch,
             strap: Material::random(rng),
-            things: (0..MATERIALS).map(|_| Material::random(rng)).collect(),
-            light: Light::random(rng),
+            things: (0..MATERIALS).map(|_| material(rng)).collect(),
+            light: if randomised.light { Light::random(rng) } else { Light::even() },
             field: Lattice::random(rng),
         }
     }
@@ -168,6 +173,8 @@ struct Shadow {
 }
 
 impl Shadow {
+    const NONE: Self = Self { by: [0.0; 2], strength: 0.0 };
+
     fn random(side: f32, rng: &mut ChaCha8Rng) -> Self {
         let strength = if unit(rng) < 0.4 { (0.7 * unit(rng)) as f32 } else { 0.0 };
         Self { by: [0; 2].map(|_| 0.08 * side * normal(rng) as f32), strength }
@@ -199,7 +206,7 @@ mod tests {
 
     fn view(scene: usize, is_held: bool, view: u64) -> Layers {
         let specs = RenderPlan::preset(Preset::Paper).scenes();
-        let scene = CameraScene::build(&specs[scene], is_held, view).expect("a scene");
+        let scene = CameraScene::build(&specs[scene], is_held, Randomised::ALL, view).expect("a scene");
         let mut rng = ChaCha8Rng::seed_from_u64(view);
         scene.layers(&View::random(&mut rng), 3.0)
     }
@@ -218,6 +225,47 @@ mod tests {
         };
         assert_eq!(paint(3), paint(3));
         assert_ne!(paint(3).rgb, paint(4).rgb);
+    }
+
+    #[test]
+    fn without_all_that_is_random_a_hand_looks_the_same_each_time() {
+        let specs = RenderPlan::preset(Preset::Paper).scenes();
+        let nothing = Randomised {
+            light: false,
+            background: false,
+            clutter: false,
+            skin: false,
+            materials: false,
+            things: false,
+            arms: false,
+            camera: false,
+            borders: false,
+        };
+        let hand = |randomised, seed| {
+            let scene = CameraScene::build(&specs[0], true, randomised, 1).expect("a scene");
+            let layers = scene.layers(&View::random(&mut ChaCha8Rng::seed_from_u64(1)), 3.0);
+            let framing = Framing::near(&layers, &mut ChaCha8Rng::seed_from_u64(1));
+            let picture = layers.paint(&framing, SIDE, &mut ChaCha8Rng::seed_from_u64(seed));
+            let pixels = picture.rgb.as_chunks::<3>().0.iter().zip(&picture.masks[Part::Hand as usize]);
+            pixels.filter(|(_, share)| **share == 1.0).map(|(rgb, _)| *rgb).collect::<Vec<_>>()
+        };
+        // Up to the camera's gain, which brings the picture's mean to a sixth, and white.
+        let differ = |a: Vec<[f32; 3]>, b: Vec<[f32; 3]>| {
+            assert_eq!(a.len(), b.len());
+            let pairs = a.iter().flatten().zip(b.iter().flatten());
+            let seen = pairs.filter(|(a, b)| a.max(**b) < 0.99 && a.min(**b) > 0.05);
+            let ratios: Vec<f32> = seen.map(|(a, b)| libm::logf(a / b)).collect();
+            let gain = ratios.iter().sum::<f32>() / ratios.len() as f32;
+            ratios.iter().map(|ratio| (ratio - gain).abs()).reduce(f32::max).expect("pixels to compare")
+        };
+        assert!(differ(hand(nothing, 1), hand(nothing, 2)) < 0.02);
+        for some in [
+            Randomised { skin: true, ..nothing },
+            Randomised { light: true, ..nothing },
+            Randomised { camera: true, ..nothing },
+        ] {
+            assert!(differ(hand(some, 1), hand(some, 2)) > 0.05, "{some:?}");
+        }
     }
 
     #[test]

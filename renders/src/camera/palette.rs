@@ -44,6 +44,9 @@ pub(super) fn skin(rng: &mut ChaCha8Rng) -> Rgb {
     }))
 }
 
+/// The third of the tones of [`skin`].
+pub(super) const MEDIUM_SKIN: Rgb = [0.68, 0.35, 0.21];
+
 /// A palm's: from pale to red, whatever the back of the hand is.
 pub(super) fn palm(rng: &mut ChaCha8Rng) -> Rgb {
     let (red, bright) = (between(rng, [0.0, 0.12]), between(rng, [-0.14, 0.06]));

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::dress::dress;
 use super::marks::{Mark, marks};
+use super::randomised::Randomised;
 use super::shading::smoothed;
 use super::wrist::Wrist;
 use crate::mesh::Mesh;
@@ -41,6 +42,7 @@ pub struct CameraScene {
     pub(super) hand_vertices: usize,
     /// Whether the arm that goes on behind the hand's own forearm is in a sleeve.
     pub(super) is_sleeved: bool,
+    pub(super) randomised: Randomised,
     pub(super) world_from_hand: UnitQuaternion<f64>,
     pub(super) hand_length: f64,
     joints: JointPlaces,
@@ -48,20 +50,26 @@ pub struct CameraScene {
 
 impl CameraScene {
     /// Poses and meshes a scene, and makes of the plain body that is held a thing that people hold,
-    /// by `seed`; empty hands where `is_held` is false.
+    /// by `seed`; empty hands where `is_held` is false. Its pictures leave open what is to be
+    /// random.
     ///
     /// # Errors
     /// As [`SceneSpec::build`].
-    pub fn build(spec: &SceneSpec, is_held: bool, seed: u64) -> Result<Self, SceneError> {
+    pub fn build(
+        spec: &SceneSpec,
+        is_held: bool,
+        randomised: Randomised,
+        seed: u64,
+    ) -> Result<Self, SceneError> {
         spec.look.check()?;
         let pieces = spec.pieces();
         let joints = pieces.joints();
         let Pieces { hand, object, cut, chains } = pieces;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let is_sleeved = unit(&mut rng) < SLEEVED;
+        let is_sleeved = unit(&mut rng) < SLEEVED && randomised.arms;
         let width = if is_sleeved { between(&mut rng, SLEEVE) } else { BARE };
         let arm = arm(&spec.hand_shape, &cut, ARM_LENGTH, width);
-        let wrist = Wrist::random(&mut rng);
+        let wrist = if randomised.arms { Wrist::random(&mut rng) } else { Wrist::STRAIGHT };
         let mut scene = Self {
             hand_vertices: hand.vertices.len(),
             vertices: Vec::new(),
@@ -70,6 +78,7 @@ impl CameraScene {
             normals: Vec::new(),
             triangles: Vec::new(),
             is_sleeved,
+            randomised,
             world_from_hand: world_from_hand(&spec.grasp.up),
             hand_length: spec.hand_shape.length(),
             joints,
@@ -79,7 +88,11 @@ impl CameraScene {
         scene.bend(&wrist);
         if is_held {
             let [_, largest] = spec.grasp.object.radius;
-            for (part, mesh) in dress(&object, largest, &mut rng).iter().enumerate() {
+            let parts = match randomised.things {
+                true => dress(&object, largest, &mut rng),
+                false => vec![object.mesh()],
+            };
+            for (part, mesh) in parts.iter().enumerate() {
                 scene.add(&smoothed(mesh), FIRST_OBJECT.saturating_add(part as u8));
             }
         }

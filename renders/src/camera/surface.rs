@@ -78,6 +78,11 @@ impl Material {
         }
     }
 
+    /// Of a thing, in one colour, matt.
+    pub(super) fn plain(rng: &mut ChaCha8Rng) -> Self {
+        Self { pattern: Pattern::Plain, gloss: 0.0, metal: 0.0, ..Self::random(rng) }
+    }
+
     /// Of a sleeve.
     pub(super) fn cloth(rng: &mut ChaCha8Rng) -> Self {
         Self { gloss: 0.0, metal: 0.0, ..Self::random(rng) }
@@ -174,6 +179,25 @@ impl Skin {
             grain: between(rng, [60.0, 250.0]) as f32,
             gloss: (0.25 * unit(rng) * unit(rng)) as f32,
             hairy: if unit(rng) < 0.3 { (0.5 * unit(rng)) as f32 } else { 0.0 },
+        }
+    }
+
+    /// Of a medium tone everywhere.
+    pub(super) fn even() -> Self {
+        let colour = palette::MEDIUM_SKIN;
+        Self {
+            colour,
+            red: colour,
+            uneven: 0.0,
+            size: 50.0,
+            rough: 0.0,
+            grain: 100.0,
+            gloss: 0.05,
+            hairy: 0.0,
+            palm: colour,
+            knuckle: colour,
+            nail: colour,
+            nail_gloss: 0.0,
         }
     }
 

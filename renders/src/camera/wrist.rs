@@ -27,6 +27,8 @@ pub(super) struct Wrist {
 }
 
 impl Wrist {
+    pub(super) const STRAIGHT: Self = Self { turn: Vector3::new(0.0, 0.0, 0.0) };
+
     pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
         let mut angle = |[mean, deviation, least, most]: [f64; 4]| {
             (mean + deviation * normal(rng)).clamp(least, most).to_radians() as f32

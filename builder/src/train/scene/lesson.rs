@@ -74,7 +74,7 @@ pub(super) fn lesson(
 
 /// A picture without a hand.
 fn of_nothing(views: &Views, rng: &mut ChaCha8Rng) -> Lesson {
-    let layers = Layers::of_nothing();
+    let layers = Layers::of_nothing(views.randomised());
     let picture = layers.paint(&Framing::near(&layers, rng), SIDE, rng);
     let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0, masks: 1.0, joints: 0.0 };
     let target = Target { class: views.none(), stage: 0, rotation: [[0.0; 3]; 3], weights };

@@ -38,7 +38,7 @@ impl Course for Scene {
         let focus = Focus::of(options.kind);
         let scenes = Scenes::training(options.seed, options.poses()).with_hands(options.hands);
         let scenes = scenes.with_stages(focus.stages);
-        Self { views: Views::new(scenes, focus.cut_out, options.seed), focus }
+        Self { views: Views::new(scenes, focus.cut_out, &options.left_out, options.seed), focus }
     }
 
     /// 30 million multiply-adds.

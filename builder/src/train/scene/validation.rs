@@ -46,7 +46,7 @@ impl Validation {
         check: Check<'_>,
         work: &Work,
     ) -> anyhow::Result<Self> {
-        let views = Views::new(Scenes::other_hands(SEED, PoseGroup::All), 0.0, SEED);
+        let views = Views::new(Scenes::other_hands(SEED, PoseGroup::All), 0.0, &[], SEED);
         let render = |number| {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
             rng.set_stream(number);

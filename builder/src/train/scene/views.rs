@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use grasp_renders::random::{between, unit};
-use grasp_renders::{CameraScene, Layers, SceneSpec, Stage, View, world_from_hand};
+use grasp_renders::{CameraScene, Layers, Randomised, SceneSpec, Stage, View, world_from_hand};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::empty;
 use crate::train::joints::Joints;
-use crate::train::{DrawnScene, Scenes};
+use crate::train::{DrawnScene, LeftOut, Scenes};
 
 /// How often a hand is in none of the grasps.
 const EMPTY: f64 = 0.09;
@@ -33,6 +33,7 @@ pub(super) struct Views {
     in_hand: Scenes,
     /// How often a hand is to be cut out of its picture.
     cut_out: f64,
+    randomised: Randomised,
     seed: u64,
 }
 
@@ -49,15 +50,22 @@ pub struct SceneView {
 }
 
 impl Views {
-    /// Of scenes of which so many are to be cut out.
-    pub(super) fn new(scenes: Scenes, cut_out: f64, seed: u64) -> Self {
-        let in_hand = scenes.with_alike(ALIKE);
-        Self { scenes: in_hand.clone().with_presented(PRESENTED), in_hand, cut_out, seed }
+    /// Of scenes of which so many are to be cut out, without a few kinds of what is random.
+    pub(super) fn new(scenes: Scenes, cut_out: f64, left_out: &[LeftOut], seed: u64) -> Self {
+        let of_ways = |share| if left_out.contains(&LeftOut::Ways) { 0.0 } else { share };
+        let in_hand = scenes.with_alike(of_ways(ALIKE));
+        let scenes = in_hand.clone().with_presented(of_ways(PRESENTED));
+        Self { scenes, in_hand, cut_out, randomised: LeftOut::randomised(left_out), seed }
     }
 
     /// How many grasps there are.
     pub(super) fn classes(&self) -> usize {
         self.scenes.classes()
+    }
+
+    /// What is random in pictures of them.
+    pub(super) fn randomised(&self) -> Randomised {
+        self.randomised
     }
 
     /// The place in the heads of a hand that is mirrored: behind the grasps.
@@ -83,7 +91,7 @@ impl Views {
             is_held = false;
         }
         let stage = spec.stage;
-        let scene = CameraScene::build(&spec, is_held, self.seed ^ number)?;
+        let scene = CameraScene::build(&spec, is_held, self.randomised, self.seed ^ number)?;
         let joints = Arc::new(Joints::new(scene.joints(), scene.hand_length()));
         let class = (!is_empty).then_some(class);
         let view = |rng: &mut ChaCha8Rng| {
@@ -120,7 +128,7 @@ mod tests {
 
     #[test]
     fn hands_that_are_cut_out_hold_nothing_up_and_the_others_often_do() {
-        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, 7);
+        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, &[], 7);
         let presented =
             |is_cut_out| (0..300).filter(|number| views.drawn(*number, is_cut_out).is_presented).count();
         assert_eq!(presented(true), 0);
@@ -129,12 +137,12 @@ mod tests {
 
     #[test]
     fn a_share_of_the_scenes_is_cut_out_with_all_its_views() {
-        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, 7);
+        let views = Views::new(Scenes::training(7, PoseGroup::All), 0.5, &[], 7);
         let seen: Vec<_> = (0..12).map(|number| views.render(number, 2).expect("a scene")).collect();
         let cut_out = seen.iter().filter(|views| views[0].is_cut_out).count();
         assert!((2..11).contains(&cut_out), "{cut_out}");
         assert!(seen.iter().all(|views| views[0].is_cut_out == views[1].is_cut_out));
-        let none = Views::new(Scenes::training(7, PoseGroup::All), 0.0, 7);
+        let none = Views::new(Scenes::training(7, PoseGroup::All), 0.0, &[], 7);
         assert!((0..6).all(|number| !none.render(number, 1).expect("a scene")[0].is_cut_out));
     }
 }
