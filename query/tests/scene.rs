@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use grasp_index::HandImage;
 use grasp_recognise::picture::{self, Picture};
-use grasp_recognise::scene::{LandmarkUnit, Landmarks, Prediction, SceneNetwork, find};
+use grasp_recognise::scene::{LandmarkUnit, Landmarks, Networks, Prediction, find};
 use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::{MaskSource, Prepared, Side};
 
@@ -69,7 +69,8 @@ fn the_hand_is_found_in_every_sample_by_colours_and_network_alike() {
 fn a_picture_that_is_turned_is_looked_at_as_it_was() {
     for name in NAMES {
         let picture = camera(name);
-        let network = SceneNetwork::finding();
+        let networks = Networks::default();
+        let network = networks.finding();
         let [before, after] =
             [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square());
         let turn = (before.turn - FRAC_PI_2 - after.turn).cos();
@@ -110,7 +111,7 @@ fn cut_out(picture: &Picture, mask: &Mask) -> Prediction {
     let size = (picture.width(), picture.height());
     let hand = HandImage::from_mask(size.0, size.1, &picture.grey(), mask.pixels()).unwrap();
     let turn = hand.upright_turn_deg().to_radians();
-    Prediction::of_cut_out(picture, mask, turn, &[Side::Right, Side::Left]).unwrap()
+    Prediction::of_cut_out(&Networks::default(), picture, mask, turn, &[Side::Right, Side::Left]).unwrap()
 }
 
 #[test]
@@ -138,7 +139,7 @@ fn what_lies_around_a_hand_that_is_cut_out_is_not_looked_at() {
     assert_eq!(of(&picture), of(&other));
     let nothing = Mask::from_values(8, 8, &[0u8; 64], |value| value > 0);
     let small = Picture::new(8, 8, vec![[9; 3]; 64]).unwrap();
-    assert!(Prediction::of_cut_out(&small, &nothing, 0.0, &[Side::Right]).is_none());
+    assert!(Prediction::of_cut_out(&Networks::default(), &small, &nothing, 0.0, &[Side::Right]).is_none());
 }
 
 #[test]
@@ -163,10 +164,10 @@ fn a_hand_that_is_cut_out_is_known_again_when_it_is_turned() {
 #[test]
 fn a_wall_has_no_hand() {
     let wall = Picture::new(160, 120, vec![[120, 130, 140]; 160 * 120]).unwrap();
-    assert!(find(SceneNetwork::finding(), &wall).is_none());
+    assert!(find(Networks::default().finding(), &wall).is_none());
     let single = Picture::new(1, 1, vec![[200, 150, 120]]).unwrap();
     // Whatever it says of a pixel, it returns.
-    let _ = find(SceneNetwork::finding(), &single);
+    let _ = find(Networks::default().finding(), &single);
 }
 
 /// Where the joints of the hand that pinches are, to a few pixels (`landmarks/09-pinch.json`).

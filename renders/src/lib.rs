@@ -40,7 +40,7 @@ mod view;
 
 pub mod render_set;
 
-pub use camera::{CameraScene, Framing, Layers, Part, Picture, Randomised};
+pub use camera::{CameraScene, Framing, Layers, Part, Picture, PosedHand, Randomised};
 pub use grasp::{
     Example, Grasp, GraspFault, GraspSet, GraspSetError, Object, ObjectKind, ObjectRange, PlacedObject,
     Placement, PoseGroup, RecordedPose, Stage, StagePose, UnknownStage, alike_grasps, presented_grasps,

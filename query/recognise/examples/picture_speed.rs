@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use grasp_index::Index;
 use grasp_recognise::picture::{self, WORKING_SIDE};
-use grasp_recognise::scene::{self, SceneNetwork};
+use grasp_recognise::scene::{self, Networks};
 use grasp_recognise::segment::{Finder, SegmentParams, segment};
 use grasp_recognise::{MaskSource, RecogniseOptions, Recogniser, Timings};
 
@@ -75,7 +75,7 @@ fn once(index: &Index, bytes: &[u8], by: &Finder) -> Result<Vec<Step>, Box<dyn E
     let shrinking = milliseconds(started);
     let started = Instant::now();
     if *by == Finder::Scene {
-        std::hint::black_box(scene::find(SceneNetwork::finding(), &small));
+        std::hint::black_box(scene::find(Networks::default().finding(), &small));
     }
     let finding = milliseconds(started);
     let started = Instant::now();

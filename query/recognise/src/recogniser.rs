@@ -144,7 +144,8 @@ impl<'a> Recogniser<'a> {
         }
         let turn = hand.upright_turn_deg().to_radians();
         let sides = self.options.hand.sides();
-        Prediction::of_cut_out(&prepared.picture, &prepared.mask, turn, sides).map(Cow::Owned)
+        let networks = &self.options.segment.networks;
+        Prediction::of_cut_out(networks, &prepared.picture, &prepared.mask, turn, sides).map(Cow::Owned)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::error::{RecogniseError, SourceError};
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::HandNetworks;
 use crate::picture::{self, Picture, WORKING_SIDE};
-use crate::scene::{self, Detection, Joints, Landmarks, Scene, SceneNetwork};
+use crate::scene::{self, Detection, Joints, Landmarks, Scene};
 use crate::segment::depth::{DepthRange, mask_from_depth};
 use crate::segment::{self, Finder, Mask, Quality, SegmentParams};
 use crate::segment::{component, median};
@@ -102,7 +102,7 @@ impl Prepared {
                 return match &params.by {
                     Finder::Skin => Self::of_skin(picture, Some(&joints), params),
                     _ => {
-                        let found = scene::find_at(SceneNetwork::finding(), &picture, &joints);
+                        let found = scene::find_at(params.networks.finding(), &picture, &joints);
                         Self::of_found(picture, found, params)
                     }
                 };
@@ -147,7 +147,7 @@ impl Prepared {
             return Self::new(picture, true, &MaskSource::Camera, params);
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
-        let network = SceneNetwork::finding();
+        let network = params.networks.finding();
         let followed = tracker.follow(network, &picture);
         let followed = followed.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
         let prepared = match followed {
@@ -179,7 +179,7 @@ impl Prepared {
 
     /// Finds the hand by the scene network.
     fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
-        let found = scene::find(SceneNetwork::finding(), &picture);
+        let found = scene::find(params.networks.finding(), &picture);
         Self::of_found(picture, found.ok_or(RecogniseError::NoHand)?, params)
     }
 
@@ -191,7 +191,7 @@ impl Prepared {
         networks: &HandNetworks,
         params: &SegmentParams,
     ) -> Result<Self, RecogniseError> {
-        let found = scene::find_by_joints(networks, SceneNetwork::finding(), &picture);
+        let found = scene::find_by_joints(networks, params.networks.finding(), &picture);
         let found = found.map_err(SourceError::Networks)?;
         let cut = found.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
         cut.map_or_else(|| Self::of_scene(picture, params), Ok)
@@ -201,7 +201,7 @@ impl Prepared {
     fn of_found(picture: Picture, seen: Detection, params: &SegmentParams) -> Result<Self, RecogniseError> {
         let cut = segment::segment_seen(&picture, params, Some(&|place| seen.skin(place)));
         let cut = cut.ok_or(RecogniseError::NoHand)?;
-        let scene = Some(Scene::new(&picture, seen, &cut.hand));
+        let scene = Some(Scene::new(&params.networks, &picture, seen, &cut.hand));
         let (skin, quality) = (Some(cut.skin), Some(cut.quality));
         Ok(Self { picture, mask: cut.hand, skin, scene, quality })
     }

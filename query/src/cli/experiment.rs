@@ -292,7 +292,7 @@ impl TrustArguments {
         let index = self.index.open_for_pictures()?;
         let classes = index.catalogue().class_names();
         let tables = Selection::all_of(&self.labels, &classes)?;
-        let recognisers = Recognisers::new(&index, self.segment.finder()?);
+        let recognisers = Recognisers::new(&index, self.segment.params()?);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();

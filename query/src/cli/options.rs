@@ -10,6 +10,7 @@ use grasp_index::VoteOptions;
 use super::effort::EffortArguments;
 #[cfg(feature = "landmarks")]
 use grasp_recognise::HandNetworks;
+use grasp_recognise::scene::Networks;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
 use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
@@ -89,6 +90,10 @@ pub(super) struct SegmentArguments {
     /// hand_landmark.onnx, made of MediaPipe's as docs/landmarks.md says.
     #[arg(long, value_name = "DIR", required_if_eq("segment", "landmarks"))]
     landmarks_models: Option<PathBuf>,
+    /// Look at scenes by networks of your own: a folder with scene.network, naming.network or
+    /// thing.network, as `grasp-builder train` writes them; those that it has not stay built in.
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DIR")]
+    networks: Option<PathBuf>,
 }
 
 /// `--segment`.
@@ -105,11 +110,23 @@ enum SegmentBy {
 }
 
 impl SegmentArguments {
-    /// What finds the hands.
+    /// How hands are found.
     ///
     /// # Errors
     /// Where networks that are asked for cannot be used, or none are asked for that are named.
-    pub(super) fn finder(&self) -> anyhow::Result<Finder> {
+    pub(super) fn params(&self) -> anyhow::Result<SegmentParams> {
+        let networks = match (&self.networks, self.segment) {
+            (None, _) => Networks::default(),
+            (Some(folder), SegmentBy::Skin) => bail!(
+                "the networks in {} look at scenes, which --segment skin leaves out: leave out one of them",
+                folder.display()
+            ),
+            (Some(folder), _) => Networks::read(folder)?,
+        };
+        Ok(SegmentParams { by: self.finder()?, networks, ..SegmentParams::default() })
+    }
+
+    fn finder(&self) -> anyhow::Result<Finder> {
         match (self.segment, &self.landmarks_models) {
             (SegmentBy::Scene, None) => Ok(Finder::Scene),
             (SegmentBy::Skin, None) => Ok(Finder::Skin),
@@ -123,12 +140,14 @@ impl SegmentArguments {
     }
 
     /// The same as options, without folders that are only here.
-    pub(super) fn named(&self) -> &'static str {
-        match self.segment {
+    pub(super) fn named(&self) -> String {
+        let by = match self.segment {
             SegmentBy::Scene => "",
             SegmentBy::Skin => " --segment skin",
             SegmentBy::Landmarks => " --segment landmarks --landmarks-models DIR",
-        }
+        };
+        let networks = if self.networks.is_some() { " --networks DIR" } else { "" };
+        format!("{by}{networks}")
     }
 }
 
@@ -160,9 +179,8 @@ impl RecogniseArguments {
     /// The options of recognition.
     ///
     /// # Errors
-    /// As [`SegmentArguments::finder`].
+    /// As [`SegmentArguments::params`].
     pub(super) fn options(&self) -> anyhow::Result<RecogniseOptions> {
-        let by = self.segment.finder()?;
         Ok(RecogniseOptions {
             hand: self.hand.into(),
             rolls: self.rolls,
@@ -179,7 +197,7 @@ impl RecogniseArguments {
                 (None, AcceptChoice::Always) => Accept::Always,
                 (None, AcceptChoice::Calibrated) => Accept::Calibrated,
             },
-            segment: SegmentParams { by, ..SegmentParams::default() },
+            segment: self.segment.params()?,
             ..RecogniseOptions::default()
         })
     }

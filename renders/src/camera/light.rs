@@ -165,15 +165,15 @@ fn unit_of(v: [f64; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraScene, Randomised};
+    use crate::camera::{PosedHand, Randomised};
     use crate::plan::{Preset, RenderPlan};
     use crate::view::View;
     use rand::SeedableRng;
 
     fn view(seed: u64) -> Layers {
         let specs = RenderPlan::preset(Preset::Paper).scenes();
-        let scene = CameraScene::build(&specs[seed as usize % specs.len()], true, Randomised::ALL, seed)
-            .expect("a scene");
+        let hand = PosedHand::build(&specs[seed as usize % specs.len()]).expect("a scene");
+        let scene = hand.dressed(true, Randomised::ALL, seed);
         scene.layers(&View::random(&mut ChaCha8Rng::seed_from_u64(seed)), 3.0)
     }
 

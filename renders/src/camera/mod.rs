@@ -1,7 +1,8 @@
 //! Camera pictures: a hand with its arm and the thing that it holds, in colour, before a
 //! background, as a camera sees them.
 //!
-//! A [`CameraScene`] is posed and meshed once; [`Layers`] are what one view of it shows: the part,
+//! A [`PosedHand`] is meshed once and dressed as often as is wanted, each time on another arm and
+//! with another thing, in a [`CameraScene`]; [`Layers`] are what one view of it shows: the part,
 //! the normal and the place on the part of every texel. [`Layers::paint`] makes pictures of them,
 //! as many as are wanted, each with a random [`Framing`], skin, materials, background, light and
 //! optics: what a picture of a stranger's hand in a stranger's room may look like.
@@ -28,4 +29,4 @@ mod wrist;
 pub use layers::{Framing, Layers};
 pub use paint::{Part, Picture};
 pub use randomised::Randomised;
-pub use scene::CameraScene;
+pub use scene::{CameraScene, PosedHand};

@@ -197,7 +197,7 @@ impl Shadow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::CameraScene;
+    use crate::camera::PosedHand;
     use crate::plan::{Preset, RenderPlan};
     use crate::view::View;
     use rand::SeedableRng;
@@ -206,7 +206,7 @@ mod tests {
 
     fn view(scene: usize, is_held: bool, view: u64) -> Layers {
         let specs = RenderPlan::preset(Preset::Paper).scenes();
-        let scene = CameraScene::build(&specs[scene], is_held, Randomised::ALL, view).expect("a scene");
+        let scene = PosedHand::build(&specs[scene]).expect("a scene").dressed(is_held, Randomised::ALL, view);
         let mut rng = ChaCha8Rng::seed_from_u64(view);
         scene.layers(&View::random(&mut rng), 3.0)
     }
@@ -242,7 +242,7 @@ mod tests {
             borders: false,
         };
         let hand = |randomised, seed| {
-            let scene = CameraScene::build(&specs[0], true, randomised, 1).expect("a scene");
+            let scene = PosedHand::build(&specs[0]).expect("a scene").dressed(true, randomised, 1);
             let layers = scene.layers(&View::random(&mut ChaCha8Rng::seed_from_u64(1)), 3.0);
             let framing = Framing::near(&layers, &mut ChaCha8Rng::seed_from_u64(1));
             let picture = layers.paint(&framing, SIDE, &mut ChaCha8Rng::seed_from_u64(seed));

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use grasp_renders::random::{between, unit};
-use grasp_renders::{CameraScene, Layers, Randomised, SceneSpec, Stage, View, world_from_hand};
+use grasp_renders::{Layers, PosedHand, Randomised, SceneSpec, Stage, View, world_from_hand};
 use nalgebra::Vector3;
-use rand::SeedableRng;
+use rand::{Rng as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::empty;
@@ -91,11 +91,12 @@ impl Views {
             is_held = false;
         }
         let stage = spec.stage;
-        let scene = CameraScene::build(&spec, is_held, self.randomised, self.seed ^ number)?;
-        let joints = Arc::new(Joints::new(scene.joints(), scene.hand_length()));
+        let hand = PosedHand::build(&spec)?;
+        let joints = Arc::new(Joints::new(hand.joints(), hand.hand_length()));
         let class = (!is_empty).then_some(class);
         let view = |rng: &mut ChaCha8Rng| {
             let distance = between(rng, DISTANCE);
+            let scene = hand.dressed(is_held, self.randomised, rng.next_u64());
             SceneView {
                 layers: scene.layers(&seen_from(&spec, is_presented, rng), distance),
                 class,

@@ -2,7 +2,7 @@
 
 use super::find::upright;
 use super::look::Eye;
-use super::network::SceneNetwork;
+use super::networks::Networks;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
@@ -21,12 +21,18 @@ impl Prediction {
     /// What the networks make of a hand that is cut out: `turn` radians clockwise turn it about
     /// upright, so that it is known roughly where the hand ends and the arm begins. It is looked at
     /// as each of `sides`. `None` where the mask is empty.
-    pub fn of_cut_out(picture: &Picture, hand: &Mask, turn: f64, sides: &[Side]) -> Option<Self> {
+    pub fn of_cut_out(
+        networks: &Networks,
+        picture: &Picture,
+        hand: &Mask,
+        turn: f64,
+        sides: &[Side],
+    ) -> Option<Self> {
         let mut eye = Eye::of_cut_out(picture, hand);
         let first = square(hand, turn, SIZES)?;
-        let turn = upright(SceneNetwork::finding(), &mut eye, &first);
+        let turn = upright(networks.finding(), &mut eye, &first);
         let square = square(hand, turn, SIZES)?;
-        Some(Self::of_square(&mut eye, &square, sides, POWERS))
+        Some(Self::of_square(networks, &mut eye, &square, sides, POWERS))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::arm;
 use super::find::Detection;
 use super::look::Eye;
+use super::networks::Networks;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::picture::Picture;
@@ -25,13 +26,13 @@ pub struct Scene {
 
 impl Scene {
     /// Looks at a hand, whose mask was found on the same picture, as a right one and as a left one.
-    pub fn new(picture: &Picture, found: Detection, hand: &Mask) -> Self {
+    pub fn new(networks: &Networks, picture: &Picture, found: Detection, hand: &Mask) -> Self {
         let square = found.square_of(hand);
         let sides = [Side::Right, Side::Left];
         let mut eye = Eye::new(picture);
-        let mut prediction = Prediction::of_square(&mut eye, &square, &sides, POWERS);
+        let mut prediction = Prediction::of_square(networks, &mut eye, &square, &sides, POWERS);
         if let Some(thing) = found.square_of_thing() {
-            prediction.add_thing(&mut eye, &thing, &sides);
+            prediction.add_thing(networks, &mut eye, &thing, &sides);
         }
         prediction.right_odds += found.right_odds;
         prediction.arm_odds = arm::right_odds(square.turn);

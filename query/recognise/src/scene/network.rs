@@ -1,7 +1,5 @@
 //! The network that looks at scenes.
 
-use std::sync::LazyLock;
-
 use grasp_index::NETWORK_STAGES;
 use grasp_network::{QuantisedNetwork, ReadError, Scratch};
 use thiserror::Error;
@@ -43,38 +41,8 @@ pub enum SceneNetworkError {
     },
 }
 
-/// The grasps that the built-in networks know.
-const GRASPS: [&str; 6] =
-    ["large-diameter", "small-diameter", "abducted-thumb", "pinch", "power-sphere", "precision-disc"];
-
-static FINDING: LazyLock<SceneNetwork> =
-    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/scene.network")));
-static NAMING: LazyLock<SceneNetwork> =
-    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/naming.network")));
-static THINGS: LazyLock<SceneNetwork> =
-    LazyLock::new(|| SceneNetwork::shipped(include_bytes!("../../data/thing.network")));
-
 impl SceneNetwork {
-    /// The program's network that finds hands.
-    pub fn finding() -> &'static Self {
-        &FINDING
-    }
-
-    /// The program's network that names hands which have been found.
-    pub fn naming() -> &'static Self {
-        &NAMING
-    }
-
-    /// The program's network that names grasps by what is held.
-    pub fn things() -> &'static Self {
-        &THINGS
-    }
-
-    fn shipped(bytes: &[u8]) -> Self {
-        Self::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
-    }
-
-    /// Reads a network that `grasp-builder train --kind scene` or `naming` has written, whose
+    /// Reads a network that `grasp-builder train --kind scene`, `naming` or `thing` has written, whose
     /// classes are these.
     ///
     /// # Errors
@@ -151,14 +119,10 @@ mod tests {
     #[test]
     fn other_networks_and_damaged_ones_are_rejected() {
         let bytes = include_bytes!("../../data/scene.network");
-        assert!(SceneNetwork::from_bytes(bytes, &GRASPS).is_ok());
-        let naming: &[u8] = include_bytes!("../../data/naming.network");
-        let things: &[u8] = include_bytes!("../../data/thing.network");
-        for network in [naming, things] {
-            assert!(SceneNetwork::from_bytes(network, &GRASPS).is_ok());
-        }
+        let grasps = ["a", "b", "c", "d", "e", "f"];
+        assert!(SceneNetwork::from_bytes(bytes, &grasps).is_ok());
         assert!(matches!(
-            SceneNetwork::from_bytes(bytes, &GRASPS[1..]),
+            SceneNetwork::from_bytes(bytes, &grasps[1..]),
             Err(SceneNetworkError::Shape { what: "the size of the heads", .. })
         ));
         let architecture = grasp_network::Architecture {
@@ -171,9 +135,9 @@ mod tests {
         };
         let weights = vec![0.0; architecture.parameters().unwrap()];
         let other = grasp_network::Network::from_weights(architecture, weights).unwrap();
-        let error = SceneNetwork::from_bytes(&other.to_bytes(), &GRASPS).unwrap_err();
+        let error = SceneNetwork::from_bytes(&other.to_bytes(), &grasps).unwrap_err();
         assert_eq!(error.to_string(), "not a network of scenes: the number of planes is 2, 3 expected");
-        assert!(SceneNetwork::from_bytes(&bytes[..1000], &GRASPS).is_err());
+        assert!(SceneNetwork::from_bytes(&bytes[..1000], &grasps).is_err());
     }
 
     #[test]

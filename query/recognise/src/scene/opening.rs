@@ -38,11 +38,11 @@ impl Opening {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::SceneNetwork;
+    use crate::scene::Networks;
 
     #[test]
     fn every_grasp_of_the_networks_is_known_and_no_other() {
-        let mut grasps = SceneNetwork::naming().grasps.clone();
+        let mut grasps = Networks::default().naming().grasps.clone();
         grasps.sort();
         assert!(grasps.iter().eq(Opening::built_in().log_odds.keys()));
         assert_eq!(Opening::built_in().log_odds("wave", 1.0), 0.0);

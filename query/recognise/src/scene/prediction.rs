@@ -2,6 +2,7 @@
 
 use super::look::Eye;
 use super::network::{GRASP, Heads, STAGES, SceneNetwork, normalised};
+use super::networks::Networks;
 use super::square::Square;
 use crate::side::Side;
 
@@ -52,9 +53,15 @@ pub(super) struct Powers {
 impl Prediction {
     /// What the scene and the naming network see in a square that a hand stands upright in, as each
     /// of these hands; nothing is known of another one.
-    pub(super) fn of_square(eye: &mut Eye<'_>, square: &Square, sides: &[Side], powers: Powers) -> Self {
-        let naming = SceneNetwork::naming();
-        let voices = [(SceneNetwork::finding(), FINDING), (naming, 1.0 - FINDING)];
+    pub(super) fn of_square(
+        networks: &Networks,
+        eye: &mut Eye<'_>,
+        square: &Square,
+        sides: &[Side],
+        powers: Powers,
+    ) -> Self {
+        let naming = networks.naming();
+        let voices = [(networks.finding(), FINDING), (naming, 1.0 - FINDING)];
         let named = looks(eye, square, sides, &voices);
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
@@ -64,8 +71,14 @@ impl Prediction {
 
     /// Joins what is seen in a square around what the hand holds, the more the likelier it is that
     /// the hand holds something.
-    pub(super) fn add_thing(&mut self, eye: &mut Eye<'_>, square: &Square, sides: &[Side]) {
-        let seen = looks(eye, square, sides, &[(SceneNetwork::things(), 1.0)]);
+    pub(super) fn add_thing(
+        &mut self,
+        networks: &Networks,
+        eye: &mut Eye<'_>,
+        square: &Square,
+        sides: &[Side],
+    ) {
+        let seen = looks(eye, square, sides, &[(networks.things(), 1.0)]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -157,12 +170,12 @@ mod tests {
     fn what_is_held_changes_the_grasps_of_the_hands_that_are_asked_about_and_not_which_hand_it_is() {
         let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
         let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
-        let mut eye = Eye::new(&picture);
+        let (networks, mut eye) = (Networks::default(), Eye::new(&picture));
         let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
         let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
-        let without = Prediction::of_square(&mut eye, &square, &[Side::Right], powers);
+        let without = Prediction::of_square(&networks, &mut eye, &square, &[Side::Right], powers);
         let mut with = without.clone();
-        with.add_thing(&mut eye, &Square { side: 30.0, ..square }, &[Side::Right]);
+        with.add_thing(&networks, &mut eye, &Square { side: 30.0, ..square }, &[Side::Right]);
         assert_eq!(with.right_odds, without.right_odds);
         assert_ne!(with.probabilities(Side::Right), without.probabilities(Side::Right));
         for (is, was) in with.probabilities(Side::Left).iter().zip(without.probabilities(Side::Left)) {

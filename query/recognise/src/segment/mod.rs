@@ -33,6 +33,7 @@ pub use quality::Quality;
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::HandNetworks;
 use crate::picture::Picture;
+use crate::scene::Networks;
 use distance::Deepest;
 
 /// What finds the hand in a camera picture.
@@ -53,6 +54,8 @@ pub enum Finder {
 pub struct SegmentParams {
     /// What finds the hand in a camera picture.
     pub by: Finder,
+    /// The networks that look at scenes, and at what was found in them.
+    pub networks: Networks,
     /// The longest side, in pixels, at which the hand is looked for; its border is found at the
     /// full size.
     pub side: usize,
@@ -78,6 +81,7 @@ impl Default for SegmentParams {
     fn default() -> Self {
         Self {
             by: Finder::default(),
+            networks: Networks::default(),
             side: 160,
             adapt: adapt::AdaptParams::default(),
             sure: 1.0,

@@ -18,7 +18,7 @@ use crate::evaluate::{Miss, labelled_hand};
 use draws::Draws;
 use fit::{Example, fit};
 use grasp_recognise::picture;
-use grasp_recognise::segment::{Finder, SegmentParams};
+use grasp_recognise::segment::SegmentParams;
 use grasp_recognise::{
     Accept, Evidence, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recogniser,
     Recognition, Side, Timings, Trust, temper,
@@ -99,9 +99,8 @@ pub struct Recognisers<'a> {
 }
 
 impl<'a> Recognisers<'a> {
-    /// By one index, with the hand left open and given; hands are found `by` this.
-    pub fn new(index: &'a Index, by: Finder) -> Self {
-        let segment = SegmentParams { by, ..SegmentParams::default() };
+    /// By one index, with the hand left open and given; hands are found like this.
+    pub fn new(index: &'a Index, segment: SegmentParams) -> Self {
         let of = |hand| {
             let (accept, segment) = (Accept::Always, segment.clone());
             let options = RecogniseOptions { hand, accept, segment, temper: false, ..Default::default() };

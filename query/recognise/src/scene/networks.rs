@@ -1,0 +1,146 @@
+//! The networks of scenes: the program's, and those that a user has trained.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
+
+use thiserror::Error;
+
+use super::network::{SceneNetwork, SceneNetworkError};
+
+/// The grasps that the networks know, as `grasp-builder train` orders them.
+const GRASPS: [&str; 6] =
+    ["large-diameter", "small-diameter", "abducted-thumb", "pinch", "power-sphere", "precision-disc"];
+
+/// The program's own, each read when it is first asked.
+static FINDING: LazyLock<SceneNetwork> =
+    LazyLock::new(|| built_in(include_bytes!("../../data/scene.network")));
+static NAMING: LazyLock<SceneNetwork> =
+    LazyLock::new(|| built_in(include_bytes!("../../data/naming.network")));
+static THINGS: LazyLock<SceneNetwork> =
+    LazyLock::new(|| built_in(include_bytes!("../../data/thing.network")));
+
+fn built_in(bytes: &[u8]) -> SceneNetwork {
+    SceneNetwork::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
+}
+
+/// The three networks that look at scenes; by default the program's own. Copies share them.
+#[derive(Clone, Debug, Default)]
+pub struct Networks {
+    /// A user's, in the order of [`Networks::FILES`].
+    own: [Option<Arc<SceneNetwork>>; 3],
+}
+
+/// Why a user's networks cannot be used.
+#[derive(Debug, Error)]
+pub enum NetworksError {
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is no network of scenes.
+    #[error("cannot use {}: {fault}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: SceneNetworkError,
+    },
+    /// There is none of the files.
+    #[error("{} holds none of {}", folder.display(), Networks::FILES.join(", "))]
+    Missing {
+        /// The folder.
+        folder: PathBuf,
+    },
+}
+
+impl Networks {
+    /// The names of the files: what finds hands, what names them, and what names a grasp by the
+    /// thing that is held.
+    pub const FILES: [&str; 3] = ["scene.network", "naming.network", "thing.network"];
+
+    /// Reads those of [`Self::FILES`] that a folder holds, as `grasp-builder train` has written
+    /// them; the others stay the program's own.
+    ///
+    /// # Errors
+    /// Where a file cannot be read or is no network of scenes, or there is none.
+    pub fn read(folder: &Path) -> Result<Self, NetworksError> {
+        let [finding, naming, things] = Self::FILES.map(|name| read(folder.join(name)));
+        let own = [finding?, naming?, things?];
+        if own.iter().all(Option::is_none) {
+            return Err(NetworksError::Missing { folder: folder.to_owned() });
+        }
+        Ok(Self { own })
+    }
+
+    /// What finds hands.
+    pub fn finding(&self) -> &SceneNetwork {
+        self.own[0].as_deref().unwrap_or(&FINDING)
+    }
+
+    /// What names hands that have been found.
+    pub fn naming(&self) -> &SceneNetwork {
+        self.own[1].as_deref().unwrap_or(&NAMING)
+    }
+
+    /// What names grasps by the thing that is held.
+    pub fn things(&self) -> &SceneNetwork {
+        self.own[2].as_deref().unwrap_or(&THINGS)
+    }
+}
+
+/// Whether they are the same networks, not whether they answer alike.
+impl PartialEq for Networks {
+    fn eq(&self, other: &Self) -> bool {
+        self.own.iter().zip(&other.own).all(|pair| match pair {
+            (Some(this), Some(that)) => Arc::ptr_eq(this, that),
+            (None, None) => true,
+            _ => false,
+        })
+    }
+}
+
+/// `None` where there is no such file.
+fn read(path: PathBuf) -> Result<Option<Arc<SceneNetwork>>, NetworksError> {
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(NetworksError::Read { path, source }),
+    };
+    match SceneNetwork::from_bytes(&bytes, &GRASPS) {
+        Ok(network) => Ok(Some(Arc::new(network))),
+        Err(fault) => Err(NetworksError::Unusable { path, fault }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn the_programs_own_can_be_read() {
+        for network in [&FINDING, &NAMING, &THINGS] {
+            assert_eq!(network.grasps, GRASPS);
+        }
+    }
+
+    #[test]
+    fn a_folder_may_hold_some_and_the_others_stay_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = Networks::read(folder.path()).unwrap_err().to_string();
+        assert!(missing.ends_with("holds none of scene.network, naming.network, thing.network"), "{missing}");
+        fs::write(folder.path().join("naming.network"), include_bytes!("../../data/thing.network")).unwrap();
+        let networks = Networks::read(folder.path()).unwrap();
+        assert!(std::ptr::eq(networks.finding(), &raw const *FINDING));
+        assert!(!std::ptr::eq(networks.naming(), &raw const *NAMING));
+        assert!(networks == networks.clone() && networks != Networks::default());
+        fs::write(folder.path().join("thing.network"), "a poem").unwrap();
+        let unusable = Networks::read(folder.path()).unwrap_err().to_string();
+        assert!(unusable.starts_with("cannot use ") && unusable.contains("thing.network: "), "{unusable}");
+    }
+}
