@@ -35,6 +35,10 @@ const MOST_OF_OBJECT: f64 = 2.5;
 const OBJECT_IN_MIDDLE: f64 = 0.5;
 /// The least share of a square that an object has which is looked at by itself.
 const LEAST_OBJECT: f64 = 0.004;
+/// Log-odds above which a cell is of a part; and above which, where no object is seen by that, a
+/// cell may be of one: in a third of the photographs things are seen that faintly.
+const SEEN: f32 = 0.0;
+const FAINT: f32 = -2.0;
 
 impl Masks {
     /// What a network sees in a square.
@@ -82,7 +86,8 @@ impl Masks {
     /// The square around what is seen of the object, its side so many roots of its area, but at
     /// least so many pixels; `None` where hardly anything is seen of it.
     pub(super) fn around_object(&self, sizes: f64, least: f64) -> Option<Square> {
-        let object = self.largest_patch(Part::Object).filter(|patch| patch.area > LEAST_OBJECT)?;
+        let patch = |least| self.patch(Part::Object, least).filter(|patch| patch.area > LEAST_OBJECT);
+        let object = patch(SEEN).or_else(|| patch(FAINT))?;
         let side = (sizes * object.area.sqrt() * self.square.side).max(least);
         Some(Square { centre: self.square.to_picture().apply(object.centre), side, ..self.square })
     }
@@ -104,7 +109,7 @@ impl Masks {
     /// each as a share of the square.
     fn sum(&self, part: Part) -> [f64; 3] {
         let cell = 1.0 / self.is_within.len().max(1) as f64;
-        let inside = self.cells(part).enumerate().filter(|(_, is_part)| *is_part);
+        let inside = self.cells(part, SEEN).enumerate().filter(|(_, is_part)| *is_part);
         inside.fold([0.0; 3], |sum, (at, _)| {
             let [x, y] = [at % self.side, at / self.side].map(|v| (v as f64 + 0.5) / self.side as f64);
             [sum[0] + cell * x, sum[1] + cell * y, sum[2] + cell]
@@ -113,12 +118,18 @@ impl Masks {
 
     /// The largest patch of a part; `None` where none is seen.
     pub(super) fn largest_patch(&self, part: Part) -> Option<Patch> {
-        largest_patch(&self.cells(part).collect::<Vec<_>>(), self.side)
+        self.patch(part, SEEN)
     }
 
-    /// Which cells of the picture are of a part.
-    fn cells(&self, part: Part) -> impl Iterator<Item = bool> {
-        self.part(part).iter().zip(&self.is_within).map(|(logit, is_within)| *is_within && *logit > 0.0)
+    /// The same of cells whose log-odds are above `least`.
+    fn patch(&self, part: Part, least: f32) -> Option<Patch> {
+        largest_patch(&self.cells(part, least).collect::<Vec<_>>(), self.side)
+    }
+
+    /// Which cells of the picture have log-odds of a part above `least`.
+    fn cells(&self, part: Part, least: f32) -> impl Iterator<Item = bool> {
+        let cells = self.part(part).iter().zip(&self.is_within);
+        cells.map(move |(logit, is_within)| *is_within && *logit > least)
     }
 
     fn part(&self, part: Part) -> &[f32] {
@@ -189,23 +200,26 @@ mod tests {
     fn an_object_is_looked_at_by_itself_where_enough_is_seen_of_it() {
         let picture = Picture::new(64, 64, vec![[9; 3]; 64 * 64]).unwrap();
         // Eight cells by four in the lower right corner, and a speck elsewhere.
-        let with = |wide: usize| {
+        let with_odds = |wide: usize, odds: f32| {
             let is_object = |at: usize| {
                 let (x, y) = (at % 32, at / 32);
                 ((20..20 + wide).contains(&x) && (24..28).contains(&y)) || at == 0
             };
             let cells = 32 * 32;
             let masks = (0..MASKS * cells)
-                .map(|at| if at / cells == 2 && is_object(at % cells) { 2.0 } else { -2.0 })
+                .map(|at| if at / cells == 2 && is_object(at % cells) { odds } else { -3.0 })
                 .collect();
             let square = Square { centre: [32.0, 32.0], side: 64.0, turn: 0.0 };
             Masks::new(&picture, square, heads(masks))
         };
+        let with = |wide| with_odds(wide, 2.0);
         let square = with(8).around_object(2.0, 10.0).unwrap();
         assert_eq!((square.centre, square.turn), ([48.0, 52.0], 0.0));
         assert!((square.side - 2.0 * (16.0f64 * 8.0).sqrt()).abs() < 1e-9, "{}", square.side);
         assert_eq!(with(8).around_object(2.0, 30.0).unwrap().side, 30.0);
         assert!(with(1).around_object(2.0, 10.0).is_none() && with(0).around_object(2.0, 10.0).is_none());
+        assert_eq!(with_odds(8, -1.5).around_object(2.0, 10.0), with(8).around_object(2.0, 10.0));
+        assert!(with_odds(8, -2.5).around_object(2.0, 10.0).is_none());
     }
 
     #[test]
