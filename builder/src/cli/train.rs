@@ -11,7 +11,9 @@ use grasp_terminal::text::{counted, shown};
 use super::seed::DEFAULT_SEED;
 use crate::descriptor::read_network;
 use crate::interrupt;
-use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, LeftOut, Options, Schedule, Trained, train};
+use crate::train::{
+    DEFAULT_VALIDATE_EVERY, Files, Kind, LeftOut, Optimiser, Options, Schedule, Trained, train,
+};
 
 /// Train the network of a learned descriptor on renders that are drawn as it goes.
 ///
@@ -22,13 +24,13 @@ use crate::train::{DEFAULT_VALIDATE_EVERY, Files, Kind, LeftOut, Options, Schedu
 /// Stopped at any moment, the same command goes on from the checkpoint, and writes the same bytes
 /// as if it had not been stopped, on any number of threads.
 ///
-/// The learned descriptor's network that comes with this program was trained by the default
-/// options, and so on all recorded poses; the scene network twice, the second time `--from` the
+/// The learned descriptor's network that comes with this program was trained by `--optimiser adam`
+/// and the default options otherwise, and so on all recorded poses; the scene network twice, the second time `--from` the
 /// first; the naming network in three trainings more, the thing network in four others.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder train --out hand.network                     as the shipped one: an hour on two cores
+  grasp-builder train --out hand.network                     as large as the shipped one: an hour on two cores
   grasp-builder build --descriptor learned --network hand.network --out grasp.idx
                                                              an index that is searched by it
   grasp-builder train --out small.network --samples 300000   ten minutes, for a first look
@@ -61,6 +63,9 @@ pub(crate) struct Train {
     /// one forgets less of what the network has learned.
     #[arg(long, value_name = "R", value_parser = parse_rate)]
     rate: Option<f32>,
+    /// How weights are moved. The shipped networks were trained by `adam`.
+    #[arg(long, value_enum, default_value_t)]
+    optimiser: Optimiser,
     /// What all randomness comes from.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "N")]
     seed: u64,
@@ -105,6 +110,7 @@ impl Train {
             hands: self.hands,
             validate_every: self.validate_every,
             start: start.as_ref().map(Network::fingerprint),
+            optimiser: self.optimiser,
             peak_rate: self.rate,
             keep_percent: self.keep,
             left_out: self.left_out(),

@@ -33,7 +33,7 @@ pub use curve::Row;
 pub use figures::Figure;
 pub use hand::Hand;
 pub use left_out::LeftOut;
-pub use options::{DEFAULT_VALIDATE_EVERY, Kind, Options};
+pub use options::{DEFAULT_VALIDATE_EVERY, Kind, Optimiser, Options};
 pub use run::{Files, Trained, train};
 pub use scene::Scene;
 pub use scenes::{DrawnScene, Scenes, StageShares};

@@ -50,6 +50,27 @@ impl Kind {
     }
 }
 
+/// How weights are moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Optimiser {
+    /// Matrices along their momentum made orthogonal, all else by Adam: from random weights, as far
+    /// in half the samples.
+    #[default]
+    Muon,
+    /// All by Adam, as the shipped networks were trained.
+    Adam,
+}
+
+impl From<Optimiser> for grasp_train::Optimiser {
+    fn from(optimiser: Optimiser) -> Self {
+        match optimiser {
+            Optimiser::Muon => Self::Muon,
+            Optimiser::Adam => Self::Adam,
+        }
+    }
+}
+
 /// What the trained network and its curve follow from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
@@ -69,6 +90,8 @@ pub struct Options {
     pub validate_every: u64,
     /// The fingerprint of the network whose weights it begins with; random ones without.
     pub start: Option<u64>,
+    /// How weights are moved.
+    pub optimiser: Optimiser,
     /// The learning rate after the warm-up, above 0; `None` takes the usual one.
     pub peak_rate: Option<f32>,
     /// How much of that network's weights the network that is written has, in percent; the rest is
@@ -81,7 +104,8 @@ pub struct Options {
 /// As they are written on the command line.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, samples, seed, validate_every, start, peak_rate, keep_percent, left_out, .. } = self;
+        let Self { kind, samples, seed, validate_every, start, optimiser, .. } = self;
+        let Self { peak_rate, keep_percent, left_out, .. } = self;
         match kind {
             Kind::Hand => (),
             Kind::Scene => write!(formatter, "--kind scene ")?,
@@ -100,6 +124,9 @@ impl fmt::Display for Options {
         }
         if let Some(start) = start {
             write!(formatter, " --from the network {start:016x}")?;
+        }
+        if *optimiser == Optimiser::Adam {
+            write!(formatter, " --optimiser adam")?;
         }
         if let Some(rate) = peak_rate {
             write!(formatter, " --rate {rate}")?;

@@ -9,7 +9,7 @@ use grasp_terminal::Progress;
 use grasp_train::Trainer;
 use tempfile::TempDir;
 
-use super::{Course, Files, Kind, LeftOut, Options, Scene, Schedule, Trained, train};
+use super::{Course, Files, Kind, LeftOut, Optimiser, Options, Scene, Schedule, Trained, train};
 use crate::interrupt::Interrupted;
 
 const OPTIONS: Options = Options {
@@ -21,6 +21,7 @@ const OPTIONS: Options = Options {
     hands: None,
     validate_every: 80,
     start: None,
+    optimiser: Optimiser::Muon,
     peak_rate: None,
     keep_percent: 0,
     left_out: Vec::new(),
@@ -146,6 +147,7 @@ fn another_trainings_checkpoint_is_refused_and_kept() {
         hold_out_poses: true,
         recorded_percent: 40,
         hands: Some(12),
+        optimiser: Optimiser::Adam,
         peak_rate: Some(3e-4),
         left_out: vec![LeftOut::Skin, LeftOut::Ways],
         ..OPTIONS
@@ -157,7 +159,7 @@ fn another_trainings_checkpoint_is_refused_and_kept() {
             "cannot go on from"
         ) && message.contains(
             "it is of a training with --samples 170 --seed 7 --validate-every 80, and not with --samples 170 --seed 8 \
-             --validate-every 80 --hold-out-poses --recorded-poses 40 --hands 12 --rate 0.0003 --without skin --without ways: give its options to go on with it, remove it to begin again, or name \
+             --validate-every 80 --hold-out-poses --recorded-poses 40 --hands 12 --optimiser adam --rate 0.0003 --without skin --without ways: give its options to go on with it, remove it to begin again, or name \
              another file with --checkpoint"
         ),
         "{message}"

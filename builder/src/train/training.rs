@@ -43,7 +43,10 @@ impl<C: Course> Training<C> {
         let state = match (saved, start) {
             (Some(state), _) => state,
             (None, Some(start)) => begin(warm_start(options, &schedule, &course, start, check)?),
-            (None, None) => begin(Trainer::new(&architecture, joints::COUNT, options.seed_of_weights())?),
+            (None, None) => {
+                let trainer = Trainer::new(&architecture, joints::COUNT, options.seed_of_weights())?;
+                begin(trainer.with_optimiser(options.optimiser.into()))
+            }
         };
         ensure!(
             *state.trainer.architecture() == architecture && state.trainer.joints() == joints::COUNT,
@@ -146,7 +149,8 @@ fn warm_start<C: Course>(
     window.advance(render_part(course, schedule, 0, check)?);
     let batches = (0..BATCHES_AT_START).map(|step| batch(options, schedule, course, &window, step).inputs);
     let inputs: Vec<f32> = batches.flatten().collect();
-    Ok(Trainer::from_network(start, joints::COUNT, options.seed_of_weights(), &inputs)?)
+    let trainer = Trainer::from_network(start, joints::COUNT, options.seed_of_weights(), &inputs)?;
+    Ok(trainer.with_optimiser(options.optimiser.into()))
 }
 
 /// Learns from a batch; a validation follows where it is due, and at the end.

@@ -2,11 +2,11 @@
 //!
 //! Little-endian: magic, version (u32), the architecture (side, planes, embedding, heads, number of
 //! convolutions, kernel, stride and outputs of each, and the masks' convolution, count and cells,
-//! zeros where there are none: u32), the number of joints (u32), seed and steps (u64), the arrays
+//! zeros where there are none: u32), the number of joints and the optimiser (u32), seed and steps (u64), the arrays
 //! of the state in their order (f32; their lengths follow from the architecture), and the xxh3 of
 //! all bytes before it (u64).
 
-use crate::optimiser::Moments;
+use crate::optimiser::{Moments, Optimiser};
 use crate::plan::Plan;
 use crate::trainer::{State, Trainer};
 use grasp_network::{Architecture, ArchitectureError, Convolution, Masks};
@@ -16,7 +16,10 @@ use xxhash_rust::xxh3::xxh3_64;
 const MAGIC: [u8; 8] = *b"graspTRN";
 /// Goes up with every change that makes older checkpoints unusable, a change of what training does
 /// included.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
+
+/// By their numbers.
+const OPTIMISERS: [Optimiser; 2] = [Optimiser::Muon, Optimiser::Adam];
 
 /// Bytes that are no checkpoint that training can go on from.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -56,7 +59,7 @@ pub enum CheckpointError {
 impl Trainer {
     /// The complete state: a trainer that is loaded from it goes on as this one does.
     pub fn save(&self) -> Vec<u8> {
-        let State { plan, seed, steps, .. } = &self.state;
+        let State { plan, optimiser, seed, steps, .. } = &self.state;
         let Architecture { side, planes, convolutions, embedding, heads, masks } = &plan.architecture;
         let mut bytes = MAGIC.to_vec();
         let mut header = vec![VERSION, *side, *planes, *embedding, *heads, convolutions.len() as u32];
@@ -65,7 +68,10 @@ impl Trainer {
         }
         let masks = masks.map_or([0; 3], |Masks { convolution, count, cells }| [convolution, count, cells]);
         header.extend(masks);
-        header.push(plan.joints() as u32);
+        header.extend([
+            plan.joints() as u32,
+            OPTIMISERS.iter().take_while(|other| *other != optimiser).count() as u32,
+        ]);
         bytes.extend(header.iter().flat_map(|value| value.to_le_bytes()));
         bytes.extend([*seed, *steps].iter().flat_map(|value| value.to_le_bytes()));
         for (_, array) in arrays(&self.state) {
@@ -101,7 +107,9 @@ impl Trainer {
             [convolution, count, cells] => Some(Masks { convolution, count, cells }),
         };
         let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
-        let joints = reader.u32()? as usize;
+        let [joints, optimiser] = reader.u32s()?.map(|value| value as usize);
+        let optimiser = OPTIMISERS.get(optimiser).copied();
+        let optimiser = optimiser.ok_or(CheckpointError::Value { what: "an optimiser" })?;
         let (seed, steps) = (reader.u64()?, reader.u64()?);
 
         // Before anything is allocated by what the header claims.
@@ -123,7 +131,7 @@ impl Trainer {
             return Err(CheckpointError::Checksum);
         }
         let moments = Moments { first, second };
-        let state = State { plan, seed, steps, parameters, moments, averaged, statistics };
+        let state = State { plan, optimiser, seed, steps, parameters, moments, averaged, statistics };
         check(&state)?;
         Ok(Self::from_state(state))
     }

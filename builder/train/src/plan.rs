@@ -50,6 +50,21 @@ impl MaskPlan {
     }
 }
 
+/// How parameters are moved in training.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Treatment {
+    /// Each by itself, and with weight decay or without.
+    Plain {
+        /// Whether weight decay applies.
+        is_decayed: bool,
+    },
+    /// As a matrix whose rows have so many columns.
+    Matrix {
+        /// Values of a row.
+        columns: usize,
+    },
+}
+
 /// An architecture with everything that follows from it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Plan {
@@ -159,11 +174,26 @@ impl Plan {
         self.heads() - STAGES - ROTATION
     }
 
-    /// The parameters that weight decay applies to: kernels and matrices.
-    pub(crate) fn decayed(&self) -> impl Iterator<Item = Range<usize>> {
+    /// How the parameters are moved in training, in their order: so many in this way.
+    pub(crate) fn treatments(&self) -> Vec<(usize, Treatment)> {
+        let mut treatments = Vec::new();
+        let mut next = |range: &Range<usize>, treatment| treatments.push((range.len(), treatment));
+        for (at, block) in self.blocks.iter().enumerate() {
+            // Of few inputs, as the first layer has, nothing is gained by orthogonal steps.
+            let treatment = match at {
+                0 => Treatment::Plain { is_decayed: true },
+                _ => Treatment::Matrix { columns: block.outputs },
+            };
+            next(&block.matrix, treatment);
+            next(&block.scale, Treatment::Plain { is_decayed: false });
+            next(&block.shift, Treatment::Plain { is_decayed: false });
+        }
         let masks = self.masks.as_ref().map(|masks| &masks.layer);
-        let affine = std::iter::once(&self.head).chain(masks).chain(&self.joints).map(|layer| &layer.matrix);
-        self.blocks.iter().map(|block| &block.matrix).chain(affine).cloned()
+        for layer in std::iter::once(&self.head).chain(masks).chain(&self.joints) {
+            next(&layer.matrix, Treatment::Plain { is_decayed: true });
+            next(&layer.bias, Treatment::Plain { is_decayed: false });
+        }
+        treatments
     }
 }
 

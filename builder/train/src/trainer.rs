@@ -5,7 +5,7 @@ use crate::joint_loss::joint_loss;
 use crate::losses::{Losses, losses};
 use crate::mask_loss::mask_loss;
 use crate::network::{Activations, Mode, Outputs};
-use crate::optimiser::{Moments, average};
+use crate::optimiser::{Moments, Optimiser, average};
 use crate::parameters::{fold, initial, initial_statistics};
 use crate::plan::Plan;
 use crate::random::key;
@@ -22,6 +22,7 @@ const SAMPLES_AT_ONCE: usize = 128;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
     pub(crate) plan: Plan,
+    pub(crate) optimiser: Optimiser,
     pub(crate) seed: u64,
     /// Steps done.
     pub(crate) steps: u64,
@@ -37,6 +38,7 @@ impl State {
     /// Before the first step.
     pub(crate) fn at_start(plan: Plan, seed: u64, parameters: Vec<f32>, statistics: Vec<f32>) -> Self {
         Self {
+            optimiser: Optimiser::default(),
             seed,
             steps: 0,
             moments: Moments::new(plan.parameters),
@@ -54,8 +56,6 @@ impl State {
 /// same bytes on any number of threads; a processor without AVX-512 may round differently.
 pub struct Trainer {
     pub(crate) state: State,
-    /// 1 for the parameters that weight decay applies to.
-    decayed: Vec<f32>,
     activations: Activations,
     pub(crate) gradients: Vec<f32>,
     output_gradients: Outputs,
@@ -75,15 +75,19 @@ impl Trainer {
     }
 
     pub(crate) fn from_state(state: State) -> Self {
-        let mut decayed = vec![0.0; state.plan.parameters];
-        state.plan.decayed().for_each(|range| decayed[range].fill(1.0));
         Self {
-            decayed,
             activations: Activations::default(),
             gradients: vec![0.0; state.plan.parameters],
             output_gradients: Outputs::default(),
             state,
         }
+    }
+
+    /// The same, with weights that are moved like this from now on.
+    #[must_use]
+    pub fn with_optimiser(mut self, optimiser: Optimiser) -> Self {
+        self.state.optimiser = optimiser;
+        self
     }
 
     /// How many joints' places are learned besides.
@@ -109,9 +113,9 @@ impl Trainer {
     pub fn step(&mut self, batch: &Batch, learning_rate: f32) -> Result<Losses, BatchError> {
         batch.check(&self.state.plan)?;
         let losses = self.differentiate(batch);
-        let State { plan, steps, parameters, moments, averaged, statistics, .. } = &mut self.state;
+        let State { plan, optimiser, steps, parameters, moments, averaged, statistics, .. } = &mut self.state;
         *steps += 1;
-        moments.step(parameters, &self.gradients, &self.decayed, *steps, learning_rate);
+        moments.step(plan, *optimiser, parameters, &self.gradients, *steps, learning_rate);
         // Both averages begin with a short memory: what they started from counts for nothing.
         let done = *steps as f32;
         let decay = STATISTICS_DECAY.min((done - 1.0) / done);

@@ -1,7 +1,7 @@
 //! Checkpoints: what is loaded goes on as what was saved, and nothing else is loaded.
 
 use super::{batch, masked_batch, masked_trainer, trainer};
-use crate::{CheckpointError, Trainer};
+use crate::{CheckpointError, Optimiser, Trainer};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// A training of a few steps, and it saved.
@@ -38,10 +38,17 @@ fn changed(bytes: &[u8], at: usize, value: &[u8]) -> Vec<u8> {
 
 #[test]
 fn a_resumed_training_gives_the_same_bytes() {
-    for ((mut through, bytes), batch) in [(saved(), batch as fn(_, _) -> _), (masked_saved(), masked_batch)] {
+    let by_adam = || {
+        let trainer = trainer(6).with_optimiser(Optimiser::Adam);
+        let bytes = trainer.save();
+        (trainer, bytes)
+    };
+    let plain = batch as fn(_, _) -> _;
+    let trainers = [(saved(), plain), (masked_saved(), masked_batch), (by_adam(), plain)];
+    for ((mut through, bytes), batch) in trainers {
         let mut resumed = Trainer::load(&bytes).expect("a checkpoint");
         assert_eq!(resumed.architecture(), through.architecture());
-        assert_eq!((resumed.steps(), resumed.save()), (4, bytes));
+        assert_eq!((resumed.steps(), resumed.save()), (through.steps(), bytes));
         for step in 4..9 {
             for trainer in [&mut through, &mut resumed] {
                 trainer.step(&batch(20, step), 1e-2).expect("a valid batch");
