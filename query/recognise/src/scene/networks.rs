@@ -51,7 +51,11 @@ pub enum NetworksError {
         fault: SceneNetworkError,
     },
     /// There is none of the files.
-    #[error("{} holds none of {}", folder.display(), Networks::FILES.join(", "))]
+    #[error(
+        "{} holds none of {}: name one so in `grasp-builder train --out`",
+        folder.display(),
+        Networks::FILES.join(", ")
+    )]
     Missing {
         /// The folder.
         folder: PathBuf,
@@ -133,7 +137,10 @@ mod tests {
     fn a_folder_may_hold_some_and_the_others_stay_as_they_are() {
         let folder = tempfile::tempdir().unwrap();
         let missing = Networks::read(folder.path()).unwrap_err().to_string();
-        assert!(missing.ends_with("holds none of scene.network, naming.network, thing.network"), "{missing}");
+        assert!(
+            missing.contains("holds none of scene.network, naming.network, thing.network: "),
+            "{missing}"
+        );
         fs::write(folder.path().join("naming.network"), include_bytes!("../../data/thing.network")).unwrap();
         let networks = Networks::read(folder.path()).unwrap();
         assert!(std::ptr::eq(networks.finding(), &raw const *FINDING));
