@@ -4,8 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use grasp_index::HandImage;
+use grasp_recognise::networks::Networks;
 use grasp_recognise::picture::{self, Picture};
-use grasp_recognise::scene::{LandmarkUnit, Landmarks, Networks, Prediction, find};
+use grasp_recognise::scene::{LandmarkUnit, Landmarks, Prediction, find};
 use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::{MaskSource, Prepared, Side};
 

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use grasp_index::Index;
+use grasp_recognise::networks::Networks;
 use grasp_recognise::picture::{self, WORKING_SIDE};
-use grasp_recognise::scene::{self, Networks};
+use grasp_recognise::scene;
 use grasp_recognise::segment::{Finder, SegmentParams, segment};
 use grasp_recognise::{MaskSource, RecogniseOptions, Recogniser, Timings};
 

@@ -16,6 +16,7 @@ mod evidence;
 mod hypothesis;
 #[cfg(feature = "landmarks")]
 mod mediapipe;
+pub mod networks;
 mod options;
 pub mod orientation;
 pub mod picture;

@@ -1,7 +1,8 @@
 //! Where the hand was in the frame before: in a video that is where it is looked for first.
 
+use crate::networks::SceneNetwork;
 use crate::picture::Picture;
-use crate::scene::{self, Detection, Scene, SceneNetwork};
+use crate::scene::{self, Detection, Scene};
 
 /// So many frames after it was looked for in the whole picture, the hand is looked for there again:
 /// what was found wrongly, or turned wrongly, is not followed for longer than a second.

@@ -10,7 +10,7 @@ use grasp_index::VoteOptions;
 use super::effort::EffortArguments;
 #[cfg(feature = "landmarks")]
 use grasp_recognise::HandNetworks;
-use grasp_recognise::scene::Networks;
+use grasp_recognise::networks::Networks;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
 use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
@@ -26,9 +26,10 @@ pub(super) struct RecogniseArguments {
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
     #[command(flatten)]
-    segment: SegmentArguments,
-    #[command(flatten)]
     effort: EffortArguments,
+    // Behind all that everybody needs: its last option is for research.
+    #[command(flatten)]
+    segment: SegmentArguments,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose
     /// neighbours are nearest; 1: as it is, or upright where the index's descriptors are.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "N", default_value_t = DEFAULT_ROLLS, value_parser = parse_rolls)]

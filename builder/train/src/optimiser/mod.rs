@@ -50,7 +50,8 @@ impl Moments {
         step: u64,
         learning_rate: f32,
     ) {
-        let (adam, muon) = (Adam::new(step, learning_rate), Muon::new(learning_rate));
+        let adam = Adam::new(step, learning_rate, WEIGHT_DECAY);
+        let muon = Muon::new(learning_rate, WEIGHT_DECAY);
         let mut rest = (weights, self.first.as_mut_slice(), self.second.as_mut_slice(), gradients);
         let mut parts = Vec::new();
         for (length, treatment) in plan.treatments() {

@@ -7,7 +7,6 @@
 //! are scaled so that they change a weight as much as Adam's do (J. Liu et al., "Muon is scalable
 //! for LLM training", 2025), and learning rates are the same for both.
 
-use super::WEIGHT_DECAY;
 use crate::matrix::{Before, Matrix, multiply};
 
 /// The share of the momentum that stays at each step.
@@ -22,11 +21,12 @@ const STEP: f32 = 0.2;
 /// What is done in a step.
 pub(super) struct Muon {
     learning_rate: f32,
+    weight_decay: f32,
 }
 
 impl Muon {
-    pub(super) fn new(learning_rate: f32) -> Self {
-        Self { learning_rate }
+    pub(super) fn new(learning_rate: f32, weight_decay: f32) -> Self {
+        Self { learning_rate, weight_decay }
     }
 
     /// Moves a matrix, row by row, against its gradients.
@@ -39,7 +39,7 @@ impl Muon {
         let update = orthogonal(ahead.collect(), columns);
         let times = STEP * (rows.max(columns) as f32).sqrt();
         for (weight, update) in weights.iter_mut().zip(update) {
-            *weight -= self.learning_rate * (times * update + WEIGHT_DECAY * *weight);
+            *weight -= self.learning_rate * (times * update + self.weight_decay * *weight);
         }
     }
 }
@@ -115,7 +115,7 @@ mod tests {
         let (mut weights, mut momentum) = (vec![0.0; 120], vec![0.0; 120]);
         for step in 0..400 {
             let gradients: Vec<f32> = weights.iter().zip(&wanted).map(|(w, to)| w - to).collect();
-            let muon = Muon::new(0.1 * (1.0 - step as f32 / 400.0));
+            let muon = Muon::new(0.1 * (1.0 - step as f32 / 400.0), 0.0);
             muon.step(&mut weights, &mut momentum, &gradients, 6);
         }
         assert!(weights.iter().zip(wanted).all(|(weight, to)| (weight - to).abs() < 0.05));

@@ -2,9 +2,9 @@
 
 use super::find::upright;
 use super::look::Eye;
-use super::networks::Networks;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
+use crate::networks::Networks;
 use crate::picture::Picture;
 use crate::segment::Mask;
 use crate::side::Side;

@@ -7,11 +7,11 @@ use super::joints::{HandJoints, Seeker};
 use super::landmarks::Joints;
 use super::look::Eye;
 use super::masks::{Masks, Part};
-use super::network::SceneNetwork;
 use super::patch::Patch;
 use super::square::Square;
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::{HandNetworks, HandNetworksError};
+use crate::networks::SceneNetwork;
 use crate::picture::Picture;
 use crate::segment::Mask;
 

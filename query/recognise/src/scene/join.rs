@@ -2,9 +2,9 @@
 
 use grasp_index::{Index, Vote};
 
-use super::network::GRASP;
 use super::prediction::Powers;
 use super::{Opening, Prediction};
+use crate::networks::GRASP;
 use crate::side::{HandChoice, Side};
 
 /// The least probability that is taken seriously: neither is so sure.

@@ -2,8 +2,8 @@
 
 use grasp_network::Scratch;
 
-use super::network::{Heads, SIDE, SceneNetwork};
 use super::square::{Square, Texels};
+use crate::networks::{Heads, SIDE, SceneNetwork};
 use crate::picture::Picture;
 use crate::segment::Mask;
 

@@ -1,9 +1,9 @@
 //! The network's coarse masks on the pixels of a picture.
 
 use super::look::Eye;
-use super::network::{Heads, MASKS, SceneNetwork};
 use super::patch::{Patch, largest_patch};
 use super::square::{Map, Square};
+use crate::networks::{Heads, MASKS, SceneNetwork};
 use crate::picture::Picture;
 use crate::segment::Mask;
 

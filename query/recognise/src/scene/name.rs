@@ -3,9 +3,9 @@
 use super::arm;
 use super::find::Detection;
 use super::look::Eye;
-use super::networks::Networks;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
+use crate::networks::Networks;
 use crate::picture::Picture;
 use crate::segment::Mask;
 use crate::side::Side;

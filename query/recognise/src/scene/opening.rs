@@ -38,7 +38,7 @@ impl Opening {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Networks;
+    use crate::networks::Networks;
 
     #[test]
     fn every_grasp_of_the_networks_is_known_and_no_other() {

@@ -1,9 +1,9 @@
 //! Which hand it is and what it does, by looks of networks at it.
 
 use super::look::Eye;
-use super::network::{GRASP, Heads, STAGES, SceneNetwork, normalised};
-use super::networks::Networks;
 use super::square::Square;
+use crate::networks::Networks;
+use crate::networks::{GRASP, Heads, STAGES, SceneNetwork, normalised};
 use crate::side::Side;
 
 /// Looks at a hand: turned and enlarged by so much.

@@ -32,8 +32,8 @@ pub use quality::Quality;
 
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::HandNetworks;
+use crate::networks::Networks;
 use crate::picture::Picture;
-use crate::scene::Networks;
 use distance::Deepest;
 
 /// What finds the hand in a camera picture.

@@ -1,12 +1,15 @@
 //! The networks of scenes: the program's, and those that a user has trained.
 
+mod network;
+
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use thiserror::Error;
 
-use super::network::{SceneNetwork, SceneNetworkError};
+pub(crate) use network::{GRASP, Heads, MASKS, SIDE, STAGES, normalised};
+pub use network::{SceneNetwork, SceneNetworkError};
 
 /// The grasps that the networks know, as `grasp-builder train` orders them.
 const GRASPS: [&str; 6] =

@@ -5,22 +5,22 @@ use grasp_network::{QuantisedNetwork, ReadError, Scratch};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
-pub(super) const SIDE: usize = 64;
+pub(crate) const SIDE: usize = 64;
 /// Masks that it answers with: hand, forearm, object.
-pub(super) const MASKS: usize = 3;
+pub(crate) const MASKS: usize = 3;
 /// Values of the heads behind the classes: three stages, and a rotation as two columns.
-pub(super) const STAGES: usize = NETWORK_STAGES.len();
+pub(crate) const STAGES: usize = NETWORK_STAGES.len();
 /// Which of the stages is the one in which something is held.
-pub(super) const GRASP: usize = STAGES - 1;
+pub(crate) const GRASP: usize = STAGES - 1;
 const ROTATION: usize = 6;
 
 /// A scene network, and what its heads mean.
 #[derive(Clone, Debug)]
 pub struct SceneNetwork {
-    pub(super) network: QuantisedNetwork,
+    pub(crate) network: QuantisedNetwork,
     /// The grasps' names in the heads' order. Behind them comes a hand that is mirrored, then one
     /// in none of the grasps.
-    pub(super) grasps: Vec<String>,
+    pub(crate) grasps: Vec<String>,
 }
 
 /// A network that does not look at scenes.
@@ -66,7 +66,7 @@ impl SceneNetwork {
     }
 
     /// What it answers to one picture.
-    pub(super) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
+    pub(crate) fn run(&self, scratch: &mut Scratch, planes: &[f32]) -> Heads {
         let output = self.network.run(scratch, planes);
         let (classes, rest) = output.heads.split_at(self.grasps.len() + 2);
         let mut rotation = [0.0; ROTATION];
@@ -83,30 +83,30 @@ impl SceneNetwork {
 
 /// The answer to one picture.
 #[derive(Clone, Debug)]
-pub(super) struct Heads {
+pub(crate) struct Heads {
     /// The logarithm of each class's probability: the grasps, then none of them.
-    pub(super) classes: Vec<f64>,
+    pub(crate) classes: Vec<f64>,
     /// The logarithm of the probability that the hand is mirrored.
-    pub(super) mirrored: f64,
+    pub(crate) mirrored: f64,
     /// The logarithm of the probability of each stage, reach, close and grasp, up to a constant.
-    pub(super) stages: [f64; STAGES],
+    pub(crate) stages: [f64; STAGES],
     /// The first and the second column of the rotation, of any length.
-    pub(super) rotation: [f64; ROTATION],
+    pub(crate) rotation: [f64; ROTATION],
     /// Logits of hand, forearm and object, row by row.
-    pub(super) masks: Vec<f32>,
+    pub(crate) masks: Vec<f32>,
     /// Values a side of a mask.
-    pub(super) mask_side: usize,
+    pub(crate) mask_side: usize,
 }
 
 impl Heads {
     /// The direction of the arm in the picture, as an angle clockwise from the right.
-    pub(super) fn arm(&self) -> f64 {
+    pub(crate) fn arm(&self) -> f64 {
         libm::atan2(-self.rotation[1], -self.rotation[0])
     }
 }
 
 /// The logarithms of probabilities that sum to 1, from logarithms up to the same constant.
-pub(super) fn normalised(logs: &[f64]) -> Vec<f64> {
+pub(crate) fn normalised(logs: &[f64]) -> Vec<f64> {
     let highest = logs.iter().copied().fold(f64::MIN, f64::max);
     let sum = libm::log(logs.iter().map(|log| libm::exp(log - highest)).sum::<f64>());
     logs.iter().map(|log| log - highest - sum).collect()
