@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use grasp_tests::{pictures, program, run};
+use grasp_tests::{pictures, program, run, small_index, workspace};
 
 #[test]
 fn a_trained_network_describes_an_index_that_recognises() {
@@ -68,4 +68,36 @@ fn a_descriptors_network_is_shown_no_scenes_to_leave_something_out_of() {
     assert_ne!(outcome.status, 0);
     assert!(outcome.stderr.contains("give --kind scene, naming or thing as well"), "{}", outcome.stderr);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn networks_of_scenes_are_taken_from_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let recognise = |arguments: &[&str]| {
+        run(program("grasp-query")
+            .args(["recognise", "--json", "--accept", "always", "--index"])
+            .arg(small_index())
+            .arg(pictures().join("camera/09-pinch.jpg"))
+            .args(arguments)
+            .current_dir(folder.path()))
+    };
+    let empty = recognise(&["--networks", "."]);
+    assert_eq!(empty.status, 2);
+    assert!(
+        empty.stderr.contains("holds none of scene.network, naming.network, thing.network"),
+        "{}",
+        empty.stderr
+    );
+    // Another network of the same form names the hand.
+    let things = workspace().join("query/recognise/data/thing.network");
+    fs::copy(things, folder.path().join("naming.network")).unwrap();
+    let [built_in, own] = [&[] as &[&str], &["--networks", "."]].map(|arguments| {
+        let outcome = recognise(arguments);
+        assert_eq!(outcome.status, 0, "{arguments:?}: {}", outcome.stderr);
+        outcome.json_lines()[0]["classes"].clone()
+    });
+    assert_ne!(built_in, own);
+    let skin = recognise(&["--networks", ".", "--segment", "skin"]);
+    assert_eq!(skin.status, 2);
+    assert!(skin.stderr.contains("which --segment skin leaves out"), "{}", skin.stderr);
 }

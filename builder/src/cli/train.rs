@@ -25,12 +25,13 @@ use crate::train::{
 /// as if it had not been stopped, on any number of threads.
 ///
 /// The learned descriptor's network that comes with this program was trained by `--optimiser adam`
-/// and the default options otherwise, and so on all recorded poses; the scene network twice, the second time `--from` the
-/// first; the naming network in three trainings more, the thing network in four others.
+/// and the default options otherwise, and so on all recorded poses; the scene network twice, the
+/// second time `--from` the first; the naming network in three trainings more, the thing network in
+/// four others.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder train --out hand.network                     as large as the shipped one: an hour on two cores
+  grasp-builder train --out hand.network                     like the shipped one: an hour on two cores
   grasp-builder build --descriptor learned --network hand.network --out grasp.idx
                                                              an index that is searched by it
   grasp-builder train --out small.network --samples 300000   ten minutes, for a first look

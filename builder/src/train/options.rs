@@ -54,8 +54,8 @@ impl Kind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Optimiser {
-    /// Matrices along their momentum made orthogonal, all else by Adam: from random weights, as far
-    /// in half the samples.
+    /// Matrices along their momentum made orthogonal, all else by Adam: from random weights, a
+    /// network learns faster.
     #[default]
     Muon,
     /// All by Adam, as the shipped networks were trained.

@@ -2,9 +2,9 @@
 //!
 //! Little-endian: magic, version (u32), the architecture (side, planes, embedding, heads, number of
 //! convolutions, kernel, stride and outputs of each, and the masks' convolution, count and cells,
-//! zeros where there are none: u32), the number of joints and the optimiser (u32), seed and steps (u64), the arrays
-//! of the state in their order (f32; their lengths follow from the architecture), and the xxh3 of
-//! all bytes before it (u64).
+//! zeros where there are none: u32), the number of joints and the optimiser (0 Muon, 1 Adam: u32),
+//! seed and steps (u64), the arrays of the state in their order (f32; their lengths follow from the
+//! architecture), and the xxh3 of all bytes before it (u64).
 
 use crate::optimiser::{Moments, Optimiser};
 use crate::plan::Plan;
@@ -17,9 +17,6 @@ const MAGIC: [u8; 8] = *b"graspTRN";
 /// Goes up with every change that makes older checkpoints unusable, a change of what training does
 /// included.
 const VERSION: u32 = 4;
-
-/// By their numbers.
-const OPTIMISERS: [Optimiser; 2] = [Optimiser::Muon, Optimiser::Adam];
 
 /// Bytes that are no checkpoint that training can go on from.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -68,10 +65,11 @@ impl Trainer {
         }
         let masks = masks.map_or([0; 3], |Masks { convolution, count, cells }| [convolution, count, cells]);
         header.extend(masks);
-        header.extend([
-            plan.joints() as u32,
-            OPTIMISERS.iter().take_while(|other| *other != optimiser).count() as u32,
-        ]);
+        let optimiser = match optimiser {
+            Optimiser::Muon => 0,
+            Optimiser::Adam => 1,
+        };
+        header.extend([plan.joints() as u32, optimiser]);
         bytes.extend(header.iter().flat_map(|value| value.to_le_bytes()));
         bytes.extend([*seed, *steps].iter().flat_map(|value| value.to_le_bytes()));
         for (_, array) in arrays(&self.state) {
@@ -107,9 +105,12 @@ impl Trainer {
             [convolution, count, cells] => Some(Masks { convolution, count, cells }),
         };
         let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
-        let [joints, optimiser] = reader.u32s()?.map(|value| value as usize);
-        let optimiser = OPTIMISERS.get(optimiser).copied();
-        let optimiser = optimiser.ok_or(CheckpointError::Value { what: "an optimiser" })?;
+        let joints = reader.u32()? as usize;
+        let optimiser = match reader.u32()? {
+            0 => Optimiser::Muon,
+            1 => Optimiser::Adam,
+            _ => return Err(CheckpointError::Value { what: "an optimiser" }),
+        };
         let (seed, steps) = (reader.u64()?, reader.u64()?);
 
         // Before anything is allocated by what the header claims.

@@ -4,8 +4,8 @@
 //! dropped before the embedding. The heads are, in this order, the logits of the classes, those of
 //! [`STAGES`] stages, and [`ROTATION`] values that [`rotation_of`] makes a rotation matrix of.
 //! Where the network has masks, their logits shall answer with given shares. The places of joints
-//! may be learned besides, by a head that the trained network is without. An [`Optimiser`] makes the
-//! sum of the [`Losses`] small.
+//! may be learned besides, by a head that the trained network is without. An [`Optimiser`] makes
+//! the sum of the [`Losses`] small.
 //!
 //! ```
 //! use grasp_network::{Architecture, Convolution, Masks};

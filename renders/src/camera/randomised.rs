@@ -39,9 +39,3 @@ impl Randomised {
         borders: true,
     };
 }
-
-impl Default for Randomised {
-    fn default() -> Self {
-        Self::ALL
-    }
-}

@@ -50,7 +50,7 @@ pub struct SceneView {
 }
 
 impl Views {
-    /// Of scenes of which so many are to be cut out, without a few kinds of what is random.
+    /// Of scenes of which so many are to be cut out; what is left out does not vary.
     pub(super) fn new(scenes: Scenes, cut_out: f64, left_out: &[LeftOut], seed: u64) -> Self {
         let of_ways = |share| if left_out.contains(&LeftOut::Ways) { 0.0 } else { share };
         let in_hand = scenes.with_alike(of_ways(ALIKE));

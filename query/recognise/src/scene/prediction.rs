@@ -2,8 +2,7 @@
 
 use super::look::Eye;
 use super::square::Square;
-use crate::networks::Networks;
-use crate::networks::{GRASP, Heads, STAGES, SceneNetwork, normalised};
+use crate::networks::{GRASP, Heads, Networks, STAGES, SceneNetwork, normalised};
 use crate::side::Side;
 
 /// Looks at a hand: turned and enlarged by so much.
