@@ -15,6 +15,10 @@ impl Lanes {
 
     /// Takes as many weights as there are; the others stay as they are.
     pub(crate) fn widen(&mut self, stored: &[Stored]) {
+        if let Some(stored) = stored.first_chunk::<LANES>() {
+            let narrow = stored.map(f16::from_le_bytes);
+            return narrow.convert_to_f32_slice(&mut self.0);
+        }
         let mut narrow = [f16::ZERO; LANES];
         let (narrow, lanes) = (&mut narrow[..stored.len()], &mut self.0[..stored.len()]);
         narrow.iter_mut().zip(stored).for_each(|(narrow, stored)| *narrow = f16::from_le_bytes(*stored));

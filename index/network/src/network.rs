@@ -9,7 +9,7 @@ use crate::packed::Packed;
 use crate::path::Path;
 use crate::quantised::QuantisedNetwork;
 use crate::scratch::Scratch;
-use crate::unpacked::Unpacked;
+use crate::unpacked::pack_layers;
 use crate::weights::{self, WeightsError};
 use crate::{ReadError, file};
 use half::f16;
@@ -87,11 +87,7 @@ impl Network {
     fn new(contents: Contents<'_>, fingerprint: u64, path: Path) -> Result<Self, WeightsError> {
         let Contents { architecture, layers, arithmetic, weights: stored } = contents;
         let weights = match arithmetic {
-            Arithmetic::Floats => {
-                let packed = Unpacked::layers(&architecture, &layers, stored)?;
-                let packed = packed.map(|layer| layer.map(|layer| Packed::new(&layer)));
-                Weights::Floats(packed.collect::<Result<_, _>>()?)
-            }
+            Arithmetic::Floats => Weights::Floats(pack_layers(&architecture, &layers, stored, Packed::new)?),
             Arithmetic::Integers => {
                 let network = QuantisedNetwork::new(architecture.clone(), layers.clone(), stored, path)?;
                 Weights::Integers { stored: stored.to_vec(), network: Box::new(network) }

@@ -27,8 +27,8 @@ pub(crate) struct Packed {
 
 impl Packed {
     /// Packs a layer.
-    pub(crate) fn new(unpacked: &Unpacked<'_>) -> Self {
-        let Unpacked { layer, borders, .. } = *unpacked;
+    pub(crate) fn new(unpacked: &mut Unpacked<'_>) -> Self {
+        let (layer, borders) = (unpacked.layer, unpacked.borders);
         let mut weights = Vec::with_capacity(layer.padded_parameters() / LANES);
         unpacked.for_each_block(|block| weights.extend_from_slice(block));
         Self {

@@ -71,18 +71,17 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
 pub(crate) struct Sums(Vec<f64>);
 
 impl Sums {
-    /// Adds the next layer, which reads the output of layer `source`, or the input; `largest` is
-    /// what its sums can reach with inputs to what it is given.
+    /// What the inputs of a layer can reach that reads the output of layer `source`, or the picture.
+    pub(crate) fn of_input(&self, source: Option<usize>) -> f64 {
+        let input = source.and_then(|source| self.0.get(source)).copied();
+        input.unwrap_or(f64::from(MAX_INPUT))
+    }
+
+    /// Adds the next layer, whose sums can reach `sum`.
     ///
     /// # Errors
-    /// Where its sums might overflow.
-    pub(crate) fn add(
-        &mut self,
-        source: Option<usize>,
-        largest: impl FnOnce(f64) -> f64,
-    ) -> Result<(), WeightsError> {
-        let input = source.and_then(|source| self.0.get(source)).copied();
-        let sum = largest(input.unwrap_or(f64::from(MAX_INPUT)));
+    /// Where they might overflow.
+    pub(crate) fn add(&mut self, sum: f64) -> Result<(), WeightsError> {
         if sum > LARGEST_SUM {
             return Err(WeightsError::Overflow { layer: self.0.len(), sum });
         }

@@ -124,6 +124,11 @@ impl SegmentArguments {
             ),
             (Some(folder), _) => Networks::read(folder)?,
         };
+        if self.segment != SegmentBy::Skin && rayon::current_num_threads() > 1 {
+            // Another thread reads them while this one opens the index.
+            let networks = networks.clone();
+            rayon::spawn(move || networks.read_ahead());
+        }
         Ok(SegmentParams { by: self.finder()?, networks, ..SegmentParams::default() })
     }
 

@@ -163,8 +163,9 @@ impl Recognise {
             return self.run_remote(address, &images, drawings.as_ref());
         }
         let robot = self.robot.read()?;
+        let options = self.recognise.options()?;
         let index = self.index.open_for_pictures()?;
-        let recogniser = Recogniser::new(&index, self.recognise.options()?);
+        let recogniser = Recogniser::new(&index, options);
         let setup = Setup { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(setup.prior.clone()));
 

@@ -12,7 +12,7 @@ use crate::layer::{Layer, Rectifier, Stored};
 use crate::output::Output;
 use crate::packed::Packed;
 use crate::path::Path;
-use crate::unpacked::Unpacked;
+use crate::unpacked::{Unpacked, pack_layers};
 use crate::weights::WeightsError;
 use crate::{Architecture, ReadError, Scratch, file};
 use dispatch::Integers;
@@ -57,7 +57,7 @@ fn is_rounded(architecture: &Architecture, layers: &[Layer]) -> Vec<bool> {
 }
 
 /// How a layer is computed.
-fn step(layer: &Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
+fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
     match layer.source {
         Some(source) if is_rounded[source + 1] => {
             Step::Integers(PackedIntegers::new(layer, dispatch::sums_bytes(path)))
@@ -91,10 +91,7 @@ impl QuantisedNetwork {
         path: Path,
     ) -> Result<Self, WeightsError> {
         let is_rounded = is_rounded(&architecture, &layers);
-        let mut steps = Vec::with_capacity(layers.len());
-        for layer in Unpacked::layers(&architecture, &layers, weights)? {
-            steps.push(step(&layer?, &is_rounded, path));
-        }
+        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded, path))?;
         Ok(Self { architecture, layers, steps, is_rounded, path })
     }
 

@@ -59,8 +59,8 @@ impl PackedIntegers {
     }
 
     /// Rounds the weights of a layer, to be multiplied `in_bytes` or as floats.
-    pub(super) fn new(unpacked: &Unpacked<'_>, in_bytes: bool) -> Self {
-        let Unpacked { layer, borders, .. } = *unpacked;
+    pub(super) fn new(unpacked: &mut Unpacked<'_>, in_bytes: bool) -> Self {
+        let (layer, borders) = (unpacked.layer, unpacked.borders);
         let blocks = layer.output_planes.div_ceil(LANES);
         let mut scales = Vec::with_capacity(blocks);
         let mut weights = Weights::with_room(blocks * layer.inputs(), in_bytes);
@@ -117,13 +117,14 @@ fn inverse(units: &[f32; LANES]) -> [f32; LANES] {
 /// The rows of a block's inputs as integers, four at a time.
 fn quads(matrix: &[Lanes], scale: [f32; LANES]) -> impl Iterator<Item = Quads> {
     matrix.chunks_exact(TOGETHER).map(move |rows| {
-        let mut quads = [[0; TOGETHER]; LANES];
+        // The four integers of a lane as one number: so all lanes are computed together.
+        let mut words = [0u32; LANES];
         for (input, row) in rows.iter().enumerate() {
             for lane in 0..LANES {
-                quads[lane][input] = nearest_byte(row.0[lane] * scale[lane]).cast_signed();
+                words[lane] |= u32::from(nearest_byte(row.0[lane] * scale[lane])) << (8 * input);
             }
         }
-        Quads(quads)
+        Quads(words.map(|word| word.to_le_bytes().map(u8::cast_signed)))
     })
 }
 

@@ -84,6 +84,12 @@ impl Networks {
         Ok(Self { own })
     }
 
+    /// Reads those of the program's own that are asked, in the order in which they are; without
+    /// this each is read when it is first asked, in a millisecond or two.
+    pub fn read_ahead(&self) {
+        let (_, _, _) = (self.finding(), self.naming(), self.things());
+    }
+
     /// What finds hands.
     pub fn finding(&self) -> &SceneNetwork {
         self.own[0].as_deref().unwrap_or(&FINDING)
