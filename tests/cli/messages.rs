@@ -25,6 +25,8 @@ fn help_texts() {
     insta::assert_snapshot!("query_search", help("grasp-query", &["search"]));
     insta::assert_snapshot!("query_evaluate", help("grasp-query", &["evaluate"]));
     insta::assert_snapshot!("query_experiment_paper", help("grasp-query", &["experiment", "paper"]));
+    let networks = help("grasp-builder", &["experiment", "networks"]);
+    insta::assert_snapshot!("builder_experiment_networks", networks);
     insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));

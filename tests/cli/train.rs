@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use grasp_tests::{pictures, program, run, small_index, workspace};
+use grasp_tests::{boxes, pictures, program, run, small_index, workspace};
 
 #[test]
 fn a_trained_network_describes_an_index_that_recognises() {
@@ -100,4 +100,40 @@ fn networks_of_scenes_are_taken_from_a_folder() {
     let skin = recognise(&["--networks", ".", "--segment", "skin"]);
     assert_eq!(skin.status, 2);
     assert!(skin.stderr.contains("which --segment skin leaves out"), "{}", skin.stderr);
+}
+
+#[test]
+fn trained_networks_are_measured_on_the_same_renders() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("boxes.glb");
+    fs::write(&model, boxes::hand()).unwrap();
+    let measure = |kind: &str, networks: &[&str], arguments: &[&str]| {
+        let networks = networks.iter().map(|network| workspace().join(network));
+        run(program("grasp-builder")
+            .args(["experiment", "networks", "--scenes", "6", "--kind", kind])
+            .args(arguments)
+            .args(networks))
+    };
+    let hand = "builder/data/hand.network";
+    let twice = measure("hand", &[hand, hand], &["--json"]);
+    assert_eq!(twice.status, 0, "{}", twice.stderr);
+    let [first, second] = twice.json_lines().try_into().unwrap();
+    assert_eq!(first, second);
+    let top1 = |record: &serde_json::Value| record["figures"]["hands_top1"].as_f64().unwrap();
+    // Of 72 renders the shipped network names some 55 rightly.
+    assert!(top1(&first) > 0.6, "{first}");
+    assert!(first["figures"]["hands_rotation_deg"].as_f64().unwrap() < 20.0, "{first}");
+
+    // It has never seen a hand of boxes.
+    let of_boxes = measure("hand", &[hand], &["--json", "--hand-model", model.to_str().unwrap()]);
+    assert_eq!(of_boxes.status, 0, "{}", of_boxes.stderr);
+    assert!(top1(&of_boxes.json_lines()[0]) < top1(&first), "{}", of_boxes.stdout);
+
+    let text = measure("thing", &["query/recognise/data/thing.network"], &[]);
+    assert_eq!(text.status, 0, "{}", text.stderr);
+    assert!(text.stdout.contains("\n  objects mask iou "), "{}", text.stdout);
+
+    let other = measure("naming", &[hand], &[]);
+    assert_eq!(other.status, 2);
+    assert!(other.stderr.contains("is of another kind: say which by --kind"), "{}", other.stderr);
 }

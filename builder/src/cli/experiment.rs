@@ -12,6 +12,7 @@ use tracing::info;
 
 use super::build::ENTRIES;
 use super::form::Form;
+use super::networks_experiment::Networks;
 use super::plan::parse_step;
 use super::preset::preset;
 use super::seed::DEFAULT_SEED;
@@ -34,6 +35,7 @@ pub(crate) struct Experiment {
 enum Name {
     Scale(Scale),
     Shapes(Shapes),
+    Networks(Networks),
 }
 
 /// How latency, candidates, recall, file size and build time grow with the number of entries.
@@ -118,6 +120,7 @@ impl Experiment {
         match &self.name {
             Name::Scale(scale) => scale.run(global),
             Name::Shapes(shapes) => shapes.run(global),
+            Name::Networks(networks) => networks.run(global),
         }
     }
 }

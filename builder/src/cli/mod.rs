@@ -7,6 +7,7 @@ mod form;
 mod grow;
 mod inspect;
 mod merge;
+mod networks_experiment;
 mod plan;
 mod preset;
 mod queries;
@@ -57,6 +58,7 @@ Examples:
   grasp-builder train --out hand.network                 the network of a learned descriptor, from renders
   grasp-builder experiment scale --out scale             how the search grows with the index
   grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
+  grasp-builder experiment networks hand.network         how well a trained network does on other hands
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left, and the
 message says what is kept).";

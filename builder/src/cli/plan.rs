@@ -226,7 +226,7 @@ impl PlanOptions {
     }
 }
 
-fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
+pub(super) fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
     HandModel::load(path).with_context(|| format!("cannot use the hand of {}", path.display()))
 }
 

@@ -27,7 +27,7 @@ use crate::train::{
 /// The learned descriptor's network that comes with this program was trained by `--optimiser adam`
 /// and the default options otherwise, and so on all recorded poses; the scene network twice, the
 /// second time `--from` the first; the naming network in three trainings more, the thing network in
-/// four others.
+/// six others.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -64,7 +64,8 @@ pub(crate) struct Train {
     /// one forgets less of what the network has learned.
     #[arg(long, value_name = "R", value_parser = parse_rate)]
     rate: Option<f32>,
-    /// How weights are moved. The shipped networks were trained by `adam`.
+    /// How weights are moved. The shipped networks were trained by `adam`, the thing network at last by
+    /// `muon`.
     #[arg(long, value_enum, default_value_t)]
     optimiser: Optimiser,
     /// What all randomness comes from.

@@ -1,6 +1,9 @@
 //! What a network is taught.
 
+use std::sync::Arc;
+
 use grasp_network::{Architecture, Network};
+use grasp_renders::HandModel;
 use grasp_terminal::Work;
 use grasp_train::{Factors, Target};
 use rand_chacha::ChaCha8Rng;
@@ -40,13 +43,15 @@ pub trait Course: Sized + Sync {
     /// How many scenes [`Self::validation`] renders.
     fn validation_scenes(schedule: &Schedule) -> u64;
 
-    /// Renders what a network is measured by.
+    /// Renders what a network is measured by: hands that no training draws, or `hand_model` in
+    /// their place.
     ///
     /// # Errors
     /// Where a scene cannot be built, or `check` has stopped the work.
     fn validation(
         &self,
         schedule: &Schedule,
+        hand_model: Option<&Arc<HandModel>>,
         check: Check<'_>,
         work: &Work,
     ) -> anyhow::Result<Self::Validation>;

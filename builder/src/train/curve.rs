@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use grasp_index::AtomicFile;
-use grasp_terminal::text::{counted, percent};
+use grasp_terminal::text::counted;
 use grasp_train::{Factors, Losses};
 use serde::{Deserialize, Serialize};
 
@@ -50,13 +50,7 @@ impl fmt::Display for Row {
         for loss in self.losses.iter().take(1) {
             write!(formatter, ": loss {:.3}", loss.value)?;
         }
-        for Figure { name, value } in &self.figures {
-            match name.strip_suffix("_deg") {
-                Some(name) => write!(formatter, "; {} {value:.1} deg", name.replace('_', " "))?,
-                None => write!(formatter, "; {} {}", name.replace('_', " "), percent(*value))?,
-            }
-        }
-        Ok(())
+        self.figures.iter().try_for_each(|figure| write!(formatter, "; {figure}"))
     }
 }
 

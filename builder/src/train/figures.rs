@@ -1,5 +1,9 @@
 //! What courses measure.
 
+use std::fmt;
+
+use grasp_terminal::text::percent;
+
 /// Something that was measured.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Figure {
@@ -14,6 +18,17 @@ impl Figure {
     /// A named value, to four decimals: more mean nothing.
     pub(super) fn new(name: &str, value: f64) -> Self {
         Self { name: name.to_owned(), value: (value * 1e4).round() / 1e4 }
+    }
+}
+
+/// For a person.
+impl fmt::Display for Figure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value } = self;
+        match name.strip_suffix("_deg") {
+            Some(name) => write!(formatter, "{} {value:.1} deg", name.replace('_', " ")),
+            None => write!(formatter, "{} {}", name.replace('_', " "), percent(*value)),
+        }
     }
 }
 

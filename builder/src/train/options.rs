@@ -58,7 +58,7 @@ pub enum Optimiser {
     /// network learns faster.
     #[default]
     Muon,
-    /// All by Adam, as the shipped networks were trained.
+    /// All by Adam, as most of the shipped networks were trained.
     Adam,
 }
 

@@ -101,7 +101,7 @@ fn train_on<C: Course>(
     if !training.is_done() {
         let scenes = C::validation_scenes(&schedule) + training.scenes_at_start();
         let work = progress.bar(scenes, "rendering", "scenes");
-        let validation = training.course().validation(&schedule, check, &work)?;
+        let validation = training.course().validation(&schedule, None, check, &work)?;
         training.fill(check, &work)?;
         drop(work);
         finish(&mut training, options, &validation, files, progress, check)?;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use grasp_renders::random::unit;
 use grasp_renders::{
-    Grasp, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation, alike_grasps,
-    presented_grasps,
+    Grasp, HandModel, HandShape, Look, PoseGroup, Preset, RenderPlan, SceneSpec, Stage, Variation,
+    alike_grasps, presented_grasps,
 };
 use rand::{Rng as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -55,6 +55,8 @@ pub struct Scenes {
     hands: Hands,
     /// How many of them are drawn; `None` of no end.
     count: Option<u64>,
+    /// Whose hand takes the place of all that are drawn, if any.
+    hand_model: Option<Arc<HandModel>>,
     stages: StageShares,
     /// The share of scenes in which a thing is held up at the finger tips, and of those in which
     /// the hand is posed as another grasp's, where a grasp has such ways.
@@ -93,6 +95,7 @@ impl Scenes {
             variation: Variation { recorded_from: poses, closure: CLOSURE, ..plan.variation },
             hands: Hands::Training,
             count: None,
+            hand_model: None,
             stages: StageShares::default(),
             presented: 0.0,
             alike: 0.0,
@@ -118,6 +121,11 @@ impl Scenes {
     /// The same scenes of so many hands, all of them without end.
     pub fn with_hands(self, count: Option<u64>) -> Self {
         Self { count, ..self }
+    }
+
+    /// The same scenes with one hand in the place of all that are drawn, if there is one.
+    pub fn with_hand_model(self, hand_model: Option<Arc<HandModel>>) -> Self {
+        Self { hand_model, ..self }
     }
 
     /// The same scenes in other stages.
@@ -146,10 +154,13 @@ impl Scenes {
         rng.set_stream(number);
         let drawn = rng.next_u64();
         let drawn = self.count.map_or(drawn, |count| drawn % count.max(1));
-        let shape = HandShape::sample(match self.hands {
-            Hands::Training => drawn | 1 << 63,
-            Hands::Others => drawn & !(1 << 63),
-        });
+        let hand_shape = match &self.hand_model {
+            Some(model) => model.shape().clone(),
+            None => HandShape::sample(match self.hands {
+                Hands::Training => drawn | 1 << 63,
+                Hands::Others => drawn & !(1 << 63),
+            }),
+        };
         // Classes take turns, so that each has its share of every batch.
         let class = (number % self.grasps.len() as u64) as usize;
         let stage = self.stages.stage(unit(&mut rng));
@@ -162,8 +173,8 @@ impl Scenes {
         let variation = if other.is_some() { &self.variation_of_ways() } else { &self.variation };
         let grasp = other.unwrap_or(&self.grasps[class]);
         let spec = SceneSpec {
-            hand_shape: Arc::new(shape),
-            hand_model: None,
+            hand_shape: Arc::new(hand_shape),
+            hand_model: self.hand_model.clone(),
             grasp: Arc::clone(grasp),
             stage,
             object: grasp.object.object(size),

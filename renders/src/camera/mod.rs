@@ -10,7 +10,7 @@
 mod background;
 mod border;
 mod clutter;
-mod dress;
+
 mod lattice;
 mod layers;
 mod light;
@@ -21,9 +21,11 @@ mod palette;
 mod randomised;
 mod scene;
 mod shading;
+
 mod shut;
-mod solid;
+
 mod surface;
+mod things;
 mod wrist;
 
 pub use layers::{Framing, Layers};

@@ -6,10 +6,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::dress::dress;
 use super::marks::{Mark, marks};
 use super::randomised::Randomised;
 use super::shading::smoothed;
+use super::things::dress;
 use super::wrist::Wrist;
 use crate::grasp::PlacedObject;
 use crate::hand::HandShape;

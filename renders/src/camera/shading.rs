@@ -56,7 +56,7 @@ mod tests {
     use nalgebra::Isometry3;
 
     use super::*;
-    use crate::camera::solid::Lathe;
+    use crate::camera::things::solid::Lathe;
 
     fn of(solid: &Lathe) -> Mesh {
         smoothed(&solid.mesh(&Isometry3::identity()))

@@ -51,17 +51,17 @@ impl Material {
     pub(super) fn random(rng: &mut ChaCha8Rng) -> Self {
         let direction = |rng: &mut ChaCha8Rng| [0; 3].map(|_| normal(rng) as f32 * 0.7);
         let pattern = match unit(rng) {
-            x if x < 0.42 => Pattern::Plain,
-            x if x < 0.58 => Pattern::Blots {
+            x if x < 0.55 => Pattern::Plain,
+            x if x < 0.62 => Pattern::Blots {
                 size: between(rng, [60.0, 300.0]) as f32,
                 level: between(rng, [0.35, 0.65]) as f32,
             },
-            x if x < 0.74 => Pattern::Bands {
+            x if x < 0.76 => Pattern::Bands {
                 across: direction(rng),
                 width: between(rng, [0.006, 0.05]) as f32,
                 share: between(rng, [0.2, 0.7]) as f32,
             },
-            x if x < 0.82 => Pattern::Checks { size: between(rng, [0.005, 0.025]) as f32 },
+            x if x < 0.81 => Pattern::Checks { size: between(rng, [0.005, 0.025]) as f32 },
             _ => Pattern::Print {
                 across: direction(rng),
                 width: between(rng, [0.03, 0.09]) as f32,

@@ -14,6 +14,14 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
+    /// Adds another mesh's triangles.
+    pub(crate) fn append(&mut self, other: &Mesh) {
+        let offset = self.vertices.len() as u32;
+        self.vertices.extend(&other.vertices);
+        self.normals.extend(&other.normals);
+        self.triangles.extend(other.triangles.iter().map(|corners| corners.map(|c| c + offset)));
+    }
+
     /// Whether every edge is passed as often in one direction as in the other: the mesh has no
     /// hole.
     #[cfg(test)]

@@ -5,7 +5,10 @@ mod render;
 mod sample;
 mod validation;
 
+use std::sync::Arc;
+
 use grasp_network::{Architecture, Convolution, Network};
+use grasp_renders::HandModel;
 use grasp_terminal::Work;
 use grasp_train::{ROTATION, STAGES};
 use rand_chacha::ChaCha8Rng;
@@ -72,8 +75,14 @@ impl Course for Hand {
         Validation::scenes(schedule)
     }
 
-    fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
-        Validation::render(schedule, self.options.poses_to_measure(), check, work)
+    fn validation(
+        &self,
+        schedule: &Schedule,
+        hand_model: Option<&Arc<HandModel>>,
+        check: Check<'_>,
+        work: &Work,
+    ) -> anyhow::Result<Validation> {
+        Validation::render(schedule, self.options.poses_to_measure(), hand_model, check, work)
     }
 
     fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {

@@ -1,8 +1,10 @@
 //! How well a network does on hands, and on poses, that it was not trained on.
 
+use std::sync::Arc;
+
 use anyhow::bail;
 use grasp_network::{Network, Scratch};
-use grasp_renders::PoseGroup;
+use grasp_renders::{HandModel, PoseGroup};
 use grasp_terminal::Work;
 use grasp_train::{ROTATION, STAGES};
 use rayon::prelude::*;
@@ -45,13 +47,15 @@ struct Figures {
 }
 
 impl Validation {
-    /// Renders what a training with these `poses` is measured by.
+    /// Renders what a training with these `poses` is measured by, `hand_model` in the place of other
+    /// hands if there is one.
     ///
     /// # Errors
     /// Where a scene cannot be built, or `check` has stopped the work.
     pub(super) fn render(
         schedule: &Schedule,
         poses: PoseGroup,
+        hand_model: Option<&Arc<HandModel>>,
         check: Check<'_>,
         work: &Work,
     ) -> anyhow::Result<Self> {
@@ -65,11 +69,12 @@ impl Validation {
             }
             Ok(shown)
         };
+        let of_hand = |scenes: Scenes| scenes.with_hand_model(hand_model.cloned());
         Ok(Self {
             reference: plain(&Scenes::training(SEED, poses), REFERENCE_SCENES * asked, REFERENCE_VIEWS)?,
             groups: [
-                plain(&Scenes::other_hands(SEED, poses), asked, VIEWS)?,
-                plain(&Scenes::held_out_poses(SEED), asked, VIEWS)?,
+                plain(&of_hand(Scenes::other_hands(SEED, poses)), asked, VIEWS)?,
+                plain(&of_hand(Scenes::held_out_poses(SEED)), asked, VIEWS)?,
             ],
         })
     }

@@ -9,8 +9,10 @@ mod lesson;
 mod validation;
 mod views;
 
+use std::sync::Arc;
+
 use grasp_network::{Architecture, Convolution, Masks, Network};
-use grasp_renders::Part;
+use grasp_renders::{HandModel, Part};
 use grasp_terminal::Work;
 use grasp_train::{Factors, ROTATION, STAGES};
 use rand_chacha::ChaCha8Rng;
@@ -80,8 +82,14 @@ impl Course for Scene {
         schedule.validation
     }
 
-    fn validation(&self, schedule: &Schedule, check: Check<'_>, work: &Work) -> anyhow::Result<Validation> {
-        Validation::render(&self.focus, schedule, check, work)
+    fn validation(
+        &self,
+        schedule: &Schedule,
+        hand_model: Option<&Arc<HandModel>>,
+        check: Check<'_>,
+        work: &Work,
+    ) -> anyhow::Result<Validation> {
+        Validation::render(&self.focus, schedule, hand_model, check, work)
     }
 
     fn measure(&self, validation: &Validation, network: &Network) -> Vec<Figure> {

@@ -1,8 +1,10 @@
 //! How well a scene network does on hands that it was not trained on.
 
+use std::sync::Arc;
+
 use anyhow::ensure;
 use grasp_network::{Network, Scratch};
-use grasp_renders::{Part, PoseGroup};
+use grasp_renders::{HandModel, Part, PoseGroup};
 use grasp_terminal::Work;
 use nalgebra::UnitQuaternion;
 use rand::SeedableRng;
@@ -43,10 +45,12 @@ impl Validation {
     pub(super) fn render(
         focus: &Focus,
         schedule: &Schedule,
+        hand_model: Option<&Arc<HandModel>>,
         check: Check<'_>,
         work: &Work,
     ) -> anyhow::Result<Self> {
-        let views = Views::new(Scenes::other_hands(SEED, PoseGroup::All), 0.0, &[], SEED);
+        let scenes = Scenes::other_hands(SEED, PoseGroup::All).with_hand_model(hand_model.cloned());
+        let views = Views::new(scenes, 0.0, &[], SEED);
         let render = |number| {
             let mut rng = ChaCha8Rng::seed_from_u64(SEED);
             rng.set_stream(number);

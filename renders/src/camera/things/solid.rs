@@ -11,24 +11,24 @@ const TUBE_SIDES: u32 = 10;
 
 /// A solid around the z axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Lathe {
+pub(in crate::camera) struct Lathe {
     /// Radius and height in metres, from one end to the other.
-    pub(super) profile: Vec<[f64; 2]>,
+    pub(in crate::camera) profile: Vec<[f64; 2]>,
     /// Factors of the radius along x and y.
-    pub(super) aspect: [f64; 2],
+    pub(in crate::camera) aspect: [f64; 2],
     /// 0 is round, 1 is square.
-    pub(super) squareness: f64,
+    pub(in crate::camera) squareness: f64,
 }
 
 impl Lathe {
     /// A cylinder of a radius and a length, its middle at the origin.
-    pub(super) fn cylinder(radius: f64, length: f64) -> Self {
+    pub(in crate::camera) fn cylinder(radius: f64, length: f64) -> Self {
         let half = 0.5 * length;
         Self::round(vec![[0.0, -half], [radius, -half], [radius, half], [0.0, half]])
     }
 
     /// A ball around the origin.
-    pub(super) fn ball(radius: f64) -> Self {
+    pub(in crate::camera) fn ball(radius: f64) -> Self {
         const RINGS: i32 = 12;
         let at = |ring: i32| {
             let (sin, cos) = libm::sincos((f64::from(ring) / f64::from(RINGS) - 0.5) * std::f64::consts::PI);
@@ -38,17 +38,17 @@ impl Lathe {
     }
 
     /// A box of so many metres along x, y and z around the origin.
-    pub(super) fn cuboid([x, y, z]: [f64; 3]) -> Self {
+    pub(in crate::camera) fn cuboid([x, y, z]: [f64; 3]) -> Self {
         Self { aspect: [0.5 * x, 0.5 * y], squareness: 1.0, ..Self::cylinder(1.0, z) }
     }
 
     /// A body of revolution.
-    pub(super) fn round(profile: Vec<[f64; 2]>) -> Self {
+    pub(in crate::camera) fn round(profile: Vec<[f64; 2]>) -> Self {
         Self { profile, aspect: [1.0; 2], squareness: 0.0 }
     }
 
     /// Its triangles where `place` puts it.
-    pub(super) fn mesh(&self, place: &Isometry3<f64>) -> Mesh {
+    pub(in crate::camera) fn mesh(&self, place: &Isometry3<f64>) -> Mesh {
         let rings = self.profile.iter().map(|&[radius, height]| {
             (0..SIDES).map(move |side| {
                 let angle = std::f64::consts::TAU * (f64::from(side) + 0.5) / f64::from(SIDES);
