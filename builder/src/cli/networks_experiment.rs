@@ -37,7 +37,7 @@ pub(super) struct Networks {
     kind: Kind,
     /// Scenes that are drawn of each kind; each is seen from twelve sides. A share of right ones has
     /// a standard error of 2 points at 48 scenes, of half a point at 768. Neighbours are searched
-    /// among as many more as there are scenes: their figures rise with it.
+    /// among the renders of twice as many: their figures rise with it.
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     scenes: u64,
     /// A rigged hand (GLB, 25 joints of WebXR) in the place of all drawn ones.

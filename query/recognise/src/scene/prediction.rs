@@ -13,7 +13,7 @@ const FINDING: f64 = 0.4;
 /// How much the network counts beside both that looks at what is held: of the stage, and of the
 /// grasp where the thing is held for certain.
 const THING_OF_STAGE: f64 = 0.4;
-const THING_OF_GRASP: f64 = 0.7;
+const THING_OF_GRASP: f64 = 0.9;
 /// How far the networks' logarithm of odds of the hand is taken at its word where both hands'
 /// grasps are joined by it.
 const SIDE_AT_ITS_WORD: f64 = 0.5;
