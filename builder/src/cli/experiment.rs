@@ -116,6 +116,14 @@ struct Shapes {
 }
 
 impl Experiment {
+    /// Whether what was measured stays when it is stopped, so that it can be gone on with.
+    pub(super) fn keeps_results(&self) -> bool {
+        match self.name {
+            Name::Scale(_) | Name::Shapes(_) => true,
+            Name::Networks(_) => false,
+        }
+    }
+
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         match &self.name {
             Name::Scale(scale) => scale.run(global),

@@ -143,7 +143,7 @@ impl Command {
                 "nothing of the new index is kept, and the old one is as it was; run the same command again"
                     .to_owned()
             }
-            Self::Experiment(_) => {
+            Self::Experiment(experiment) if experiment.keeps_results() => {
                 "what is measured or built is kept; run the same command again to go on from there".to_owned()
             }
             _ => "nothing half-written is left; run the same command again".to_owned(),
