@@ -26,11 +26,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let width = columns * SIDE;
     let mut sheet = vec![0u8; 3 * width * rows * SIDE];
     for (row, grasp) in plan.grasps.iter().enumerate() {
+        let of_grasp: Vec<_> = scenes.iter().filter(|spec| spec.grasp.name == grasp.name).collect();
+        let ways: Vec<_> = presented_grasps().iter().filter(|way| way.name == grasp.name).collect();
         for column in 0..columns {
-            let of_grasp: Vec<_> = scenes.iter().filter(|spec| spec.grasp.name == grasp.name).collect();
             let mut spec = of_grasp[rng.next_u64() as usize % of_grasp.len()].clone();
             // Every other one is held up to the camera.
-            let ways: Vec<_> = presented_grasps().iter().filter(|way| way.name == grasp.name).collect();
             if column % 2 == 1 && !ways.is_empty() {
                 spec.grasp = ways[rng.next_u64() as usize % ways.len()].clone();
                 spec.object = spec.grasp.object.object((rng.next_u64() % 100) as f64 / 100.0);

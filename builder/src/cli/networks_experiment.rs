@@ -16,8 +16,8 @@ use crate::train::{Kind, Measured, measure};
 /// How well trained networks do on hands that no training draws, or on a hand of your own.
 ///
 /// All networks are asked about the same renders, drawn as for the curve of a training: other hands
-/// at the grasp, seen from everywhere, and these hands in a fifth of the recorded poses. Figures are
-/// named as in the curve: the share that is named rightly (`top1`), the same by the ten nearest
+/// at the grasp, seen from everywhere, and these hands in a fifth of the recorded poses. Figures
+/// are named as in the curve: the share that is named rightly (`top1`), the same by the ten nearest
 /// renders of hands as training draws them (`neighbours_top1`), and the median error of the
 /// rotation. Networks of scenes are asked about other hands alone, and also which hand it is
 /// (`side`) and for their masks (`iou`, intersection over union).
@@ -35,9 +35,9 @@ pub(super) struct Networks {
     /// What kind they are.
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
-    /// Scenes that are drawn of each kind; each is seen from twelve sides. A share of right ones has
-    /// a standard error of 2 points at 48 scenes, of half a point at 768. Neighbours are searched
-    /// among the renders of twice as many: their figures rise with it.
+    /// Scenes that are drawn of each kind; each is seen from twelve sides. A share of right ones
+    /// has a standard error of 2 points at 48 scenes, of half a point at 768. Neighbours are
+    /// searched among the renders of twice as many: their figures rise with it.
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     scenes: u64,
     /// A rigged hand (GLB, 25 joints of WebXR) in the place of all drawn ones.
@@ -70,7 +70,12 @@ impl Networks {
             if self.json {
                 let values = figures.iter().map(|figure| (figure.name.clone(), json!(figure.value)));
                 let figures: Map<String, Value> = values.collect();
-                let record = json!({ "file": path, "fingerprint": fingerprint, "scenes": self.scenes, "figures": figures });
+                let record = json!({
+                    "file": path,
+                    "fingerprint": fingerprint,
+                    "scenes": self.scenes,
+                    "figures": figures,
+                });
                 writeln!(stdout, "{record}")?;
                 continue;
             }

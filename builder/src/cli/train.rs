@@ -64,8 +64,8 @@ pub(crate) struct Train {
     /// one forgets less of what the network has learned.
     #[arg(long, value_name = "R", value_parser = parse_rate)]
     rate: Option<f32>,
-    /// How weights are moved. The shipped networks were trained by `adam`, the thing network at last by
-    /// `muon`.
+    /// How weights are moved. The shipped networks were trained by `adam`, the thing network at
+    /// last by `muon`.
     #[arg(long, value_enum, default_value_t)]
     optimiser: Optimiser,
     /// What all randomness comes from.

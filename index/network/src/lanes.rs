@@ -15,6 +15,7 @@ impl Lanes {
 
     /// Takes as many weights as there are; the others stay as they are.
     pub(crate) fn widen(&mut self, stored: &[Stored]) {
+        // Nearly all blocks are whole: nothing of a length that is not known is copied.
         if let Some(stored) = stored.first_chunk::<LANES>() {
             let narrow = stored.map(f16::from_le_bytes);
             return narrow.convert_to_f32_slice(&mut self.0);

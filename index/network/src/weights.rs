@@ -71,7 +71,8 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
 pub(crate) struct Sums(Vec<f64>);
 
 impl Sums {
-    /// What the inputs of a layer can reach that reads the output of layer `source`, or the picture.
+    /// What the inputs of a layer can reach that reads the output of layer `source`, or the
+    /// picture.
     pub(crate) fn of_input(&self, source: Option<usize>) -> f64 {
         let input = source.and_then(|source| self.0.get(source)).copied();
         input.unwrap_or(f64::from(MAX_INPUT))

@@ -111,7 +111,7 @@ enum SegmentBy {
 }
 
 impl SegmentArguments {
-    /// How hands are found.
+    /// How hands are found. What networks are asked begins to be read.
     ///
     /// # Errors
     /// Where networks that are asked for cannot be used, or none are asked for that are named.

@@ -69,8 +69,8 @@ impl PosedHand {
     }
 
     /// The hand on an arm, its wrist bent, and a thing that people hold in place of the plain body,
-    /// all by `seed`; empty hands where `is_held` is false. Arm and thing, and later the pictures of
-    /// the scene, vary as far as `randomised` says.
+    /// all by `seed`; empty hands where `is_held` is false. Arm and thing, and later the pictures
+    /// of the scene, vary as far as `randomised` says.
     pub fn dressed(&self, is_held: bool, randomised: Randomised, seed: u64) -> CameraScene {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let is_sleeved = unit(&mut rng) < SLEEVED && randomised.arms;

@@ -47,8 +47,8 @@ struct Figures {
 }
 
 impl Validation {
-    /// Renders what a training with these `poses` is measured by, `hand_model` in the place of other
-    /// hands if there is one.
+    /// Renders what a training with these `poses` is measured by, `hand_model` in the place of
+    /// other hands if there is one.
     ///
     /// # Errors
     /// Where a scene cannot be built, or `check` has stopped the work.

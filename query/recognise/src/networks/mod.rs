@@ -87,7 +87,9 @@ impl Networks {
     /// Reads those of the program's own that are asked, in the order in which they are; without
     /// this each is read when it is first asked, in a millisecond or two.
     pub fn read_ahead(&self) {
-        let (_, _, _) = (self.finding(), self.naming(), self.things());
+        for read in [Self::finding, Self::naming, Self::things] {
+            read(self);
+        }
     }
 
     /// What finds hands.

@@ -75,11 +75,11 @@ impl Thing {
         self.parts[of as usize].append(&tube(path, radius, &self.place));
     }
 
-    /// A closed ring around the origin of `place`, in its xz plane.
-    fn add_ring(&mut self, of: Of, place: &Isometry3<f64>, radius: f64, thick: f64) {
+    /// A closed ring around the origin of `place`, in its xz plane, of these radii along x and z.
+    fn add_ring(&mut self, of: Of, place: &Isometry3<f64>, [x, z]: [f64; 2], thick: f64) {
         let around = |i: i32| {
             let (sin, cos) = libm::sincos(f64::from(i) / 12.0 * std::f64::consts::TAU);
-            (place * Point3::new(radius * cos, 0.0, radius * sin)).coords
+            (place * Point3::new(x * cos, 0.0, z * sin)).coords
         };
         let path: Vec<V> = (0..=12).map(around).collect();
         self.add_tube(of, &path, thick);

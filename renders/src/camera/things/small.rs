@@ -39,7 +39,7 @@ impl Thing {
                     let blade = [V::zeros(), out * 0.06 + spread * 0.5, out * 0.12];
                     self.add_tube(Of::Trim, &blade, 0.004);
                     let ring = Translation3::from(out * -0.03 + spread) * turn;
-                    self.add_ring(Of::Body, &ring, 0.018, 0.004);
+                    self.add_ring(Of::Body, &ring, [0.018; 2], 0.004);
                 }
             }
             x if x < 0.91 => {
@@ -150,19 +150,13 @@ impl Thing {
         let tall = between(rng, [0.6, 1.0]);
         let is_dark = unit(rng) < 0.6;
         for side in [-1.0, 1.0] {
-            let rim: Vec<V> = (0..=12)
-                .map(|i| {
-                    let (sin, cos) = libm::sincos(f64::from(i) / 12.0 * TAU);
-                    let at = Point3::new(side * 1.12 * wide + wide * cos, 0.0, tall * wide * sin);
-                    (place * at).coords
-                })
-                .collect();
-            self.add_tube(Of::Body, &rim, thick);
+            let middle = place * Translation3::new(side * 1.12 * wide, 0.0, 0.0);
+            self.add_ring(Of::Body, &middle, [wide, tall * wide], thick);
             if is_dark {
                 let lens = Lathe { aspect: [1.0, tall], ..Lathe::cylinder(wide, 0.001) };
                 // The disc's axis goes along the temples.
                 let upright = UnitQuaternion::new(V::x() * FRAC_PI_2);
-                self.add(Of::Trim, &lens, place * Translation3::new(side * 1.12 * wide, 0.0, 0.0) * upright);
+                self.add(Of::Trim, &lens, middle * upright);
             }
             // The temple that is held is open.
             let is_folded = unit(rng) < 0.4 && !(is_by_temple && side > 0.0);

@@ -1,10 +1,14 @@
 //! Rods with or without a head: hammers, knives, screwdrivers, remote controls, scissors.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 use rand_chacha::ChaCha8Rng;
 
 use super::{Lathe, Of, Thing, V, at_height};
 use crate::random::{between, unit};
+
+/// Of the eight kinds of tools.
+const SCISSORS: u32 = 4;
+const REMOTE_CONTROL: u32 = 5;
 
 impl Thing {
     pub(super) fn tool(&mut self, r: f64, length: f64, rng: &mut ChaCha8Rng) {
@@ -14,13 +18,12 @@ impl Thing {
         let top = if unit(rng) < 0.8 { 1.0 } else { -1.0 };
         let end = |far: f64| shift * at_height(top * (half + far));
         let kind = (unit(rng) * 8.0) as u32;
-        if kind == 4 {
+        if kind == SCISSORS {
             return self.scissors(r, half, top, &shift, rng);
         }
-        let is_square = unit(rng) < if kind == 5 { 1.0 } else { 0.25 };
+        let is_square = unit(rng) < if kind == REMOTE_CONTROL { 1.0 } else { 0.25 };
         let flat = match kind {
-            // A remote control, a telephone.
-            5 => [between(rng, [1.0, 1.7]), between(rng, [0.35, 0.8])],
+            REMOTE_CONTROL => [between(rng, [1.0, 1.7]), between(rng, [0.35, 0.8])],
             _ => [between(rng, [0.9, 1.3]), between(rng, [0.6, 1.0])],
         };
         let squareness = if is_square { 1.0 } else { 0.0 };
@@ -45,7 +48,7 @@ impl Thing {
                 let head = Lathe { aspect: [1.0, 0.25], ..Lathe::ball(wide) };
                 self.add(Of::Trim, &head, end(wide));
             }
-            5 => {
+            REMOTE_CONTROL => {
                 // Keys, or a display.
                 let (wide, long) = (1.6 * flat[0] * r, half * between(rng, [0.4, 1.4]));
                 let front = Lathe::cuboid([wide, 0.002, long]);
@@ -69,8 +72,13 @@ impl Thing {
         let long = between(rng, [0.05, 0.1]);
         for side in [-1.0, 1.0] {
             let centre = V::new(side * (ring + open), 0.0, top * (half + ring));
-            self.add_ring(Of::Body, &(shift * Isometry3::translation(centre.x, 0.0, centre.z)), ring, thick);
-            let place = |x: f64, z: f64| (shift * nalgebra::Point3::new(side * x, 0.0, top * z)).coords;
+            self.add_ring(
+                Of::Body,
+                &(shift * Isometry3::translation(centre.x, 0.0, centre.z)),
+                [ring; 2],
+                thick,
+            );
+            let place = |x: f64, z: f64| (shift * Point3::new(side * x, 0.0, top * z)).coords;
             self.add_tube(Of::Body, &[place(0.6 * ring, half), place(0.3 * r, 0.3 * half)], 1.5 * thick);
             let blade = [0.3 * r + 0.006, 0.003, long + 1.3 * half];
             let at = Isometry3::translation(side * 0.004, 0.0, top * (0.3 * half - 0.5 * blade[2]));

@@ -24,7 +24,6 @@ const MUG: [f64; 2] = [0.75, 1.4];
 /// Where a vessel is held.
 #[derive(Debug, Clone, Copy)]
 struct Hold {
-    is_at_end: bool,
     /// Half the vessel's length in metres, and the vessel's place.
     half: f64,
     place: Isometry3<f64>,
@@ -61,14 +60,13 @@ impl Thing {
     }
 
     fn hold(&self, half: f64, rng: &mut ChaCha8Rng) -> Hold {
-        let is_at_end = self.is_at_end();
-        let place = if is_at_end {
+        let place = if self.is_at_end() {
             upward(self.away.z) * at_height(half - between(rng, BEHIND_TIPS))
         } else {
             let off = if self.far > AT_TIPS { OFF_AT_TIPS } else { OFF_IN_PALM };
             at_height(off * half * (2.0 * unit(rng) - 1.0))
         };
-        Hold { is_at_end, half, place }
+        Hold { half, place }
     }
 
     /// Its ends narrower than its middle, and mostly of bare metal.
@@ -139,7 +137,7 @@ impl Thing {
 
     /// A mug's, on the side that the palm is not on.
     fn handle(&mut self, r: f64, hold: &Hold, rng: &mut ChaCha8Rng) {
-        let angle = if hold.is_at_end {
+        let angle = if self.is_at_end() {
             TAU * unit(rng)
         } else {
             libm::atan2(self.away.y, self.away.x) + 1.1 * normal(rng)
