@@ -71,9 +71,8 @@ fn a_picture_that_is_turned_is_looked_at_as_it_was() {
     for name in NAMES {
         let picture = camera(name);
         let networks = Networks::default();
-        let network = networks.finding();
         let [before, after] =
-            [&picture, &turned(&picture)].map(|picture| find(network, picture).unwrap().square());
+            [&picture, &turned(&picture)].map(|picture| find(&networks, picture).unwrap().square());
         let turn = (before.turn - FRAC_PI_2 - after.turn).cos();
         assert!(turn > 0.7, "{name}: {before:?} {after:?}");
         let [x, y] = before.centre;
@@ -165,10 +164,10 @@ fn a_hand_that_is_cut_out_is_known_again_when_it_is_turned() {
 #[test]
 fn a_wall_has_no_hand() {
     let wall = Picture::new(160, 120, vec![[120, 130, 140]; 160 * 120]).unwrap();
-    assert!(find(Networks::default().finding(), &wall).is_none());
+    assert!(find(&Networks::default(), &wall).is_none());
     let single = Picture::new(1, 1, vec![[200, 150, 120]]).unwrap();
     // Whatever it says of a pixel, it returns.
-    let _ = find(Networks::default().finding(), &single);
+    let _ = find(&Networks::default(), &single);
 }
 
 /// Where the joints of the hand that pinches are, to a few pixels (`landmarks/09-pinch.json`).

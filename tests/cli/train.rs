@@ -66,7 +66,11 @@ fn a_descriptors_network_is_shown_no_scenes_to_leave_something_out_of() {
     let train = ["train", "--out", "hand.network", "--samples", "64", "--without", "skin"];
     let outcome = run(program("grasp-builder").args(train).current_dir(folder.path()));
     assert_ne!(outcome.status, 0);
-    assert!(outcome.stderr.contains("give --kind scene, naming or thing as well"), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("give --kind scene, naming, thing or mask as well"),
+        "{}",
+        outcome.stderr
+    );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -84,7 +88,7 @@ fn networks_of_scenes_are_taken_from_a_folder() {
     let empty = recognise(&["--networks", "."]);
     assert_eq!(empty.status, 2);
     assert!(
-        empty.stderr.contains("holds none of scene.network, naming.network, thing.network"),
+        empty.stderr.contains("holds none of scene.network, naming.network, thing.network, mask.network"),
         "{}",
         empty.stderr
     );

@@ -27,7 +27,7 @@ use crate::train::{
 /// The learned descriptor's network that comes with this program was trained by `--optimiser adam`
 /// and the default options otherwise, and so on all recorded poses; the scene network twice, the
 /// second time `--from` the first; the naming network in three trainings more, the thing network in
-/// six others.
+/// six others, the mask network in one, from random weights.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -43,13 +43,13 @@ pub(crate) struct Train {
     /// The network to write; the curve goes to FILE.csv.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Which network: the learned descriptor's, or one that finds hands in camera pictures, or that
-    /// names them by the hand or by what it holds.
+    /// Which network: the learned descriptor's, or one that finds hands in camera pictures, that
+    /// names them by the hand or by what it holds, or that cuts both out.
     #[arg(long, value_enum, default_value_t)]
     kind: Kind,
     /// Pictures to show the network in all; full batches of 64 are. By default as many as the
     /// shipped network of that kind was shown in its last training: 3,200,000 (hand), 1,600,000
-    /// (scene), 1,000,000 (naming, thing).
+    /// (scene), 1,000,000 (naming, thing), 640,000 (mask).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(64..=1_000_000_000))]
     samples: Option<u64>,
     /// Begin with the weights of a trained network of the same kind, and not with random ones. Give
@@ -64,8 +64,8 @@ pub(crate) struct Train {
     /// one forgets less of what the network has learned.
     #[arg(long, value_name = "R", value_parser = parse_rate)]
     rate: Option<f32>,
-    /// How weights are moved. The shipped networks were trained by `adam`, the thing network at
-    /// last by `muon`.
+    /// How weights are moved. The shipped networks were trained by `adam`, the mask network and, at
+    /// last, the thing network by `muon`.
     #[arg(long, value_enum, default_value_t)]
     optimiser: Optimiser,
     /// What all randomness comes from.
@@ -88,7 +88,7 @@ pub(crate) struct Train {
     /// Train on so many hand shapes, for experiments; without it, on ever new ones.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     hands: Option<u64>,
-    /// Leave out a kind of what is random in scenes (--kind scene, naming or thing), for
+    /// Leave out a kind of what is random in scenes (--kind scene, naming, thing or mask), for
     /// experiments: what does it bring? May be given several times.
     #[arg(long, value_name = "KIND", value_enum)]
     without: Vec<LeftOut>,
@@ -100,7 +100,7 @@ impl Train {
         ensure!(
             self.without.is_empty() || self.kind != Kind::Hand,
             "--without leaves something out of scenes, and the network of a learned descriptor is shown \
-             none: give --kind scene, naming or thing as well"
+             none: give --kind scene, naming, thing or mask as well"
         );
         let start = self.from.as_deref().map(read_network).transpose()?;
         let options = Options {

@@ -41,7 +41,9 @@ pub fn measure(
 ) -> anyhow::Result<Vec<Vec<Figure>>> {
     match measured.kind {
         Kind::Hand => measure_on::<Hand>(measured, networks, progress, check),
-        Kind::Scene | Kind::Naming | Kind::Thing => measure_on::<Scene>(measured, networks, progress, check),
+        Kind::Scene | Kind::Naming | Kind::Thing | Kind::Mask => {
+            measure_on::<Scene>(measured, networks, progress, check)
+        }
     }
 }
 

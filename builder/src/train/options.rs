@@ -36,6 +36,9 @@ pub enum Kind {
     Naming,
     /// The thing network, of the same form, which names a grasp by what is held, seen large.
     Thing,
+    /// The mask network, which says finely what is hand, arm and object in the square around a hand
+    /// that has been found.
+    Mask,
 }
 
 impl Kind {
@@ -46,6 +49,7 @@ impl Kind {
             Self::Scene => 1_600_000,
             Self::Naming => 1_000_000,
             Self::Thing => 1_000_000,
+            Self::Mask => 640_000,
         }
     }
 }
@@ -111,6 +115,7 @@ impl fmt::Display for Options {
             Kind::Scene => write!(formatter, "--kind scene ")?,
             Kind::Naming => write!(formatter, "--kind naming ")?,
             Kind::Thing => write!(formatter, "--kind thing ")?,
+            Kind::Mask => write!(formatter, "--kind mask ")?,
         }
         write!(formatter, "--samples {samples} --seed {seed} --validate-every {validate_every}")?;
         if self.hold_out_poses {
@@ -146,7 +151,7 @@ impl Options {
         }
         let most = match self.kind {
             Kind::Hand | Kind::Scene => HARD_AT_MOST,
-            Kind::Naming | Kind::Thing => HARD_AT_MOST_NAMED,
+            Kind::Naming | Kind::Thing | Kind::Mask => HARD_AT_MOST_NAMED,
         };
         let share = (HARD_AT_FIRST + HARDENING * step as f64 / steps as f64).min(most);
         (share * batch as f64).ceil() as usize

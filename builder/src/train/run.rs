@@ -76,7 +76,7 @@ pub fn train(
     );
     match options.kind {
         Kind::Hand => train_on::<Hand>(options, schedule, start, files, progress, check),
-        Kind::Scene | Kind::Naming | Kind::Thing => {
+        Kind::Scene | Kind::Naming | Kind::Thing | Kind::Mask => {
             train_on::<Scene>(options, schedule, start, files, progress, check)
         }
     }

@@ -32,7 +32,7 @@ impl Schedule {
     pub fn standard(kind: Kind) -> Self {
         match kind {
             Kind::Hand => Self::HAND,
-            Kind::Scene | Kind::Naming | Kind::Thing => {
+            Kind::Scene | Kind::Naming | Kind::Thing | Kind::Mask => {
                 Self { scenes: 24, parts_at_first: 8, window: 20, mirrored: 5, ..Self::HAND }
             }
         }

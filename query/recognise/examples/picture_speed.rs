@@ -76,7 +76,7 @@ fn once(index: &Index, bytes: &[u8], by: &Finder) -> Result<Vec<Step>, Box<dyn E
     let shrinking = milliseconds(started);
     let started = Instant::now();
     if *by == Finder::Scene {
-        std::hint::black_box(scene::find(Networks::default().finding(), &small));
+        std::hint::black_box(scene::find(&Networks::default(), &small));
     }
     let finding = milliseconds(started);
     let started = Instant::now();

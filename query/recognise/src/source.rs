@@ -102,7 +102,7 @@ impl Prepared {
                 return match &params.by {
                     Finder::Skin => Self::of_skin(picture, Some(&joints), params),
                     _ => {
-                        let found = scene::find_at(params.networks.finding(), &picture, &joints);
+                        let found = scene::find_at(&params.networks, &picture, &joints);
                         Self::of_found(picture, found, params)
                     }
                 };
@@ -147,13 +147,12 @@ impl Prepared {
             return Self::new(picture, true, &MaskSource::Camera, params);
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
-        let network = params.networks.finding();
-        let followed = tracker.follow(network, &picture);
+        let followed = tracker.follow(&params.networks, &picture);
         let followed = followed.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
         let prepared = match followed {
             Some(prepared) => prepared,
             None => {
-                let found = tracker.search(network, &picture).ok_or(RecogniseError::NoHand)?;
+                let found = tracker.search(&params.networks, &picture).ok_or(RecogniseError::NoHand)?;
                 Self::of_found(picture, found, params)?
             }
         };
@@ -179,7 +178,7 @@ impl Prepared {
 
     /// Finds the hand by the scene network.
     fn of_scene(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
-        let found = scene::find(params.networks.finding(), &picture);
+        let found = scene::find(&params.networks, &picture);
         Self::of_found(picture, found.ok_or(RecogniseError::NoHand)?, params)
     }
 
@@ -191,7 +190,7 @@ impl Prepared {
         networks: &HandNetworks,
         params: &SegmentParams,
     ) -> Result<Self, RecogniseError> {
-        let found = scene::find_by_joints(networks, params.networks.finding(), &picture);
+        let found = scene::find_by_joints(networks, &params.networks, &picture);
         let found = found.map_err(SourceError::Networks)?;
         let cut = found.and_then(|found| Self::of_found(picture.clone(), found, params).ok());
         cut.map_or_else(|| Self::of_scene(picture, params), Ok)

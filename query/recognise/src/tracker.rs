@@ -1,6 +1,6 @@
 //! Where the hand was in the frame before: in a video that is where it is looked for first.
 
-use crate::networks::SceneNetwork;
+use crate::networks::Networks;
 use crate::picture::Picture;
 use crate::scene::{self, Detection, Scene};
 
@@ -26,19 +26,19 @@ impl Tracker {
     }
 
     /// The hand where it was in the frame before, or near it.
-    pub(crate) fn follow(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
+    pub(crate) fn follow(&mut self, networks: &Networks, picture: &Picture) -> Option<Detection> {
         let size = (picture.width(), picture.height());
         let (before, _) = self.last.take().filter(|(_, before)| *before == size && self.followed < AGAIN)?;
         self.followed += 1;
-        scene::follow(network, picture, &before)
+        scene::follow(networks, picture, &before)
     }
 
     /// The hand anywhere in the picture.
-    pub(crate) fn search(&mut self, network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
+    pub(crate) fn search(&mut self, networks: &Networks, picture: &Picture) -> Option<Detection> {
         self.searches += 1;
         self.followed = 0;
         self.last = None;
-        scene::find(network, picture)
+        scene::find(networks, picture)
     }
 
     /// Begins there in the next frame.

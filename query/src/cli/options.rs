@@ -91,8 +91,9 @@ pub(super) struct SegmentArguments {
     /// hand_landmark.onnx, made of MediaPipe's as docs/landmarks.md says.
     #[arg(long, value_name = "DIR", required_if_eq("segment", "landmarks"))]
     landmarks_models: Option<PathBuf>,
-    /// Look at scenes by networks of your own: a folder with scene.network, naming.network or
-    /// thing.network, as `grasp-builder train` writes them; those that it has not stay built in.
+    /// Look at scenes by networks of your own: a folder with scene.network, naming.network,
+    /// thing.network or mask.network, as `grasp-builder train` writes them; those that it has not
+    /// stay built in.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DIR")]
     networks: Option<PathBuf>,
 }

@@ -16,7 +16,9 @@ use crate::random::{between, normal, unit};
 /// Samples a pixel along each side.
 const SUPER: usize = 2;
 /// How often an arm wears a watch or the like.
-const WATCH: f64 = 0.2;
+const WATCH: f64 = 0.4;
+/// How often its strap is nearly black.
+const BLACK: f64 = 0.4;
 /// Materials that are ready for the parts of a thing.
 const MATERIALS: usize = 6;
 
@@ -25,7 +27,7 @@ const MATERIALS: usize = 6;
 pub enum Part {
     /// The hand to its wrist.
     Hand,
-    /// The bare skin of the arm.
+    /// The bare arm, and what is worn about its wrist.
     Forearm,
     /// What the hand holds.
     Object,
@@ -118,15 +120,15 @@ impl Surfaces {
     fn random(is_sleeved: bool, randomised: Randomised, rng: &mut ChaCha8Rng) -> Self {
         let cloth = is_sleeved.then(|| Material::cloth(rng));
         let watch = (unit(rng) < WATCH && randomised.arms).then(|| {
-            let from = between(rng, [0.022, 0.05]) as f32;
-            [from, from + between(rng, [0.012, 0.035]) as f32]
+            let from = between(rng, [0.012, 0.05]) as f32;
+            [from, from + between(rng, [0.012, 0.05]) as f32]
         });
         let material = if randomised.materials { Material::random } else { Material::plain };
         Self {
             skin: if randomised.skin { Skin::random(rng) } else { Skin::even() },
             cloth,
             watch,
-            strap: Material::random(rng),
+            strap: if unit(rng) < BLACK { Material::black(rng) } else { Material::random(rng) },
             things: (0..MATERIALS).map(|_| material(rng)).collect(),
             light: if randomised.light { Light::random(rng) } else { Light::even() },
             field: Lattice::random(rng),
@@ -141,14 +143,19 @@ impl Surfaces {
         if texel.is_object() {
             return Some(Part::Object);
         }
-        (texel.is_arm() && self.cover(texel).is_none()).then_some(Part::Forearm)
+        (texel.is_arm() && self.sleeve(texel).is_none()).then_some(Part::Forearm)
+    }
+
+    /// The sleeve, where one covers a texel of the arm.
+    fn sleeve(&self, texel: &Texel) -> Option<&Material> {
+        self.cloth.as_ref().filter(|_| texel.is_far_arm())
     }
 
     /// What covers a texel of the arm.
     fn cover(&self, texel: &Texel) -> Option<&Material> {
         let back = -texel.place()[0];
-        let sleeve = self.cloth.as_ref().filter(|_| texel.is_far_arm());
-        sleeve.or_else(|| self.watch.filter(|[from, to]| (from..to).contains(&&back)).map(|_| &self.strap))
+        self.sleeve(texel)
+            .or_else(|| self.watch.filter(|[from, to]| (from..to).contains(&&back)).map(|_| &self.strap))
     }
 
     fn seen(&self, layers: &Layers, x: f32, y: f32) -> Rgb {
@@ -284,6 +291,17 @@ mod tests {
             let hand = area(&picture.masks[Part::Hand as usize]) / (SIDE * SIDE) as f32;
             assert!((0.02..0.5).contains(&hand), "a near picture shows the hand large: {hand}");
         }
+    }
+
+    #[test]
+    fn what_a_bare_arm_wears_is_of_the_arm() {
+        let bare: Vec<Layers> = (0..12).map(|seed| view(0, true, seed)).filter(|v| !v.is_sleeved).collect();
+        let layers = bare.first().expect("an arm without a sleeve");
+        let framing = Framing::near(layers, &mut ChaCha8Rng::seed_from_u64(1));
+        let masks = |seed| layers.paint(&framing, SIDE, &mut ChaCha8Rng::seed_from_u64(seed)).masks;
+        // Two in five pictures have a watch.
+        assert!(area(&masks(0)[Part::Forearm as usize]) > 20.0);
+        assert!((1..12).all(|seed| masks(seed) == masks(0)));
     }
 
     #[test]

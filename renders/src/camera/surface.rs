@@ -83,6 +83,13 @@ impl Material {
         Self { pattern: Pattern::Plain, gloss: 0.0, metal: 0.0, ..Self::random(rng) }
     }
 
+    /// Nearly black, as straps of watches are.
+    pub(super) fn black(rng: &mut ChaCha8Rng) -> Self {
+        let grey = between(rng, [0.005, 0.05]) as f32;
+        let colours = [0; 3].map(|_| [0; 3].map(|_| grey * between(rng, [0.8, 1.25]) as f32));
+        Self { colours, metal: 0.0, ..Self::random(rng) }
+    }
+
     /// Of a sleeve.
     pub(super) fn cloth(rng: &mut ChaCha8Rng) -> Self {
         Self { gloss: 0.0, metal: 0.0, ..Self::random(rng) }

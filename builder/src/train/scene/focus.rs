@@ -5,11 +5,14 @@ use grasp_renders::{Framing, Layers};
 use grasp_train::Factors;
 use rand_chacha::ChaCha8Rng;
 
+use super::form::Form;
 use crate::train::{Kind, StageShares};
 
 /// What it is shown, and what it shall learn best.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Focus {
+    /// The network's layers.
+    pub(super) form: Form,
     /// How often the hand is yet to be found in a larger picture.
     far: f64,
     /// How often there is no hand at all.
@@ -28,6 +31,7 @@ impl Focus {
     pub(super) fn of(kind: Kind) -> Self {
         // What a network that names makes of masks and of how the hand is turned nobody asks.
         let naming = Self {
+            form: Form::Naming,
             far: 0.02,
             nothing: 0.02,
             cut_out: 0.35,
@@ -38,7 +42,18 @@ impl Focus {
         match kind {
             Kind::Naming => naming,
             Kind::Thing => Self { cut_out: 0.0, near: Framing::thing, ..naming },
+            // Of where hand and thing are all is asked, of the rest nothing.
+            Kind::Mask => Self {
+                form: Form::Cutting,
+                far: 0.1,
+                nothing: 0.02,
+                cut_out: 0.0,
+                near: Framing::near,
+                stages: StageShares::default(),
+                factors: Factors { stage: 0.1, rotation: 0.3, masks: 15.0, joints: 1.0 },
+            },
             Kind::Scene | Kind::Hand => Self {
+                form: Form::Naming,
                 far: 0.2,
                 nothing: 0.04,
                 cut_out: 0.0,

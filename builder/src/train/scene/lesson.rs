@@ -20,8 +20,6 @@ pub(super) const SIDE: usize = 64;
 const WEIGHT_OF_FAR: f32 = 0.4;
 /// The least area that is seen of a hand, in texels.
 const LEAST: f32 = 230.0;
-/// Pixels a side of a value of the masks.
-const CELL: usize = 2;
 
 /// A picture of a view with a new background, light and materials; `None` where the hand is hidden.
 pub(super) fn lesson(
@@ -34,7 +32,7 @@ pub(super) fn lesson(
         return None;
     }
     if unit(rng) < focus.nothing {
-        return Some(of_nothing(views, rng));
+        return Some(of_nothing(views, focus, rng));
     }
     let cut_out = view.is_cut_out.then(|| CutOut::random(rng));
     let (framing, is_far) = match cut_out {
@@ -69,16 +67,21 @@ pub(super) fn lesson(
         }
     }
     let joints = view.joints.values(&orientation);
-    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture), joints })
+    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture, focus.form.mask_side()), joints })
 }
 
 /// A picture without a hand.
-fn of_nothing(views: &Views, rng: &mut ChaCha8Rng) -> Lesson {
+fn of_nothing(views: &Views, focus: &Focus, rng: &mut ChaCha8Rng) -> Lesson {
     let layers = Layers::of_nothing(views.randomised());
     let picture = layers.paint(&Framing::near(&layers, rng), SIDE, rng);
     let weights = LossWeights { class: 1.0, stage: 0.0, rotation: 0.0, masks: 1.0, joints: 0.0 };
     let target = Target { class: views.none(), stage: 0, rotation: [[0.0; 3]; 3], weights };
-    Lesson { planes: planes(&picture), target, masks: masks(&picture), joints: joints::unknown() }
+    Lesson {
+        planes: planes(&picture),
+        target,
+        masks: masks(&picture, focus.form.mask_side()),
+        joints: joints::unknown(),
+    }
 }
 
 /// A picture as the network's input.
@@ -87,14 +90,14 @@ pub(super) fn planes(picture: &Picture) -> Vec<f32> {
 }
 
 /// The shares of hand, forearm and object, at the resolution that the network answers in.
-pub(super) fn masks(picture: &Picture) -> Vec<f32> {
-    let cells = picture.side / CELL;
+pub(super) fn masks(picture: &Picture, cells: usize) -> Vec<f32> {
+    let length = picture.side / cells;
     let mut out = Vec::with_capacity(Part::ALL.len() * cells * cells);
     for mask in &picture.masks {
         for cell in 0..cells * cells {
-            let at = cell / cells * CELL * picture.side + cell % cells * CELL;
-            let pixels = (0..CELL).flat_map(|y| (0..CELL).map(move |x| y * picture.side + x));
-            out.push(pixels.map(|pixel| mask[at + pixel]).sum::<f32>() / (CELL * CELL) as f32);
+            let at = cell / cells * length * picture.side + cell % cells * length;
+            let pixels = (0..length).flat_map(|y| (0..length).map(move |x| y * picture.side + x));
+            out.push(pixels.map(|pixel| mask[at + pixel]).sum::<f32>() / (length * length) as f32);
         }
     }
     out

@@ -1,18 +1,20 @@
-//! The scene network: it sees a part of a camera picture and finds the hand, its arm and what it
-//! holds, whether it is a left hand, the grasp, its stage and how the hand is turned.
+//! The networks of scenes: each sees a part of a camera picture and says where the hand, its arm and
+//! what it holds are, whether it is a left hand, the grasp, its stage and how the hand is turned.
+//! What each of them is for is its [`Focus`], and its layers have that [`form`].
 
 mod augment;
 mod cut_out;
 mod empty;
 mod focus;
+mod form;
 mod lesson;
 mod validation;
 mod views;
 
 use std::sync::Arc;
 
-use grasp_network::{Architecture, Convolution, Masks, Network};
-use grasp_renders::{HandModel, Part};
+use grasp_network::{Architecture, Network};
+use grasp_renders::HandModel;
 use grasp_terminal::Work;
 use grasp_train::{Factors, ROTATION, STAGES};
 use rand_chacha::ChaCha8Rng;
@@ -21,7 +23,6 @@ use super::course::{Course, Lesson, Showing};
 use super::figures::Figure;
 use super::{Check, Options, Scenes, Schedule};
 use focus::Focus;
-use lesson::SIDE;
 use validation::Validation;
 use views::{SceneView, Views};
 
@@ -43,27 +44,8 @@ impl Course for Scene {
         Self { views: Views::new(scenes, focus.cut_out, &options.left_out, options.seed), focus }
     }
 
-    /// 30 million multiply-adds.
     fn architecture(&self) -> Architecture {
-        let convolution = |kernel, stride, outputs| Convolution { kernel, stride, outputs };
-        Architecture {
-            side: SIDE as u32,
-            planes: 3,
-            convolutions: vec![
-                convolution(5, 2, 16),
-                convolution(3, 2, 32),
-                convolution(3, 1, 40),
-                convolution(3, 2, 96),
-                convolution(3, 1, 104),
-                convolution(3, 1, 104),
-                convolution(3, 2, 160),
-                convolution(3, 1, 160),
-                convolution(3, 1, 176),
-            ],
-            embedding: 128,
-            heads: (self.views.classes() + 2 + STAGES + ROTATION) as u32,
-            masks: Some(Masks { convolution: 5, count: Part::ALL.len() as u32, cells: 4 }),
-        }
+        self.focus.form.architecture(self.views.classes() + 2 + STAGES + ROTATION)
     }
 
     fn factors(&self) -> Factors {

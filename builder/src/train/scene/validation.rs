@@ -97,7 +97,12 @@ impl Labelled {
         let picture = view.layers.paint(&framing, SIDE, rng);
         let rotation =
             grasp_index::turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
-        Self { planes: planes(&picture), masks: masks(&picture), class: view.class, rotation }
+        Self {
+            planes: planes(&picture),
+            masks: masks(&picture, focus.form.mask_side()),
+            class: view.class,
+            rotation,
+        }
     }
 }
 

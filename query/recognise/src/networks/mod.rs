@@ -22,16 +22,18 @@ static NAMING: LazyLock<SceneNetwork> =
     LazyLock::new(|| built_in(include_bytes!("../../data/naming.network")));
 static THINGS: LazyLock<SceneNetwork> =
     LazyLock::new(|| built_in(include_bytes!("../../data/thing.network")));
+static CUTTING: LazyLock<SceneNetwork> =
+    LazyLock::new(|| built_in(include_bytes!("../../data/mask.network")));
 
 fn built_in(bytes: &[u8]) -> SceneNetwork {
     SceneNetwork::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
 }
 
-/// The three networks that look at scenes; by default the program's own. Copies share them.
+/// The four networks that look at scenes; by default the program's own. Copies share them.
 #[derive(Clone, Debug, Default)]
 pub struct Networks {
     /// A user's, in the order of [`Networks::FILES`].
-    own: [Option<Arc<SceneNetwork>>; 3],
+    own: [Option<Arc<SceneNetwork>>; 4],
 }
 
 /// Why a user's networks cannot be used.
@@ -66,9 +68,9 @@ pub enum NetworksError {
 }
 
 impl Networks {
-    /// The names of the files: what finds hands, what names them, and what names a grasp by the
-    /// thing that is held.
-    pub const FILES: [&str; 3] = ["scene.network", "naming.network", "thing.network"];
+    /// The names of the files: what finds hands, what names them, what names a grasp by the thing
+    /// that is held, and what cuts hand and thing out.
+    pub const FILES: [&str; 4] = ["scene.network", "naming.network", "thing.network", "mask.network"];
 
     /// Reads those of [`Self::FILES`] that a folder holds, as `grasp-builder train` has written
     /// them; the others stay the program's own.
@@ -76,8 +78,8 @@ impl Networks {
     /// # Errors
     /// Where a file cannot be read or is no network of scenes, or there is none.
     pub fn read(folder: &Path) -> Result<Self, NetworksError> {
-        let [finding, naming, things] = Self::FILES.map(|name| read(folder.join(name)));
-        let own = [finding?, naming?, things?];
+        let [finding, naming, things, cutting] = Self::FILES.map(|name| read(folder.join(name)));
+        let own = [finding?, naming?, things?, cutting?];
         if own.iter().all(Option::is_none) {
             return Err(NetworksError::Missing { folder: folder.to_owned() });
         }
@@ -87,7 +89,7 @@ impl Networks {
     /// Reads those of the program's own that are asked, in the order in which they are; without
     /// this each is read when it is first asked, in a millisecond or two.
     pub fn read_ahead(&self) {
-        for read in [Self::finding, Self::naming, Self::things] {
+        for read in [Self::finding, Self::cutting, Self::naming, Self::things] {
             read(self);
         }
     }
@@ -105,6 +107,11 @@ impl Networks {
     /// What names grasps by the thing that is held.
     pub fn things(&self) -> &SceneNetwork {
         self.own[2].as_deref().unwrap_or(&THINGS)
+    }
+
+    /// What cuts hand, arm and thing out.
+    pub fn cutting(&self) -> &SceneNetwork {
+        self.own[3].as_deref().unwrap_or(&CUTTING)
     }
 }
 
@@ -139,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_programs_own_can_be_read() {
-        for network in [&FINDING, &NAMING, &THINGS] {
+        for network in [&FINDING, &NAMING, &THINGS, &CUTTING] {
             assert_eq!(network.grasps, GRASPS);
         }
     }
@@ -149,7 +156,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = Networks::read(folder.path()).unwrap_err().to_string();
         assert!(
-            missing.contains("holds none of scene.network, naming.network, thing.network: "),
+            missing.contains("holds none of scene.network, naming.network, thing.network, mask.network: "),
             "{missing}"
         );
         fs::write(folder.path().join("naming.network"), include_bytes!("../../data/thing.network")).unwrap();

@@ -42,8 +42,8 @@ pub enum SceneNetworkError {
 }
 
 impl SceneNetwork {
-    /// Reads a network that `grasp-builder train --kind scene`, `naming` or `thing` has written,
-    /// whose classes are these.
+    /// Reads a network that `grasp-builder train --kind scene`, `naming`, `thing` or `mask` has
+    /// written, whose classes are these.
     ///
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.

@@ -11,7 +11,7 @@ use super::patch::Patch;
 use super::square::Square;
 #[cfg(feature = "landmarks")]
 use crate::mediapipe::{HandNetworks, HandNetworksError};
-use crate::networks::SceneNetwork;
+use crate::networks::{Networks, SceneNetwork};
 use crate::picture::Picture;
 use crate::segment::Mask;
 
@@ -56,10 +56,13 @@ const AGREE_STEP: usize = 3;
 /// Log-odds of the masks beyond this say no more.
 const MOST_SURE: f32 = 3.0;
 
-/// A hand that was found, and what it holds, by the network's coarse masks.
+/// A hand that was found, and what it holds, by networks' masks.
 #[derive(Clone, Debug)]
 pub struct Detection {
+    /// What the mask network sees in the square that the scene network has found.
     masks: Masks,
+    /// What the scene network has seen there: the hand is followed by that.
+    coarse: Masks,
     /// Where its joints are, if that was known before.
     joints: Option<Joints>,
     /// The logarithm of how much likelier a right hand is than a left one, by what else has seen
@@ -67,25 +70,27 @@ pub struct Detection {
     pub(super) right_odds: f64,
 }
 
-/// Finds the hand in a picture; `None` where the network sees none.
-pub fn find(network: &SceneNetwork, picture: &Picture) -> Option<Detection> {
-    let mut eye = Eye::new(picture);
+/// Finds the hand in a picture; `None` where the scene network sees none.
+pub fn find(networks: &Networks, picture: &Picture) -> Option<Detection> {
+    let (network, mut eye) = (networks.finding(), Eye::new(picture));
     let (whole, patch) = first_patch(network, &mut eye)?;
     let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
     let mut square = Square { centre: whole.to_picture().apply(patch.centre), side, turn: 0.0 };
     square.turn = upright(network, &mut eye, &square);
-    Some(Detection { masks: fitted(network, &mut eye, square), joints: None, right_odds: 0.0 })
+    let masks = fitted(network, &mut eye, square);
+    Some(Detection::new(networks, &mut eye, masks))
 }
 
 /// The hand whose joints were found by something else, and what it holds.
-pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> Detection {
-    let mut eye = Eye::new(picture);
+pub fn find_at(networks: &Networks, picture: &Picture, joints: &Joints) -> Detection {
+    let (network, mut eye) = (networks.finding(), Eye::new(picture));
     let (mut square, is_upright) = joints.square();
     if !is_upright {
         square.turn = upright(network, &mut eye, &square);
     }
-    Detection { masks: fitted(network, &mut eye, square), joints: Some(joints.clone()), right_odds: 0.0 }
+    let masks = fitted(network, &mut eye, square);
+    Detection { joints: Some(joints.clone()), ..Detection::new(networks, &mut eye, masks) }
 }
 
 /// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds
@@ -95,18 +100,18 @@ pub fn find_at(network: &SceneNetwork, picture: &Picture, joints: &Joints) -> De
 /// Where the networks cannot be run.
 #[cfg(feature = "landmarks")]
 pub fn find_by_joints(
-    networks: &HandNetworks,
-    network: &SceneNetwork,
+    hand_networks: &HandNetworks,
+    networks: &Networks,
     picture: &Picture,
 ) -> Result<Option<Detection>, HandNetworksError> {
-    let mut seeker = Seeker::new(networks, picture);
+    let mut seeker = Seeker::new(hand_networks, picture);
     let mut seen = seeker.in_picture()?;
-    if let (None, Some(found)) = (&seen, find(network, picture)) {
+    if let (None, Some(found)) = (&seen, find(networks, picture)) {
         seen = seeker.about(&found.square())?;
     }
     Ok(seen.map(|HandJoints { joints, right_odds, .. }| Detection {
         right_odds,
-        ..find_at(network, picture, &joints)
+        ..find_at(networks, picture, &joints)
     }))
 }
 
@@ -115,9 +120,9 @@ pub fn find_by_joints(
 ///
 /// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
 /// needs at most: where the arm comes from is known, and only how it has turned since is looked at.
-pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> Option<Detection> {
-    let mut eye = Eye::new(picture);
-    let (square, area) = (before.masks.square, before.masks.hand_area());
+pub fn follow(networks: &Networks, picture: &Picture, before: &Detection) -> Option<Detection> {
+    let (network, mut eye) = (networks.finding(), Eye::new(picture));
+    let (square, area) = (before.masks.square, before.coarse.hand_area());
     let whole = Masks::of_square(network, &mut eye, Square::around(picture));
     if let Some(largest) = whole.largest_patch(Part::Hand).filter(|p| p.area > LEAST) {
         let place = square.from_picture().apply(whole.square.to_picture().apply(largest.centre));
@@ -136,7 +141,7 @@ pub fn follow(network: &SceneNetwork, picture: &Picture, before: &Detection) -> 
     let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
     let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
     let masks = Masks::of_square(network, &mut eye, Square { turn: direction.turn(), ..fitted });
-    is_still_there(&masks).then_some(Detection { masks, joints: None, right_odds: 0.0 })
+    is_still_there(&masks).then(|| Detection::new(networks, &mut eye, masks))
 }
 
 /// What is seen in a square once it fits the hand in it.
@@ -220,6 +225,12 @@ fn first_patch(network: &SceneNetwork, eye: &mut Eye<'_>) -> Option<(Square, Pat
 }
 
 impl Detection {
+    /// What the scene network has found in a square, which the mask network then looks at.
+    fn new(networks: &Networks, eye: &mut Eye<'_>, coarse: Masks) -> Self {
+        let masks = Masks::of_square(networks.cutting(), eye, coarse.square);
+        Self { masks, coarse, joints: None, right_odds: 0.0 }
+    }
+
     /// The square that the hand stands upright in.
     pub fn square(&self) -> Square {
         self.masks.square
@@ -230,10 +241,12 @@ impl Detection {
         self.masks.fitted_to(hand, NAMED_SIZES).unwrap_or(self.masks.square)
     }
 
-    /// The square in which what the hand holds is looked at; `None` where hardly anything is seen
-    /// of it.
-    pub(super) fn square_of_thing(&self) -> Option<Square> {
-        self.masks.around_object(THING_SIZES, LEAST_OF_HAND * self.masks.hand_area().sqrt())
+    /// The squares in which what the hand holds is looked at, one by each network's mask in which
+    /// something is seen of it.
+    pub(super) fn squares_of_thing(&self) -> Vec<Square> {
+        let square =
+            |masks: &Masks| masks.around_object(THING_SIZES, LEAST_OF_HAND * masks.hand_area().sqrt());
+        [&self.masks, &self.coarse].into_iter().filter_map(square).collect()
     }
 
     /// The log-odds of a hand or its forearm at a place of the picture that was looked at, in

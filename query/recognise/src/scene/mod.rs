@@ -1,12 +1,12 @@
-//! Finds a hand in a camera picture, and names its grasp, by three networks that were trained on
-//! scenes of our own renders (`grasp-builder train --kind scene`, `naming` and `thing`).
+//! Finds a hand in a camera picture, and names its grasp, by four networks that were trained on
+//! scenes of our own renders (`grasp-builder train --kind scene`, `naming`, `thing` and `mask`).
 //!
 //! A network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
 //! at the square around the hand that it has found there, turned so that the arm comes from below,
-//! as in the scenes that it learned to name grasps by. This [`Detection`] helps colours to cut the
-//! hand out, which two networks then look at once more, and the third at what it holds: a [`Scene`]
-//! says which hand it is, and how likely each grasp is by all that is seen, by which the neighbours
-//! are weighed.
+//! as in the scenes that it learned to name grasps by. There the mask network sees what is hand, arm
+//! and thing. This [`Detection`] helps colours to cut the hand out, which two networks then look at
+//! once more, and another at what it holds: a [`Scene`] says which hand it is, and how likely each
+//! grasp is by all that is seen, by which the neighbours are weighed.
 
 mod arm;
 mod cut_out;

@@ -31,9 +31,7 @@ impl Scene {
         let sides = [Side::Right, Side::Left];
         let mut eye = Eye::new(picture);
         let mut prediction = Prediction::of_square(networks, &mut eye, &square, &sides, POWERS);
-        if let Some(thing) = found.square_of_thing() {
-            prediction.add_thing(networks, &mut eye, &thing, &sides);
-        }
+        prediction.add_thing(networks, &mut eye, &found.squares_of_thing(), &sides);
         prediction.right_odds += found.right_odds;
         prediction.arm_odds = arm::right_odds(square.turn);
         Self { found, square, prediction }

@@ -61,23 +61,23 @@ impl Prediction {
     ) -> Self {
         let naming = networks.naming();
         let voices = [(networks.finding(), FINDING), (naming, 1.0 - FINDING)];
-        let named = looks(eye, square, sides, &voices);
+        let named = looks(eye, std::slice::from_ref(square), sides, &voices);
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
         Self { right_odds, arm_odds: 0.0, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
     }
 
-    /// Joins what is seen in a square around what the hand holds, the more the likelier it is that
-    /// the hand holds something.
+    /// Joins what is seen in squares around what the hand holds, the more the likelier it is that the
+    /// hand holds something; their mean, where there are several, and nothing where there is none.
     pub(super) fn add_thing(
         &mut self,
         networks: &Networks,
         eye: &mut Eye<'_>,
-        square: &Square,
+        squares: &[Square],
         sides: &[Side],
     ) {
-        let seen = looks(eye, square, sides, &[(networks.things(), 1.0)]);
+        let seen = looks(eye, squares, sides, &[(networks.things(), 1.0)]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -115,12 +115,19 @@ impl Prediction {
     }
 }
 
-/// What networks, each of which counts so much, see of a right and of a left hand, where these are
-/// asked about.
-fn looks(eye: &mut Eye<'_>, square: &Square, sides: &[Side], voices: &[(&SceneNetwork, f64)]) -> [Named; 2] {
+/// What networks, each of which counts so much, see in squares of a right and of a left hand, where
+/// these are asked about: the mean of all looks.
+fn looks(
+    eye: &mut Eye<'_>,
+    squares: &[Square],
+    sides: &[Side],
+    voices: &[(&SceneNetwork, f64)],
+) -> [Named; 2] {
     let grasps = voices.first().map_or(0, |(network, _)| network.grasps.len());
     let mut named = [Named::new(grasps), Named::new(grasps)];
-    for (turn, size) in LOOKS {
+    let looks = squares.iter().flat_map(|square| LOOKS.map(|look| (square, look)));
+    let share_of_look = 1.0 / (squares.len() * LOOKS.len()) as f64;
+    for (square, (turn, size)) in looks {
         eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
         for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
             if side == Side::Left {
@@ -128,7 +135,7 @@ fn looks(eye: &mut Eye<'_>, square: &Square, sides: &[Side], voices: &[(&SceneNe
             }
             if sides.contains(&side) {
                 for (network, share) in voices {
-                    named.add(&eye.see(network), share / LOOKS.len() as f64);
+                    named.add(&eye.see(network), share * share_of_look);
                 }
             }
         }
