@@ -3,7 +3,8 @@
 use grasp_network::{Architecture, Convolution, Masks};
 use grasp_renders::Part;
 
-use super::lesson::SIDE;
+/// Pixels a side of the input.
+pub(super) const SIDE: usize = 64;
 
 /// Kernel, stride and outputs of each convolution.
 type Convolutions = &'static [(u32, u32, u32)];

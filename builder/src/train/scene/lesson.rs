@@ -10,12 +10,11 @@ use rand_chacha::ChaCha8Rng;
 use super::augment::augment;
 use super::cut_out::CutOut;
 use super::focus::Focus;
+use super::form::SIDE;
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
 use crate::train::{joints, rotation};
 
-/// Pixels a side of the network's input.
-pub(super) const SIDE: usize = 64;
 /// How much class and stage count where the hand is yet to be found.
 const WEIGHT_OF_FAR: f32 = 0.4;
 /// The least area that is seen of a hand, in texels.

@@ -12,7 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::focus::Focus;
-use super::lesson::{SIDE, masks, planes};
+use super::form::SIDE;
+use super::lesson::{masks, planes};
 use super::views::{SceneView, Views};
 use crate::train::figures::{Figure, highest, median_deg};
 use crate::train::rotation;

@@ -181,7 +181,9 @@ mod tests {
         let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
         let without = Prediction::of_square(&networks, &mut eye, &square, &[Side::Right], powers);
         let mut with = without.clone();
-        with.add_thing(&networks, &mut eye, &Square { side: 30.0, ..square }, &[Side::Right]);
+        with.add_thing(&networks, &mut eye, &[], &[Side::Right]);
+        assert_eq!(with.probabilities(Side::Right), without.probabilities(Side::Right));
+        with.add_thing(&networks, &mut eye, &[Square { side: 30.0, ..square }], &[Side::Right]);
         assert_eq!(with.right_odds, without.right_odds);
         assert_ne!(with.probabilities(Side::Right), without.probabilities(Side::Right));
         for (is, was) in with.probabilities(Side::Left).iter().zip(without.probabilities(Side::Left)) {
