@@ -1,11 +1,17 @@
-//! Turns the published skin-colour mixture into the lookup table that the program carries.
+//! Makes what the program carries of data that people can read or train.
 //!
-//! A table made here costs a process start nothing; evaluating 32 Gaussian kernels for 64^3 colours
-//! at start would cost more than the whole recognition of a picture.
+//! What is made here costs a process start nothing. Evaluating the 32 Gaussian kernels of the skin
+//! mixture for 64^3 colours at start would cost more than the whole recognition of a picture, and
+//! rounding the networks' weights to integers as much as looking by them.
 
 use std::error::Error;
 use std::path::Path;
 use std::{env, fs};
+
+use grasp_network::QuantisedNetwork;
+
+/// The networks of scenes.
+const NETWORKS: [&str; 4] = ["scene.network", "naming.network", "thing.network", "mask.network"];
 
 /// Cells along each colour axis. Must be the `SIDE` of `src/segment/skin.rs`.
 const SIDE: usize = 64;
@@ -53,10 +59,19 @@ fn log_sum_exp(logs: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let source = "data/skin-mixture.csv";
-    println!("cargo:rerun-if-changed={source}");
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=data");
+    let out = env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?;
+    let (data, out) = (Path::new("data"), Path::new(&out));
+    fs::write(out.join("skin-log-odds.bin"), skin_log_odds(&data.join("skin-mixture.csv"))?)?;
+    for name in NETWORKS {
+        fs::write(out.join(name), QuantisedNetwork::prepare(&fs::read(data.join(name))?)?)?;
+    }
+    Ok(())
+}
 
+/// The log-odds of skin at the centre of each cell of colours, in steps.
+fn skin_log_odds(source: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut kernels = Vec::new();
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(source)?;
     for row in reader.records() {
@@ -77,7 +92,5 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    let out = env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?;
-    fs::write(Path::new(&out).join("skin-log-odds.bin"), table)?;
-    Ok(())
+    Ok(table)
 }

@@ -95,6 +95,15 @@ pub(crate) struct Contents<'a> {
     pub(crate) weights: &'a [Stored],
 }
 
+/// What stands before the weights.
+pub(crate) struct Shape {
+    pub(crate) architecture: Architecture,
+    pub(crate) layers: Vec<Layer>,
+    arithmetic: Arithmetic,
+    /// Where the weights begin.
+    start: usize,
+}
+
 /// The version of the file of a network.
 fn version(architecture: &Architecture, arithmetic: Arithmetic) -> u32 {
     match (arithmetic, architecture.masks) {
@@ -131,6 +140,18 @@ pub(crate) fn encode(architecture: &Architecture, arithmetic: Arithmetic, weight
 
 /// What the bytes hold.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Contents<'_>, ReadError> {
+    let Shape { architecture, layers, arithmetic, start } = shape(bytes)?;
+    let parameters: usize = layers.iter().map(Layer::parameters).sum();
+    let expected = start + parameters * size_of::<Stored>() + HASH;
+    let weights = bytes
+        .get(start..bytes.len() - HASH)
+        .filter(|_| bytes.len() == expected)
+        .ok_or(ReadError::Malformed { expected: expected as u64, found: bytes.len() as u64 })?;
+    Ok(Contents { architecture, layers, arithmetic, weights: weights.as_chunks().0 })
+}
+
+/// What stands before the weights.
+pub(crate) fn shape(bytes: &[u8]) -> Result<Shape, ReadError> {
     check_whole(bytes)?;
     let malformed =
         |expected: usize| ReadError::Malformed { expected: expected as u64, found: bytes.len() as u64 };
@@ -157,28 +178,23 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Contents<'_>, ReadError> {
     let masks = masks.filter(|masks| version == WITH_MASKS || *masks != none);
     let architecture = Architecture { side, planes, convolutions, embedding, heads, masks };
     let layers = architecture.layers().map_err(WeightsError::from)?;
-    let parameters: usize = layers.iter().map(Layer::parameters).sum();
-    let start = start(count, version);
-    let expected = start + parameters * size_of::<Stored>() + HASH;
-    let weights = bytes
-        .get(start..bytes.len() - HASH)
-        .filter(|_| bytes.len() == expected)
-        .ok_or_else(|| malformed(expected))?;
-    Ok(Contents { architecture, layers, arithmetic, weights: weights.as_chunks().0 })
+    Ok(Shape { architecture, layers, arithmetic, start: start(count, version) })
+}
+
+/// The length of the file that begins so, as it says itself.
+pub(crate) fn length(bytes: &[u8]) -> Result<u64, ReadError> {
+    let (expected, found) = (HEADER as u64, bytes.len() as u64);
+    if !bytes.starts_with(&MAGIC) {
+        let is_start = !bytes.is_empty() && MAGIC.starts_with(bytes);
+        return Err(if is_start { ReadError::Truncated { expected, found } } else { ReadError::NotANetwork });
+    }
+    let length = bytes.get(16..).and_then(<[u8]>::first_chunk);
+    length.map(|length| u64::from_le_bytes(*length)).ok_or(ReadError::Truncated { expected, found })
 }
 
 /// Checks what holds in every version: the magic, the length and the hash.
 fn check_whole(bytes: &[u8]) -> Result<(), ReadError> {
-    let found = bytes.len() as u64;
-    if !bytes.starts_with(&MAGIC) {
-        let is_start = !bytes.is_empty() && MAGIC.starts_with(bytes);
-        let expected = HEADER as u64;
-        return Err(if is_start { ReadError::Truncated { expected, found } } else { ReadError::NotANetwork });
-    }
-    let Some(length) = bytes.get(16..).and_then(<[u8]>::first_chunk) else {
-        return Err(ReadError::Truncated { expected: HEADER as u64, found });
-    };
-    let expected = u64::from_le_bytes(*length);
+    let (expected, found) = (length(bytes)?, bytes.len() as u64);
     if found < expected {
         return Err(ReadError::Truncated { expected, found });
     }

@@ -1,8 +1,8 @@
 //! A layer laid out for the inner loops.
 
 use crate::lanes::Lanes;
-use crate::layer::{LANES, Rectifier};
-use crate::pixels::{Pixel, pixels};
+use crate::layer::{LANES, Layer, Rectifier};
+use crate::pixels::{Borders, Pixel, pixels};
 use crate::unpacked::Unpacked;
 use half::f16;
 
@@ -28,9 +28,13 @@ pub(crate) struct Packed {
 impl Packed {
     /// Packs a layer.
     pub(crate) fn new(unpacked: &mut Unpacked<'_>) -> Self {
-        let (layer, borders) = (unpacked.layer, unpacked.borders);
-        let mut weights = Vec::with_capacity(layer.padded_parameters() / LANES);
+        let mut weights = Vec::with_capacity(unpacked.layer.padded_parameters() / LANES);
         unpacked.for_each_block(|block| weights.extend_from_slice(block));
+        Self::of_blocks(weights, unpacked.layer, unpacked.borders)
+    }
+
+    /// A layer whose weights lie as they shall, [`Layer::padded_parameters`] of them.
+    pub(crate) fn of_blocks(weights: Vec<Lanes>, layer: &Layer, borders: Borders) -> Self {
         Self {
             weights,
             inputs: layer.inputs(),
@@ -52,6 +56,11 @@ impl Packed {
     fn parameter(&self, row: usize, output: usize) -> f16 {
         let block = output / LANES * (1 + self.inputs);
         f16::from_f32(self.weights[block + row].0[output % LANES])
+    }
+
+    /// All blocks, as they lie.
+    pub(crate) fn weights(&self) -> &[Lanes] {
+        &self.weights
     }
 
     /// The blocks of outputs: the biases, then the rows of the matrix.

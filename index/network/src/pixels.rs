@@ -20,6 +20,14 @@ pub(crate) struct Borders {
 }
 
 impl Borders {
+    /// Those of layer `at`, which reads the output of layer `source`, or the picture.
+    pub(crate) fn of_layer(layers: &[Layer], at: usize, source: Option<usize>) -> Self {
+        Self {
+            input: source.map_or(layers[at].padding, |source| Self::of_output(layers, source)),
+            output: Self::of_output(layers, at),
+        }
+    }
+
     /// Pixels of zeros around the output of layer `at`: what the next layer needs.
     pub(crate) fn of_output(layers: &[Layer], at: usize) -> usize {
         layers.get(at + 1).map_or(0, |next| next.padding)

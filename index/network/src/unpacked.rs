@@ -49,10 +49,7 @@ pub(crate) fn pack_layers<T>(
         rest = after;
         let (matrix, bias) = parameters.split_at(layer.inputs() * layer.output_planes);
         let source = architecture.source(at);
-        let borders = Borders {
-            input: source.map_or(layer.padding, |source| Borders::of_output(layers, source)),
-            output: Borders::of_output(layers, at),
-        };
+        let borders = Borders::of_layer(layers, at, source);
         let input = sums.of_input(source);
         let mut unpacked =
             Unpacked { layer, borders, source, matrix, bias, block: &mut block, input, largest: 0.0 };

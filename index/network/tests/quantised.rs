@@ -4,7 +4,7 @@
 mod support;
 
 use grasp_network::{
-    Architecture, Convolution, Layer, Masks, Network, Path, QuantisedNetwork, Rectifier, Scratch,
+    Architecture, Convolution, Layer, Masks, Network, Path, QuantisedNetwork, ReadError, Rectifier, Scratch,
 };
 use half::f16;
 use proptest::prelude::*;
@@ -116,6 +116,18 @@ fn quantised(network: &Network, path: Path) -> QuantisedNetwork {
     QuantisedNetwork::from(&network.clone().with_path(path))
 }
 
+/// The same network of prepared bytes that begin at a multiple of 64, and of others.
+fn prepared(network: &Network, path: Path) -> [QuantisedNetwork; 2] {
+    let bytes = QuantisedNetwork::prepare(&network.to_bytes()).unwrap();
+    [0, 4].map(|offset| {
+        let room = vec![0; offset + bytes.len() + 64].leak();
+        let start = room.as_ptr().align_offset(64) + offset;
+        let place = &mut room[start..][..bytes.len()];
+        place.copy_from_slice(&bytes);
+        QuantisedNetwork::from_prepared(place, path).unwrap()
+    })
+}
+
 /// About half of all layers are computed in integers.
 fn outputs() -> impl Strategy<Value = u32> {
     prop_oneof![(1..=18u32).prop_map(|fours| 4 * fours), 1..=70u32]
@@ -150,10 +162,12 @@ proptest! {
         for picture in [picture(&architecture, seed ^ 1), picture(&architecture, seed ^ 2)] {
             let naive = naive(&architecture, &weights, &picture);
             for path in Path::available() {
-                let network = quantised(&network, path);
-                let output = network.run(&mut scratch, &picture);
-                let found = [output.embedding, output.heads, output.masks].map(bits);
-                prop_assert_eq!(found, naive.each_ref().map(|values| bits(values)), "{}", path.name());
+                let [aligned, moved] = prepared(&network, path);
+                for network in [quantised(&network, path), aligned, moved] {
+                    let output = network.run(&mut scratch, &picture);
+                    let found = [output.embedding, output.heads, output.masks].map(bits);
+                    prop_assert_eq!(found, naive.each_ref().map(|values| bits(values)), "{}", path.name());
+                }
             }
         }
     }
@@ -210,6 +224,21 @@ fn a_network_in_integers_is_the_quantised_one() {
         assert_eq!(floats.run(&mut scratch, &input).embedding, of_floats);
         assert_eq!(integers.run(&mut scratch, &input), quantised.run(&mut other, &input));
     }
+}
+
+#[test]
+fn prepared_bytes_of_another_form_or_length_are_rejected() {
+    let network = Network::from_weights(wide(), weights(&wide(), 8)).unwrap();
+    let bytes: &'static [u8] = QuantisedNetwork::prepare(&network.to_bytes()).unwrap().leak();
+    let read = |bytes| QuantisedNetwork::from_prepared(bytes, Path::best()).map(|_| ());
+    assert_eq!(read(bytes), Ok(()));
+    for length in (0..bytes.len()).step_by(97).chain([bytes.len() - 1]) {
+        assert!(read(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+    }
+    let longer: &'static [u8] = [bytes, &[0]].concat().leak();
+    let (expected, found) = (bytes.len() as u64, longer.len() as u64);
+    assert_eq!(read(longer), Err(ReadError::TooLong { expected, found }));
+    assert_eq!(read(b"a poem"), Err(ReadError::NotANetwork));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod dispatch;
 mod kernel;
 mod packed;
+mod prepared;
 mod rounding;
 
 use std::fmt;
@@ -57,13 +58,16 @@ fn is_rounded(architecture: &Architecture, layers: &[Layer]) -> Vec<bool> {
 }
 
 /// How a layer is computed.
-fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool], path: Path) -> Step {
-    match layer.source {
-        Some(source) if is_rounded[source + 1] => {
-            Step::Integers(PackedIntegers::new(layer, dispatch::sums_bytes(path)))
-        }
-        _ => Step::Floats(Packed::new(layer)),
+fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool], in_bytes: bool) -> Step {
+    match reads_integers(layer.source, is_rounded) {
+        true => Step::Integers(PackedIntegers::new(layer, in_bytes)),
+        false => Step::Floats(Packed::new(layer)),
     }
+}
+
+/// Whether a layer is computed in integers that reads the output of layer `source`, or the picture.
+fn reads_integers(source: Option<usize>, is_rounded: &[bool]) -> bool {
+    source.is_some_and(|source| is_rounded[source + 1])
 }
 
 impl QuantisedNetwork {
@@ -91,7 +95,8 @@ impl QuantisedNetwork {
         path: Path,
     ) -> Result<Self, WeightsError> {
         let is_rounded = is_rounded(&architecture, &layers);
-        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded, path))?;
+        let in_bytes = dispatch::sums_bytes(path);
+        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded, in_bytes))?;
         Ok(Self { architecture, layers, steps, is_rounded, path })
     }
 

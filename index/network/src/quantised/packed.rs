@@ -1,10 +1,13 @@
 //! A layer of integer weights, laid out for the inner loops.
 
+use std::borrow::Cow;
+
 use super::rounding::{nearest, nearest_byte};
 use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer, Rectifier};
-use crate::pixels::{Pixel, pixels};
+use crate::pixels::{Borders, Pixel, pixels};
 use crate::unpacked::Unpacked;
+use bytemuck::{AnyBitPattern, NoUninit};
 
 /// The largest magnitude of a weight's integer.
 const LARGEST_WEIGHT: f32 = 127.0;
@@ -14,15 +17,15 @@ pub(super) const TOGETHER: usize = 4;
 const MOST_INPUTS: usize = i32::MAX as usize / (255 * 127);
 
 /// The weights of four inputs for a block of outputs, aligned to cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, AnyBitPattern, NoUninit)]
+#[repr(C, align(64))]
 pub(super) struct Quads(pub(super) [[i8; TOGETHER]; LANES]);
 
 /// A layer's integer weights, in blocks of outputs; those past the last are 0.
 #[derive(Clone, Debug)]
 pub(super) enum Weights {
     /// `[block][y, x, input in fours]`, for instructions that sum products of bytes.
-    Quads(Vec<Quads>),
+    Quads(Cow<'static, [Quads]>),
     /// `[block][y, x, input]`, as floats, for all others.
     Rows(Vec<Lanes>),
 }
@@ -70,6 +73,11 @@ impl PackedIntegers {
             weights.extend(matrix, inverse(&units));
             scales.push(Scales { units, biases: biases.0 });
         });
+        Self::of_blocks(weights, scales, layer, borders)
+    }
+
+    /// A layer whose weights lie as they shall, with the scales of each block.
+    pub(super) fn of_blocks(weights: Weights, scales: Vec<Scales>, layer: &Layer, borders: Borders) -> Self {
         Self {
             weights,
             scales,
@@ -83,10 +91,19 @@ impl PackedIntegers {
 }
 
 impl Weights {
+    /// Integers that lie in fours, to be multiplied `in_bytes` or as floats.
+    pub(super) fn of_quads(quads: Cow<'static, [Quads]>, in_bytes: bool) -> Self {
+        if in_bytes {
+            return Self::Quads(quads);
+        }
+        let row = |quads: &Quads, input: usize| Lanes(quads.0.map(|integers| f32::from(integers[input])));
+        Self::Rows(quads.iter().flat_map(|quads| (0..TOGETHER).map(move |input| row(quads, input))).collect())
+    }
+
     /// None yet, with room for so many rows of a block.
     fn with_room(rows: usize, in_bytes: bool) -> Self {
         match in_bytes {
-            true => Self::Quads(Vec::with_capacity(rows / TOGETHER)),
+            true => Self::Quads(Cow::Owned(Vec::with_capacity(rows / TOGETHER))),
             false => Self::Rows(Vec::with_capacity(rows)),
         }
     }
@@ -94,7 +111,7 @@ impl Weights {
     /// Adds a block's rows, a unit of whose weights is so many integers.
     fn extend(&mut self, matrix: &[Lanes], scale: [f32; LANES]) {
         match self {
-            Self::Quads(weights) => weights.extend(quads(matrix, scale)),
+            Self::Quads(weights) => weights.to_mut().extend(quads(matrix, scale)),
             Self::Rows(weights) => weights.extend(rows(matrix, scale)),
         }
     }

@@ -15,19 +15,22 @@ pub use network::{SceneNetwork, SceneNetworkError};
 const GRASPS: [&str; 6] =
     ["large-diameter", "small-diameter", "abducted-thumb", "pinch", "power-sphere", "precision-disc"];
 
-/// The program's own, each read when it is first asked.
-static FINDING: LazyLock<SceneNetwork> =
-    LazyLock::new(|| built_in(include_bytes!("../../data/scene.network")));
-static NAMING: LazyLock<SceneNetwork> =
-    LazyLock::new(|| built_in(include_bytes!("../../data/naming.network")));
-static THINGS: LazyLock<SceneNetwork> =
-    LazyLock::new(|| built_in(include_bytes!("../../data/thing.network")));
-static CUTTING: LazyLock<SceneNetwork> =
-    LazyLock::new(|| built_in(include_bytes!("../../data/mask.network")));
+/// Bytes that begin where integers may be read as they lie.
+#[repr(C, align(64))]
+struct Aligned<B: ?Sized>(B);
 
-fn built_in(bytes: &[u8]) -> SceneNetwork {
-    SceneNetwork::from_bytes(bytes, &GRASPS).expect("a test reads the same bytes")
+/// A network of the program's own, as the build script has prepared it; read when it is first asked.
+macro_rules! built_in {
+    ($file:literal) => {{
+        static PREPARED: &Aligned<[u8]> = &Aligned(*include_bytes!(concat!(env!("OUT_DIR"), "/", $file)));
+        LazyLock::new(|| SceneNetwork::built_in(&PREPARED.0, &GRASPS))
+    }};
 }
+
+static FINDING: LazyLock<SceneNetwork> = built_in!("scene.network");
+static NAMING: LazyLock<SceneNetwork> = built_in!("naming.network");
+static THINGS: LazyLock<SceneNetwork> = built_in!("thing.network");
+static CUTTING: LazyLock<SceneNetwork> = built_in!("mask.network");
 
 /// The four networks that look at scenes; by default the program's own. Copies share them.
 #[derive(Clone, Debug, Default)]
@@ -86,8 +89,9 @@ impl Networks {
         Ok(Self { own })
     }
 
-    /// Reads those of the program's own that are asked, in the order in which they are; without
-    /// this each is read when it is first asked, in a millisecond or two.
+    /// Reads those of the program's own that are asked, in the order in which they are. Where a
+    /// processor sums products of bytes, there is little to do; others want integers as floats, and
+    /// without this wait for them when a network is first asked.
     pub fn read_ahead(&self) {
         for read in [Self::finding, Self::cutting, Self::naming, Self::things] {
             read(self);

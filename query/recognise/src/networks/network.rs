@@ -1,7 +1,7 @@
 //! The network that looks at scenes.
 
 use grasp_index::NETWORK_STAGES;
-use grasp_network::{QuantisedNetwork, ReadError, Scratch};
+use grasp_network::{Path, QuantisedNetwork, ReadError, Scratch};
 use thiserror::Error;
 
 /// Pixels a side of the pictures that it takes.
@@ -48,7 +48,17 @@ impl SceneNetwork {
     /// # Errors
     /// Where the bytes are no network's, or it is one of another kind.
     pub fn from_bytes(bytes: &[u8], grasps: &[&str]) -> Result<Self, SceneNetworkError> {
-        let network = QuantisedNetwork::from_bytes(bytes)?;
+        Self::new(QuantisedNetwork::from_bytes(bytes)?, grasps)
+    }
+
+    /// One that the build script has prepared.
+    pub(super) fn built_in(prepared: &'static [u8], grasps: &[&str]) -> Self {
+        let network = QuantisedNetwork::from_prepared(prepared, Path::best());
+        let network = network.map_err(SceneNetworkError::from).and_then(|network| Self::new(network, grasps));
+        network.expect("a test reads the same bytes")
+    }
+
+    fn new(network: QuantisedNetwork, grasps: &[&str]) -> Result<Self, SceneNetworkError> {
         let architecture = network.architecture();
         let masks = architecture.masks.map_or(0, |masks| masks.count as usize);
         let shape = [
