@@ -22,8 +22,16 @@ pub(super) fn bin([r, g, b]: [u8; 3]) -> u16 {
     ((luma_bin * CHROMA_BINS + axis(b - luma)) * CHROMA_BINS + axis(r - luma)) as u16
 }
 
-/// The bins of one chroma axis, red's.
-type Line = [f32; CHROMA_BINS];
+/// Zeros before and after the bins of a line: what lies beyond either end.
+const GAP: usize = 16;
+/// The bins of one chroma axis, red's, after a gap; the gap of the next line ends them.
+type Line = [f32; GAP + CHROMA_BINS];
+
+/// Steps of a pixel's share of the hand. Sums of integers are the same in any order.
+const STEPS: f32 = 65_536.0;
+/// Sums of a colour's pixels that are kept side by side: neighbours mostly have one colour, and one
+/// sum alone would wait for every addition.
+const SUMS: usize = 4;
 
 /// The colours of one picture, ready to be counted.
 ///
@@ -32,18 +40,17 @@ type Line = [f32; CHROMA_BINS];
 pub(super) struct Colours {
     /// Which of the picture's colours each pixel has.
     pixels: Vec<u16>,
-    /// Of each colour, how much is hand and how much all else.
-    counts: Vec<[f32; 2]>,
+    /// Of each colour, how many pixels have it.
+    counts: Vec<u64>,
+    /// Of each colour, how much of that is hand, in steps.
+    sums: Vec<[u64; SUMS]>,
     /// Of each colour, ln(p(colour | hand) / p(colour | all else)).
     odds: Vec<f32>,
     /// Of each colour, its bin among the lines that are reached.
     places: Vec<usize>,
-    /// The planes that have a colour among those that are reached, and the lines of each.
-    planes: Range<usize>,
-    lines: usize,
-    /// The histograms of the hand and of all else: lines that are reached, plane by plane.
-    hand: Vec<Line>,
-    other: Vec<Line>,
+    /// The histograms of the hand and of all else.
+    hand: Histogram,
+    other: Histogram,
 }
 
 impl Colours {
@@ -64,18 +71,20 @@ impl Colours {
         let lines = reached(low, high, 2, CHROMA_BINS);
         let places = present.iter().map(|&bin| {
             let line = (bin / PLANE - planes.start) * lines.len() + line_of(bin) - lines.start;
-            line * CHROMA_BINS + bin % CHROMA_BINS
+            line * size_of::<Line>() / size_of::<f32>() + GAP + bin % CHROMA_BINS
         });
-        let reached = planes.len() * lines.len();
+        let empty = Histogram::new(planes.len(), lines.len(), first - planes.start..last + 1 - planes.start);
+        let pixels: Vec<u16> = bins.iter().map(|&bin| numbers[usize::from(bin)]).collect();
+        let mut sums = vec![[0; SUMS]; present.len()];
+        add(&mut sums, &pixels, pixels.iter().map(|_| 1));
         Self {
-            pixels: bins.iter().map(|&bin| numbers[usize::from(bin)]).collect(),
-            counts: vec![[0.0; 2]; present.len()],
+            pixels,
+            counts: sums.iter().map(|sums| sums.iter().sum()).collect(),
+            sums,
             odds: vec![0.0; present.len()],
             places: places.collect(),
-            planes: first - planes.start..last + 1 - planes.start,
-            lines: lines.len(),
-            hand: vec![[0.0; CHROMA_BINS]; reached],
-            other: vec![[0.0; CHROMA_BINS]; reached],
+            hand: empty.clone(),
+            other: empty,
         }
     }
 
@@ -84,22 +93,17 @@ impl Colours {
     /// `shares` are how much each pixel is taken for hand, 0..=1. `doubt` is the share of all
     /// pixels that a bin needs before it is believed.
     pub(super) fn log_odds(&mut self, shares: &[f32], doubt: f32) -> impl Iterator<Item = f32> {
-        self.counts.fill([0.0; 2]);
-        for (&colour, &share) in self.pixels.iter().zip(shares) {
-            let [hand, other] = &mut self.counts[usize::from(colour)];
-            *hand += share;
-            *other += 1.0 - share;
-        }
-        for (histogram, side) in [(&mut self.hand, 0), (&mut self.other, 1)] {
-            histogram.fill([0.0; CHROMA_BINS]);
-            let bins = histogram.as_flattened_mut();
-            self.places.iter().zip(&self.counts).for_each(|(&place, counts)| bins[place] = counts[side]);
-            spread(histogram, self.lines, self.planes.clone());
+        self.sums.fill([0; SUMS]);
+        add(&mut self.sums, &self.pixels, shares.iter().map(|share| (share * STEPS) as u64));
+        let hands = self.sums.iter().map(|sums| sums.iter().sum::<u64>() as f32 / STEPS);
+        let counted = hands.zip(&self.counts).map(|(hand, &all)| [hand, all as f32 - hand]);
+        let [hand, other] = [&mut self.hand, &mut self.other].map(Histogram::cleared);
+        for (&place, [is_hand, is_other]) in self.places.iter().zip(counted) {
+            (hand[place], other[place]) = (is_hand, is_other);
         }
         // Shares of all hand and of all else, so that a small hand is not held against its colour.
-        let scale = |lines: &[Line]| 1.0 / total(lines).max(1e-6);
-        let (of_hand, of_other) = (scale(&self.hand), scale(&self.other));
-        let (hand, other) = (self.hand.as_flattened(), self.other.as_flattened());
+        let [hand, other] = [&mut self.hand, &mut self.other].map(Histogram::spread);
+        let (of_hand, of_other) = (1.0 / total(hand).max(1e-6), 1.0 / total(other).max(1e-6));
         for (odds, &place) in self.odds.iter_mut().zip(&self.places) {
             *odds = libm::logf((hand[place] * of_hand + doubt) / (other[place] * of_other + doubt));
         }
@@ -107,50 +111,87 @@ impl Colours {
     }
 }
 
+/// Adds what each pixel counts to the sums of its colour.
+fn add(sums: &mut [[u64; SUMS]], pixels: &[u16], counts: impl Iterator<Item = u64>) {
+    for ((&colour, count), sum) in pixels.iter().zip(counts).zip((0..SUMS).cycle()) {
+        sums[usize::from(colour)][sum] += count;
+    }
+}
+
 /// The sum of all bins, in sixteen sums side by side: one alone would wait for every addition.
-fn total(lines: &[Line]) -> f32 {
+fn total(bins: &[f32]) -> f32 {
     let mut sums = [0f32; 16];
-    for sixteen in lines.as_flattened().as_chunks::<16>().0 {
+    for sixteen in bins.as_chunks::<16>().0 {
         sums.iter_mut().zip(sixteen).for_each(|(sum, bin)| *sum += bin);
     }
     sums.iter().sum()
 }
 
-/// Spreads each bin over its neighbours with the weights 1, 2, 1, twice along each chroma axis and
-/// once along luma: noise moves a pixel by a bin or so.
-///
-/// `histogram` has planes of so many `lines`, of which the `filled` ones have counts.
-fn spread(histogram: &mut [Line], lines: usize, filled: Range<usize>) {
-    for plane in filled {
-        let plane = &mut histogram[plane * lines..][..lines];
-        for _ in 0..2 {
-            plane.iter_mut().for_each(spread_along);
-            spread_across(plane, 0, 1);
+/// Counts of colours, plane by plane, of the lines that are reached.
+#[derive(Clone)]
+struct Histogram {
+    /// With a line more, whose gap ends the last one.
+    lines: Vec<Line>,
+    /// What steps are written to, of the same size: what has just been written is slow to read at
+    /// other places.
+    spare: Vec<Line>,
+    /// Lines of a plane.
+    of_plane: usize,
+    /// The planes that have counts.
+    filled: Range<usize>,
+}
+
+impl Histogram {
+    fn new(planes: usize, of_plane: usize, filled: Range<usize>) -> Self {
+        let lines = vec![[0.0; GAP + CHROMA_BINS]; planes * of_plane + 1];
+        Self { spare: lines.clone(), lines, of_plane, filled }
+    }
+
+    /// All bins, gaps among them, as 0.
+    fn cleared(&mut self) -> &mut [f32] {
+        self.lines.fill([0.0; GAP + CHROMA_BINS]);
+        self.lines.as_flattened_mut()
+    }
+
+    /// Spreads each bin over its neighbours with the weights 1, 2, 1, twice along each chroma axis
+    /// and once along luma: noise moves a pixel by a bin or so.
+    fn spread(&mut self) -> &[f32] {
+        for plane in self.filled.clone() {
+            let first = plane * self.of_plane;
+            for _ in 0..2 {
+                // A line more: the gap that ends the last one.
+                let from = self.lines[first..=first + self.of_plane].as_flattened();
+                let plane = first..first + self.of_plane;
+                spread_along(from, &mut self.spare[plane.clone()]);
+                spread_across(&self.spare[plane.clone()], &mut self.lines[plane], 1);
+            }
         }
-    }
-    (0..lines).for_each(|line| spread_across(histogram, line, lines));
-}
-
-/// Spreads the values of one line.
-fn spread_along(line: &mut Line) {
-    let mut padded = [0f32; CHROMA_BINS + 2];
-    padded[1..=CHROMA_BINS].copy_from_slice(line);
-    let [before, here, after] = [0, 1, 2].map(|first| &padded[first..first + CHROMA_BINS]);
-    for (out, ((before, here), after)) in line.iter_mut().zip(before.iter().zip(here).zip(after)) {
-        *out = 0.25 * before + 0.5 * here + 0.25 * after;
+        let all = self.lines.len() - 1;
+        spread_across(&self.lines[..all], &mut self.spare[..all], self.of_plane);
+        std::mem::swap(&mut self.lines, &mut self.spare);
+        self.lines.as_flattened()
     }
 }
 
-/// Spreads lines over those before and after them: each `stride`-th from the line `first` on.
-fn spread_across(lines: &mut [Line], first: usize, stride: usize) {
-    let mut before = [0f32; CHROMA_BINS];
-    for at in (first..lines.len()).step_by(stride) {
-        let after = lines.get(at + stride).copied().unwrap_or([0.0; CHROMA_BINS]);
-        let here = lines[at];
-        for (out, ((before, here), after)) in lines[at].iter_mut().zip(before.iter().zip(&here).zip(&after)) {
+/// Spreads the bins of each line; `from` are the lines with a gap after them.
+fn spread_along(from: &[f32], to: &mut [Line]) {
+    for (at, to) in (GAP..).step_by(GAP + CHROMA_BINS).zip(to) {
+        let [before, here, after] = [at - 1, at, at + 1].map(|first| &from[first..first + CHROMA_BINS]);
+        for (out, ((before, here), after)) in to[GAP..].iter_mut().zip(before.iter().zip(here).zip(after)) {
             *out = 0.25 * before + 0.5 * here + 0.25 * after;
         }
-        before = here;
+    }
+}
+
+/// Spreads each line over those that lie `stride` before and after it.
+fn spread_across(from: &[Line], to: &mut [Line], stride: usize) {
+    const NONE: Line = [0.0; GAP + CHROMA_BINS];
+    for (at, (here, to)) in from.iter().zip(to).enumerate() {
+        let before = at.checked_sub(stride).map_or(&NONE, |before| &from[before]);
+        let after = from.get(at + stride).unwrap_or(&NONE);
+        for (out, ((before, here), after)) in to.iter_mut().zip(before.iter().zip(here).zip(after)) {
+            *out = 0.25 * before + 0.5 * here + 0.25 * after;
+        }
     }
 }
 
@@ -163,9 +204,11 @@ mod tests {
     fn naive(bins: &[u16], shares: &[f32], doubt: f32) -> Vec<f32> {
         let mut histograms = [vec![0f32; BINS], vec![0f32; BINS]];
         for (&bin, &share) in bins.iter().zip(shares) {
-            histograms[0][usize::from(bin)] += share;
-            histograms[1][usize::from(bin)] += 1.0 - share;
+            histograms[0][usize::from(bin)] += (share * STEPS).floor() / STEPS;
+            histograms[1][usize::from(bin)] += 1.0;
         }
+        let [hand, other] = &mut histograms;
+        other.iter_mut().zip(hand).for_each(|(other, hand)| *other -= *hand);
         let axes = [(1, CHROMA_BINS), (CHROMA_BINS, CHROMA_BINS), (PLANE, LUMA_BINS)];
         for histogram in &mut histograms {
             for (stride, length) in [axes[0], axes[1], axes[0], axes[1], axes[2]] {
