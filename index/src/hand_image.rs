@@ -207,45 +207,31 @@ impl HandImage {
     }
 
     /// Linear interpolation between the pixels of the hand around `(x, y)`; `None` where less than
-    /// half of the weight is hand.
+    /// half of the weight is hand. Pixels beyond the picture count for nothing.
     fn sample(&self, x: f64, y: f64) -> Option<u8> {
         let (left, top) = (floor(x), floor(y));
         let (fx, fy) = (x - left as f64, y - top as f64);
-        let (mut inside, mut grey) = (0.0, 0.0);
-        self.around([left, top], [fx, fy], |share, value, weight| {
-            inside += weight * f64::from(share);
-            grey += weight * f64::from(value);
-        });
-        (inside >= 0.5).then(|| (grey / inside).round() as u8)
-    }
-
-    /// What linear interpolation takes of the four pixels from column `left` and row `top` on: the
-    /// mask (0 or 1), the grey, which is 0 outside the mask, and the weight of each. `fractions`
-    /// are the place's own within the first pixel. Pixels beyond the picture are left out.
-    #[inline(always)]
-    pub(crate) fn around<T>(&self, [left, top]: [i64; 2], fractions: [T; 2], mut take: impl FnMut(u8, u8, T))
-    where
-        T: Copy + From<u8> + std::ops::Sub<Output = T> + std::ops::Mul<Output = T>,
-    {
-        let [fx, fy] = fractions;
-        let (gx, gy) = (T::from(1u8) - fx, T::from(1u8) - fy);
+        let (gx, gy) = (1.0 - fx, 1.0 - fy);
         let weights = [gx * gy, fx * gy, gx * fy, fx * fy];
+        let (mut inside, mut grey) = (0.0, 0.0);
+        let mut take = |at: usize, weight: f64| {
+            inside += weight * f64::from(self.mask[at]);
+            grey += weight * f64::from(self.pixels[at]);
+        };
         let (width, height) = (self.width as i64, self.height as i64);
-        let mut pixel = |at: usize, weight: T| take(self.mask[at], self.pixels[at], weight);
         if (0..width - 1).contains(&left) && (0..height - 1).contains(&top) {
             let at = (top * width + left) as usize;
             let below = at + self.width;
-            for (at, weight) in [at, at + 1, below, below + 1].into_iter().zip(weights) {
-                pixel(at, weight);
-            }
-            return;
-        }
-        for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
-            let (x, y) = (left + dx, top + dy);
-            if (0..width).contains(&x) && (0..height).contains(&y) {
-                pixel((y * width + x) as usize, weight);
+            [at, at + 1, below, below + 1].into_iter().zip(weights).for_each(|(at, weight)| take(at, weight));
+        } else {
+            for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
+                let (x, y) = (left + dx, top + dy);
+                if (0..width).contains(&x) && (0..height).contains(&y) {
+                    take((y * width + x) as usize, weight);
+                }
             }
         }
+        (inside >= 0.5).then(|| (grey / inside).round() as u8)
     }
 
     /// The hand image shrunk so that its longer side is at most `side` pixels, never below

@@ -1,6 +1,6 @@
 //! What a network is shown of a hand: its grey and its mask, upright, in a square of few pixels.
 
-use crate::hand_image::{HandImage, floor};
+use crate::hand_image::HandImage;
 
 /// Pixels a side of a network's input.
 pub const PLANES_SIDE: usize = 48;
@@ -99,19 +99,21 @@ pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
     let middle: [f64; 2] = std::array::from_fn(|axis| {
         0.5 * (low[axis] + high[axis]) - placement.shift[axis] * step * PLANES_SIDE as f64
     });
+    let framed = Framed::of(hand);
     let [[xx, xy], [yx, yy]] = placement.inverse();
     let half = (PLANES_SIDE as f64 - 1.0) / 2.0;
     for (row, pixels) in out.chunks_exact_mut(2 * PLANES_SIDE).take(PLANES_SIDE).enumerate() {
         let v = (row as f64 - half) * step + middle[1];
         for (column, pixel) in pixels.chunks_exact_mut(2).enumerate() {
             let u = (column as f64 - half) * step + middle[0];
-            let (mut grey, mut share) = (0.0, 0.0);
-            for [du, dv] in SAMPLES {
+            let places = SAMPLES.map(|[du, dv]| {
                 let (u, v) = (u + du * step, v + dv * step);
-                let (x, y) = (xx * u + xy * v + centroid[0], yx * u + yy * v + centroid[1]);
-                let (sum, weight) = sample(hand, x, y);
-                grey += sum;
-                share += weight;
+                [xx * u + xy * v + centroid[0], yx * u + yy * v + centroid[1]]
+            });
+            let (mut grey, mut share) = (0.0, 0.0);
+            for [inside, value] in framed.samples(places) {
+                share += inside;
+                grey += value;
             }
             let mean = if share > 1e-3 { grey / share / 255.0 } else { 0.0 };
             pixel.copy_from_slice(&[mean, share / SAMPLES.len() as f32]);
@@ -120,17 +122,67 @@ pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
     normalise(out);
 }
 
-/// Linear interpolation around a place: the grey there, 0 to 255, what is no hand being 0, and the
-/// share that is hand.
-fn sample(hand: &HandImage, x: f64, y: f64) -> (f32, f32) {
-    let (left, top) = (floor(x), floor(y));
-    let (fx, fy) = ((x - left as f64) as f32, (y - top as f64) as f32);
-    let (mut grey, mut share) = (0.0, 0.0);
-    hand.around([left, top], [fx, fy], |inside, value, weight| {
-        share += weight * f32::from(inside);
-        grey += weight * f32::from(value);
-    });
-    (grey, share)
+/// A hand in a frame of nothing, so that no place is without pixels around it.
+struct Framed {
+    /// Of each pixel, 1 and its grey, 0 to 255, where it is hand, and else 0 and 0.
+    pixels: Vec<[f32; 2]>,
+    width: usize,
+    height: usize,
+}
+
+impl Framed {
+    /// Pixels of the frame: what lies beyond it is looked for in it, and finds two of them.
+    const FRAME: usize = 2;
+
+    fn of(hand: &HandImage) -> Self {
+        let (width, height) = (hand.width() + 2 * Self::FRAME, hand.height() + 2 * Self::FRAME);
+        let mut pixels = vec![[0.0; 2]; width * height];
+        let rows = pixels.chunks_exact_mut(width).skip(Self::FRAME);
+        let hand = hand.mask().chunks_exact(hand.width()).zip(hand.pixels().chunks_exact(hand.width()));
+        for (row, (mask, grey)) in rows.zip(hand) {
+            for (pixel, (&inside, &grey)) in row[Self::FRAME..].iter_mut().zip(mask.iter().zip(grey)) {
+                *pixel = [f32::from(inside), f32::from(grey)];
+            }
+        }
+        Self { pixels, width, height }
+    }
+
+    /// Linear interpolation around places: the share that is hand, and the grey there, what is no
+    /// hand being 0. The steps are those of all places at a time, as processors compute them.
+    fn samples<const N: usize>(&self, places: [[f64; 2]; N]) -> [[f32; 2]; N] {
+        let [x, y] = [0, 1].map(|axis| {
+            // Whatever lies beyond the frame lies between pixels of the frame.
+            let most = [self.width, self.height][axis] - Self::FRAME - 2;
+            places.map(|place| place[axis].max(-(Self::FRAME as f64)).min(most as f64))
+        });
+        let [left, top] = [x, y].map(|at| at.map(integer));
+        let framed = |at: i32| at.wrapping_add(Self::FRAME as i32) as usize;
+        let at: [usize; N] = std::array::from_fn(|n| framed(top[n].0) * self.width + framed(left[n].0));
+        let [fx, fy] = [(x, left), (y, top)]
+            .map(|(at, whole)| std::array::from_fn::<f32, N, _>(|n| (at[n] - whole[n].1) as f32));
+        std::array::from_fn(|n| {
+            let (fx, fy, at) = (fx[n], fy[n], at[n]);
+            let (gx, gy) = (1.0 - fx, 1.0 - fy);
+            let (above, below) =
+                (&self.pixels[at..at + 2], &self.pixels[at + self.width..at + self.width + 2]);
+            std::array::from_fn(|of| {
+                gx * gy * above[0][of]
+                    + fx * gy * above[1][of]
+                    + gx * fy * below[0][of]
+                    + fx * fy * below[1][of]
+            })
+        })
+    }
+}
+
+/// The largest integer that is not above a value within 2^31, as an integer and as a float. By sums
+/// alone, of which processors do several at a time.
+fn integer(value: f64) -> (i32, f64) {
+    /// Around this, floats are 1 apart, and their last bits count them.
+    const INTEGERS: f64 = 1.5 * (1u64 << 52) as f64;
+    let nearest = value + INTEGERS;
+    let down = if nearest - INTEGERS > value { nearest - 1.0 } else { nearest };
+    (down.to_bits() as i32, down - INTEGERS)
 }
 
 /// Brings the grey of every hand to the same mean and contrast.
@@ -145,5 +197,51 @@ fn normalise(out: &mut [f32]) {
     let deviation = (squares / count.max(1.0) - mean * mean).max(0.0).sqrt() + FLAT;
     for pixel in out.chunks_exact_mut(2) {
         pixel[0] = ((pixel[0] - mean) / deviation).clamp(-GREY_RANGE, GREY_RANGE) * pixel[1];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The same a pixel at a time, those beyond the picture left out.
+    fn naive(hand: &HandImage, [x, y]: [f64; 2]) -> [f32; 2] {
+        let (left, top) = (x.floor(), y.floor());
+        let (fx, fy) = ((x - left) as f32, (y - top) as f32);
+        let mut sums = [0.0; 2];
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let weight = [1.0 - fx, fx][dx] * [1.0 - fy, fy][dy];
+            let (x, y) = (left + dx as f64, top + dy as f64);
+            if (0.0..hand.width() as f64).contains(&x) && (0.0..hand.height() as f64).contains(&y) {
+                let at = y as usize * hand.width() + x as usize;
+                sums[0] += weight * f32::from(hand.mask()[at]);
+                sums[1] += weight * f32::from(hand.pixels()[at]);
+            }
+        }
+        sums
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_sampled_within_and_beyond_a_hand_is_right_to_the_last_bit(
+            (width, height) in (16usize..30, 16usize..30),
+            seed in any::<u8>(),
+            place in (-30.0..40.0f64, -30.0..40.0f64),
+            is_exact in any::<bool>(),
+        ) {
+            let of = |at: usize, by: usize| (at * by + usize::from(seed)) as u8;
+            let grey: Vec<u8> = (0..width * height).map(|at| of(at, 37)).collect();
+            let mut mask: Vec<u8> = (0..width * height).map(|at| u8::from(of(at, 91) % 5 != 0)).collect();
+            // A hand is cropped to its mask.
+            (mask[0], mask[width * height - 1]) = (1, 1);
+            let hand = HandImage::from_mask(width, height, &grey, &mask).unwrap();
+            let place = if is_exact { [place.0.round(), place.1.round()] } else { [place.0, place.1] };
+            let framed = Framed::of(&hand);
+            prop_assert_eq!(framed.samples([place]), [naive(&hand, place)]);
+            // Far away there is nothing, and nothing is read.
+            let far = [[f64::MAX, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 1e300]];
+            prop_assert!(framed.samples(far)[..2] == [[0.0; 2]; 2]);
+        }
     }
 }
