@@ -23,25 +23,39 @@ pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool
         }
     }
     for y in 1..=height {
-        for at in y * stride + 1..=y * stride + width {
-            let straight = framed[at - 1].min(framed[at - stride]) + 3;
-            let diagonal = framed[at - stride - 1].min(framed[at - stride + 1]) + 4;
-            framed[at] = framed[at].min(straight).min(diagonal);
-        }
+        let (above, here) = framed.split_at_mut(y * stride);
+        come_down(&above[(y - 1) * stride..], &mut here[1..=width]);
+        along(here[..=width].iter_mut());
     }
     for y in (1..=height).rev() {
-        for at in (y * stride + 1..=y * stride + width).rev() {
-            let straight = framed[at + 1].min(framed[at + stride]) + 3;
-            let diagonal = framed[at + stride + 1].min(framed[at + stride - 1]) + 4;
-            framed[at] = framed[at].min(straight).min(diagonal);
-        }
+        let (here, below) = framed.split_at_mut((y + 1) * stride);
+        let here = &mut here[y * stride + 1..];
+        come_down(&below[..stride], &mut here[..width]);
+        along(here.iter_mut().rev());
     }
-    framed
-        .chunks_exact(stride)
-        .skip(1)
-        .take(height)
-        .flat_map(|row| row.iter().skip(1).take(width).copied())
-        .collect()
+    let mut distances = Vec::with_capacity(width * height);
+    for row in framed.chunks_exact(stride).skip(1).take(height) {
+        distances.extend_from_slice(&row[1..=width]);
+    }
+    distances
+}
+
+/// Steps from the row before into this one, straight and diagonal. `before` has a pixel more at
+/// either end.
+fn come_down(before: &[u32], here: &mut [u32]) {
+    let [left, straight, right] = [0, 1, 2].map(|first| &before[first..first + here.len()]);
+    for (((here, left), straight), right) in here.iter_mut().zip(left).zip(straight).zip(right) {
+        *here = (*here).min(straight + 3).min(left.min(right) + 4);
+    }
+}
+
+/// Steps from each pixel of a row to the next one.
+fn along<'a>(mut row: impl Iterator<Item = &'a mut u32>) {
+    let Some(mut before) = row.next().copied() else { return };
+    for here in row {
+        before = (*here).min(before + 3);
+        *here = before;
+    }
 }
 
 /// The place in a mask that is farthest from its outside.
