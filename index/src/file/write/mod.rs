@@ -242,26 +242,20 @@ impl IndexWriter {
         progress: &dyn Fn(Phase, f64) -> ControlFlow<()>,
     ) -> Result<Vec<Section>, Failure> {
         let Self { params, columns, out, rows, thumbnails, .. } = self;
-        let thumbnails = thumbnails.written()?;
-        let rows = rows.as_mut().map(Sink::written).transpose()?;
-        let values = match (&rows, params.originals) {
-            (Some(rows), Originals::F16) => rows.get(header::LENGTH..).unwrap_or(&[]),
-            _ => &[],
-        };
+        let mut rows = rows.as_mut().filter(|_| params.originals == Originals::F16);
         let network = params.network.as_deref().map(Network::to_bytes).unwrap_or_default();
-        let bytes = |kind| match kind {
-            SectionKind::Descriptors => values,
-            SectionKind::Thumbnails => &thumbnails,
+        let held = |kind| match kind {
             SectionKind::Network => &network,
             _ if kind.is_of_the_hash() => hash_sections::section(&model.search.hash, kind),
             _ => columns.section(kind, params.kept),
         };
         let kinds = SectionKind::of(&params.descriptor);
-        let total = kinds.iter().map(|&kind| bytes(kind).len()).sum::<usize>().max(1);
+        let passed_on = rows.as_ref().map_or(0, |rows| rows.len()) + thumbnails.len();
+        let total = passed_on + kinds.iter().map(|&kind| held(kind).len() as u64).sum::<u64>();
         let mut written = 0;
         let mut wrote = |bytes: usize| {
             written += bytes;
-            match progress(Phase::Write, written as f64 / total as f64) {
+            match progress(Phase::Write, written as f64 / total.max(1) as f64) {
                 ControlFlow::Continue(()) => Ok(()),
                 ControlFlow::Break(()) => Err(Failure::Build(BuildError::Stopped)),
             }
@@ -271,11 +265,17 @@ impl IndexWriter {
                 return Ok(section);
             }
             out.open()?;
-            match kind {
-                SectionKind::Descriptors if params.originals == Originals::F16 => {
-                    append_halves(out, bytes(kind), &mut wrote)?
-                }
-                _ => out.append_all(bytes(kind), &mut wrote)?,
+            match (kind, &mut rows) {
+                (SectionKind::Descriptors, Some(rows)) => rows.pass_on(header::LENGTH, &mut |piece| {
+                    append_halves(out, piece)?;
+                    wrote(piece.len())
+                })?,
+                (SectionKind::Descriptors, None) => {}
+                (SectionKind::Thumbnails, _) => thumbnails.pass_on(0, &mut |piece| {
+                    out.append(piece)?;
+                    wrote(piece.len())
+                })?,
+                _ => out.append_all(held(kind), &mut wrote)?,
             }
             Ok(out.close(kind, kind.element(params.originals)))
         };
@@ -334,19 +334,9 @@ fn seal(out: &mut Sink, catalogue: &Catalogue, network: Option<&Network>) -> io:
 }
 
 /// Writes values in half their size.
-fn append_halves(
-    out: &mut Sink,
-    values: &[u8],
-    wrote: &mut dyn FnMut(usize) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let mut halves = Vec::new();
-    for piece in bytemuck::cast_slice::<u8, f32>(values).chunks(1 << 18) {
-        halves.clear();
-        halves.extend(piece.iter().map(|&value| f16::from_f32(value)));
-        out.append(bytemuck::cast_slice(&halves))?;
-        wrote(size_of_val(piece))?;
-    }
-    Ok(())
+fn append_halves(out: &mut Sink, values: &[u8]) -> io::Result<()> {
+    let halves = bytemuck::cast_slice(values).iter().map(|&value| f16::from_f32(value));
+    out.append(bytemuck::cast_slice(&halves.collect::<Vec<f16>>()))
 }
 
 /// What stops the writing: the caller, who knows the file, names it.

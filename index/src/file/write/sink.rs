@@ -6,7 +6,7 @@ use crate::file::bytes::Written;
 use crate::file::sections::{ElementType, Section, SectionKind};
 use rkyv::util::AlignedVec;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -106,6 +106,33 @@ impl Sink {
             Target::File(file) => {
                 file.flush()?;
                 Written::map(file.get_mut())
+            }
+        }
+    }
+
+    /// Hands on what was written from a byte on, in pieces that begin where numbers may. Only one of
+    /// them is in memory: a mapping would keep all.
+    pub(super) fn pass_on<E: From<io::Error>>(
+        &mut self,
+        from: usize,
+        take: &mut dyn FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match &mut self.to {
+            Target::Memory(held) => held.get(from..).unwrap_or(&[]).chunks(PIECE).try_for_each(take),
+            Target::File(file) => {
+                let mut piece = vec![0u64; PIECE / size_of::<u64>()];
+                let piece: &mut [u8] = bytemuck::cast_slice_mut(&mut piece);
+                file.seek(SeekFrom::Start(from as u64))?;
+                let mut left = self.length.saturating_sub(from as u64);
+                while left > 0 {
+                    let piece = &mut piece[..left.min(PIECE as u64) as usize];
+                    file.get_mut().read_exact(piece)?;
+                    left -= piece.len() as u64;
+                    take(piece)?;
+                }
+                // Whatever is written next comes after all.
+                file.seek(SeekFrom::Start(self.length))?;
+                Ok(())
             }
         }
     }
