@@ -297,7 +297,7 @@ fn check_size(width: usize, height: usize, what: &'static str, found: usize) -> 
 
 /// The largest integer that is not above `value`. The same as `f64::floor`, which is a call on
 /// processors whose instructions are not known when the program is compiled.
-pub(crate) fn floor(value: f64) -> i64 {
+fn floor(value: f64) -> i64 {
     let towards_zero = value as i64;
     towards_zero.saturating_sub(i64::from(towards_zero as f64 > value))
 }

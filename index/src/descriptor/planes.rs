@@ -131,7 +131,7 @@ struct Framed {
 }
 
 impl Framed {
-    /// Pixels of the frame: what lies beyond it is looked for in it, and finds two of them.
+    /// Its pixels on each side: beyond a hand, interpolation is to find two empty ones in a row.
     const FRAME: usize = 2;
 
     fn of(hand: &HandImage) -> Self {
@@ -148,18 +148,18 @@ impl Framed {
     }
 
     /// Linear interpolation around places: the share that is hand, and the grey there, what is no
-    /// hand being 0. The steps are those of all places at a time, as processors compute them.
+    /// hand being 0. Each step is done for all places, which a processor does at a time.
     fn samples<const N: usize>(&self, places: [[f64; 2]; N]) -> [[f32; 2]; N] {
         let [x, y] = [0, 1].map(|axis| {
-            // Whatever lies beyond the frame lies between pixels of the frame.
+            // Places beyond the frame are moved into it: there is as little.
             let most = [self.width, self.height][axis] - Self::FRAME - 2;
             places.map(|place| place[axis].max(-(Self::FRAME as f64)).min(most as f64))
         });
-        let [left, top] = [x, y].map(|at| at.map(integer));
-        let framed = |at: i32| at.wrapping_add(Self::FRAME as i32) as usize;
+        let [left, top] = [x, y].map(|at| at.map(floor));
+        let framed = |at: i32| (at + Self::FRAME as i32) as usize;
         let at: [usize; N] = std::array::from_fn(|n| framed(top[n].0) * self.width + framed(left[n].0));
         let [fx, fy] = [(x, left), (y, top)]
-            .map(|(at, whole)| std::array::from_fn::<f32, N, _>(|n| (at[n] - whole[n].1) as f32));
+            .map(|(at, low)| std::array::from_fn::<f32, N, _>(|n| (at[n] - low[n].1) as f32));
         std::array::from_fn(|n| {
             let (fx, fy, at) = (fx[n], fy[n], at[n]);
             let (gx, gy) = (1.0 - fx, 1.0 - fy);
@@ -175,9 +175,9 @@ impl Framed {
     }
 }
 
-/// The largest integer that is not above a value within 2^31, as an integer and as a float. By sums
-/// alone, of which processors do several at a time.
-fn integer(value: f64) -> (i32, f64) {
+/// The largest integer that is not above a value within 2^31, as an integer and as a float: by sums
+/// alone, of which a processor does several at a time, and casts one by one.
+fn floor(value: f64) -> (i32, f64) {
     /// Around this, floats are 1 apart, and their last bits count them.
     const INTEGERS: f64 = 1.5 * (1u64 << 52) as f64;
     let nearest = value + INTEGERS;
@@ -239,7 +239,7 @@ mod tests {
             let place = if is_exact { [place.0.round(), place.1.round()] } else { [place.0, place.1] };
             let framed = Framed::of(&hand);
             prop_assert_eq!(framed.samples([place]), [naive(&hand, place)]);
-            // Far away there is nothing, and nothing is read.
+            // Far away there is nothing; what is no place is no reason to panic.
             let far = [[f64::MAX, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 1e300]];
             prop_assert!(framed.samples(far)[..2] == [[0.0; 2]; 2]);
         }

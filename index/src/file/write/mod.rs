@@ -250,8 +250,9 @@ impl IndexWriter {
             _ => columns.section(kind, params.kept),
         };
         let kinds = SectionKind::of(&params.descriptor);
-        let passed_on = rows.as_ref().map_or(0, |rows| rows.len()) + thumbnails.len();
-        let total = passed_on + kinds.iter().map(|&kind| held(kind).len() as u64).sum::<u64>();
+        let values = rows.as_ref().map_or(0, |rows| rows.len() - header::LENGTH as u64);
+        let total =
+            values + thumbnails.len() + kinds.iter().map(|&kind| held(kind).len() as u64).sum::<u64>();
         let mut written = 0;
         let mut wrote = |bytes: usize| {
             written += bytes;
@@ -270,7 +271,6 @@ impl IndexWriter {
                     append_halves(out, piece)?;
                     wrote(piece.len())
                 })?,
-                (SectionKind::Descriptors, None) => {}
                 (SectionKind::Thumbnails, _) => thumbnails.pass_on(0, &mut |piece| {
                     out.append(piece)?;
                     wrote(piece.len())

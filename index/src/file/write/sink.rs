@@ -110,8 +110,8 @@ impl Sink {
         }
     }
 
-    /// Hands on what was written from a byte on, in pieces that begin where numbers may. Only one of
-    /// them is in memory: a mapping would keep all.
+    /// Passes on what was written from a byte on, in pieces that numbers can be read from. Only one
+    /// of them is in memory, where a mapping would keep all.
     pub(super) fn pass_on<E: From<io::Error>>(
         &mut self,
         from: usize,
@@ -159,5 +159,38 @@ impl std::fmt::Debug for Sink {
             Target::File(_) => "a file",
         };
         write!(f, "{} bytes in {to}", self.length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_what_was_written_and_more_can_follow() {
+        let bytes: Vec<u8> = (0..2 * PIECE + 12).map(|at| (at % 251) as u8).collect();
+        let folder = tempfile::tempdir().unwrap();
+        for mut sink in [Sink::memory(), Sink::unnamed(folder.path()).unwrap()] {
+            sink.append(&bytes).unwrap();
+            let mut pieces = Vec::new();
+            let mut take = |piece: &[u8]| -> io::Result<()> {
+                pieces.push(piece.len());
+                assert_eq!(bytemuck::cast_slice::<u8, u32>(piece).len() * 4, piece.len());
+                Ok(())
+            };
+            sink.pass_on(8, &mut take).unwrap();
+            assert_eq!(pieces, [PIECE, PIECE, 4]);
+            sink.append(b"more").unwrap();
+            let mut all = Vec::new();
+            let mut take = |piece: &[u8]| -> io::Result<()> {
+                all.extend_from_slice(piece);
+                Ok(())
+            };
+            sink.pass_on(0, &mut take).unwrap();
+            assert!(all == [&bytes, &b"more"[..]].concat());
+            // Past the end there is nothing, and an error stops it.
+            sink.pass_on(all.len() + 8, &mut |_| Err(io::Error::other("called"))).unwrap();
+            assert!(sink.pass_on(0, &mut |_| Err(io::Error::other("full"))).is_err());
+        }
     }
 }

@@ -24,8 +24,10 @@ pub(super) fn bin([r, g, b]: [u8; 3]) -> u16 {
 
 /// Zeros before and after the bins of a line: what lies beyond either end.
 const GAP: usize = 16;
+/// From the bins of a line to those of the next.
+const STRIDE: usize = GAP + CHROMA_BINS;
 /// The bins of one chroma axis, red's, after a gap; the gap of the next line ends them.
-type Line = [f32; GAP + CHROMA_BINS];
+type Line = [f32; STRIDE];
 
 /// Steps of a pixel's share of the hand. Sums of integers are the same in any order.
 const STEPS: f32 = 65_536.0;
@@ -71,7 +73,7 @@ impl Colours {
         let lines = reached(low, high, 2, CHROMA_BINS);
         let places = present.iter().map(|&bin| {
             let line = (bin / PLANE - planes.start) * lines.len() + line_of(bin) - lines.start;
-            line * size_of::<Line>() / size_of::<f32>() + GAP + bin % CHROMA_BINS
+            line * STRIDE + GAP + bin % CHROMA_BINS
         });
         let empty = Histogram::new(planes.len(), lines.len(), first - planes.start..last + 1 - planes.start);
         let pixels: Vec<u16> = bins.iter().map(|&bin| numbers[usize::from(bin)]).collect();
@@ -132,8 +134,8 @@ fn total(bins: &[f32]) -> f32 {
 struct Histogram {
     /// With a line more, whose gap ends the last one.
     lines: Vec<Line>,
-    /// What steps are written to, of the same size: what has just been written is slow to read at
-    /// other places.
+    /// What spreading writes to, of the same size: what has just been written is slow to read a bin
+    /// aside.
     spare: Vec<Line>,
     /// Lines of a plane.
     of_plane: usize,
@@ -143,13 +145,13 @@ struct Histogram {
 
 impl Histogram {
     fn new(planes: usize, of_plane: usize, filled: Range<usize>) -> Self {
-        let lines = vec![[0.0; GAP + CHROMA_BINS]; planes * of_plane + 1];
+        let lines = vec![[0.0; STRIDE]; planes * of_plane + 1];
         Self { spare: lines.clone(), lines, of_plane, filled }
     }
 
     /// All bins, gaps among them, as 0.
     fn cleared(&mut self) -> &mut [f32] {
-        self.lines.fill([0.0; GAP + CHROMA_BINS]);
+        self.lines.fill([0.0; STRIDE]);
         self.lines.as_flattened_mut()
     }
 
@@ -175,7 +177,7 @@ impl Histogram {
 
 /// Spreads the bins of each line; `from` are the lines with a gap after them.
 fn spread_along(from: &[f32], to: &mut [Line]) {
-    for (at, to) in (GAP..).step_by(GAP + CHROMA_BINS).zip(to) {
+    for (at, to) in (GAP..).step_by(STRIDE).zip(to) {
         let [before, here, after] = [at - 1, at, at + 1].map(|first| &from[first..first + CHROMA_BINS]);
         for (out, ((before, here), after)) in to[GAP..].iter_mut().zip(before.iter().zip(here).zip(after)) {
             *out = 0.25 * before + 0.5 * here + 0.25 * after;
@@ -185,7 +187,7 @@ fn spread_along(from: &[f32], to: &mut [Line]) {
 
 /// Spreads each line over those that lie `stride` before and after it.
 fn spread_across(from: &[Line], to: &mut [Line], stride: usize) {
-    const NONE: Line = [0.0; GAP + CHROMA_BINS];
+    const NONE: Line = [0.0; STRIDE];
     for (at, (here, to)) in from.iter().zip(to).enumerate() {
         let before = at.checked_sub(stride).map_or(&NONE, |before| &from[before]);
         let after = from.get(at + stride).unwrap_or(&NONE);

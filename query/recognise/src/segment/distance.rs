@@ -24,14 +24,14 @@ pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool
     }
     for y in 1..=height {
         let (above, here) = framed.split_at_mut(y * stride);
-        come_down(&above[(y - 1) * stride..], &mut here[1..=width]);
-        along(here[..=width].iter_mut());
+        step_across(&above[(y - 1) * stride..], &mut here[1..=width]);
+        step_along(here[..=width].iter_mut());
     }
     for y in (1..=height).rev() {
         let (here, below) = framed.split_at_mut((y + 1) * stride);
         let here = &mut here[y * stride + 1..];
-        come_down(&below[..stride], &mut here[..width]);
-        along(here.iter_mut().rev());
+        step_across(&below[..stride], &mut here[..width]);
+        step_along(here.iter_mut().rev());
     }
     let mut distances = Vec::with_capacity(width * height);
     for row in framed.chunks_exact(stride).skip(1).take(height) {
@@ -42,7 +42,7 @@ pub(super) fn thirds(width: usize, height: usize, in_set: impl Fn(usize) -> bool
 
 /// Steps from the row before into this one, straight and diagonal. `before` has a pixel more at
 /// either end.
-fn come_down(before: &[u32], here: &mut [u32]) {
+fn step_across(before: &[u32], here: &mut [u32]) {
     let [left, straight, right] = [0, 1, 2].map(|first| &before[first..first + here.len()]);
     for (((here, left), straight), right) in here.iter_mut().zip(left).zip(straight).zip(right) {
         *here = (*here).min(straight + 3).min(left.min(right) + 4);
@@ -50,7 +50,7 @@ fn come_down(before: &[u32], here: &mut [u32]) {
 }
 
 /// Steps from each pixel of a row to the next one.
-fn along<'a>(mut row: impl Iterator<Item = &'a mut u32>) {
+fn step_along<'a>(mut row: impl Iterator<Item = &'a mut u32>) {
     let Some(mut before) = row.next().copied() else { return };
     for here in row {
         before = (*here).min(before + 3);
