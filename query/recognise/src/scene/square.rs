@@ -2,6 +2,7 @@
 
 use crate::picture::Picture;
 use crate::segment::Mask;
+use multiversion::multiversion;
 
 /// A square of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,15 +42,11 @@ impl Square {
     /// picture's border looks like the border.
     pub(super) fn planes(&self, texels: &Texels, side: usize, planes: &mut Vec<f32>) {
         planes.resize(3 * side * side, 0.0);
-        match (self.side / side as f64).ceil() {
-            4.0.. => self.sampled::<4>(texels, side, planes),
-            3.0.. => self.sampled::<3>(texels, side, planes),
-            2.0.. => self.sampled::<2>(texels, side, planes),
-            _ => self.enlarged(texels, side, planes),
-        }
+        fill(self, texels, side, planes);
     }
 
     /// The same where a pixel shows less than one of the picture's: between four of them.
+    #[inline(always)]
     fn enlarged(&self, texels: &Texels, side: usize, planes: &mut [f32]) {
         let Map([[ux, vx, x], [uy, vy, y]]) = self.to_picture();
         let step = 1.0 / side as f64;
@@ -61,6 +58,7 @@ impl Square {
 
     /// The same with so many samples of a pixel along each side. More than four are not worth their
     /// time.
+    #[inline(always)]
     fn sampled<const SAMPLES: usize>(&self, texels: &Texels, side: usize, planes: &mut [f32]) {
         let Map([[ux, vx, x], [uy, vy, y]]) = self.to_picture();
         let step = 1.0 / (side * SAMPLES) as f64;
@@ -88,6 +86,18 @@ impl Square {
                 *pixel = [r as f32 * share - 1.0, g as f32 * share - 1.0, b as f32 * share - 1.0];
             }
         }
+    }
+}
+
+/// Fills `planes` with a square's pixels, each of at most four by four of the picture's.
+// With AVX2, where a processor has it, to the same bits in less than half of the time.
+#[multiversion(targets("x86_64+avx2"))]
+fn fill(square: &Square, texels: &Texels, side: usize, planes: &mut [f32]) {
+    match (square.side / side as f64).ceil() {
+        4.0.. => square.sampled::<4>(texels, side, planes),
+        3.0.. => square.sampled::<3>(texels, side, planes),
+        2.0.. => square.sampled::<2>(texels, side, planes),
+        _ => square.enlarged(texels, side, planes),
     }
 }
 
