@@ -173,8 +173,10 @@ impl Recognise {
         if let Some(camera) = camera {
             self.run_feed(Feed::camera(camera)?, &setup, &mut filter, &mut output)?;
         }
-        // As many at a time as are answered soon: their pictures are all in memory at once.
-        let at_once = 4 * rayon::current_num_threads();
+        // As many at a time as are answered soon: their pictures are all in memory at once. A single
+        // picture is answered before a pool of threads would have started, and to ask how many there
+        // are starts it.
+        let at_once = if images.len() > 1 { 4 * rayon::current_num_threads() } else { 1 };
         for group in groups(&images) {
             if group == [Path::new(STANDARD_INPUT)] {
                 self.run_feed(Feed::StandardInput, &setup, &mut filter, &mut output)?;
@@ -201,7 +203,6 @@ impl Recognise {
                         None,
                     )
                 };
-                // A single picture is answered before a pool of threads would have started.
                 let records: Vec<Record> = match batch {
                     [single] => vec![answer(single)],
                     several => several.par_iter().map(answer).collect(),
