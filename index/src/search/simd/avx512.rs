@@ -47,6 +47,9 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
 
 /// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
 /// low`; of a coarse query, without `LOW`, as its high half alone.
+///
+/// Loops in place of `map` and `fold`: their closures belong to functions of the standard library,
+/// which are compiled for any processor, and are not inlined into one that is for this.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 fn score<const N: usize, const LOW: bool>(
@@ -56,15 +59,18 @@ fn score<const N: usize, const LOW: bool>(
     base: f32,
     into: &mut Smallest,
 ) {
-    let codes = blocks.map(|block| block.codes.as_chunks::<{ 4 * LANES }>().0);
     let (high, low) = (query.high.as_chunks::<4>().0, query.low.as_chunks::<4>().0);
-    let groups = codes.iter().fold(high.len().min(low.len()), |groups, codes| groups.min(codes.len()));
+    let mut groups = high.len().min(low.len());
+    for block in &blocks {
+        groups = groups.min(block.codes.as_chunks::<{ 4 * LANES }>().0.len());
+    }
     let (high, last_high) = high[..groups].as_chunks::<2>();
     let (low, last_low) = low[..groups].as_chunks::<2>();
-    let codes = codes.map(|codes| {
-        let (pairs, last) = codes[..groups].as_chunks::<2>();
-        (&pairs[..high.len()], last)
-    });
+    let mut codes: [(&[[_; 2]], &[_]); N] = [(&[], &[]); N];
+    for (codes, block) in codes.iter_mut().zip(&blocks) {
+        let (pairs, last) = block.codes.as_chunks::<{ 4 * LANES }>().0[..groups].as_chunks::<2>();
+        *codes = (&pairs[..high.len()], last);
+    }
     // The high and the low half of each block's even and odd groups.
     let mut sums = [[[_mm512_setzero_si512(); 2]; 2]; N];
     for (at, pair) in high.iter().zip(low).enumerate() {
