@@ -236,7 +236,7 @@ impl Index {
             residual_scale: size.residual_scale,
             files: vec![learned::Entries {
                 directory: self.file.bucket_directory(),
-                blocks: self.file.entry_blocks(axes),
+                blocks: self.file.entry_blocks(&size),
             }],
         }
     }

@@ -31,10 +31,10 @@ fn of_files_that_are_no_index() {
 #[test]
 fn of_an_index_from_a_newer_version() {
     let mut bytes = small();
-    bytes[8] = 7;
+    bytes[8] = 8;
     let hash = xxh3_64(&bytes[..56]);
     bytes[56..64].copy_from_slice(&hash.to_le_bytes());
-    assert_snapshot!(opening(&bytes), @"needs a reader of version 7 or later, and this one is of version 6: use a newer grasp-query, or build the file again with this grasp-builder");
+    assert_snapshot!(opening(&bytes), @"needs a reader of version 8 or later, and this one is of version 7: use a newer grasp-query, or build the file again with this grasp-builder");
 }
 
 #[test]

@@ -148,10 +148,11 @@ fn hash_text(catalogue: &Catalogue) -> String {
             counted(hash.buckets, ["bucket", "buckets"])
         ),
         HashInfo::Learned(hash) => format!(
-            "learned, K = {}, {}, {}",
+            "learned, K = {}, {}, {}, codes of {} bits",
             counted(hash.planes, PLANES),
             counted(hash.axes, ["principal axis", "principal axes"]),
-            counted(hash.groups, ["group of centres", "groups of centres"])
+            counted(hash.groups, ["group of centres", "groups of centres"]),
+            hash.code_bits.count()
         ),
         _ => "of a kind that this version does not know".to_owned(),
     }

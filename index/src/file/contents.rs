@@ -4,6 +4,7 @@ use super::kept::Originals;
 use super::open::Opened;
 use super::sections::{ElementType, SectionKind};
 use crate::search::blocks::Blocks;
+use crate::search::learned::LearnedHash;
 use crate::search::stored::Values;
 use bytemuck::AnyBitPattern;
 use half::f16;
@@ -103,8 +104,8 @@ impl Opened {
     }
 
     /// The entries in the buckets of a learned hash.
-    pub(crate) fn entry_blocks(&self, axes: usize) -> Blocks<'_> {
-        Blocks::of_entries(self.raw(SectionKind::EntryBlocks), axes)
+    pub(crate) fn entry_blocks(&self, hash: &LearnedHash) -> Blocks<'_> {
+        Blocks::of_entries(self.raw(SectionKind::EntryBlocks), hash.axes as usize, hash.code_bits)
     }
 
     /// The file name of an entry; `None` where the bounds make no sense or the bytes are no text.

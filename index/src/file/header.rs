@@ -23,7 +23,7 @@ const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
 pub(crate) const LENGTH: usize = 64;
 /// The version of the format that this crate reads and writes. It grows when older readers cannot
 /// read new files.
-pub(crate) const VERSION: u32 = 6;
+pub(crate) const VERSION: u32 = 7;
 /// The oldest version that this crate reads. Version 1 was written by no release.
 const OLDEST: u32 = 2;
 

@@ -71,7 +71,9 @@ impl SectionKind {
             Self::GroupDirectory => groups + 1,
             Self::BucketCentres => centre_blocks.checked_mul(centre_stride(axes) as u64)?,
             Self::BucketDirectory => centre_blocks.checked_mul(LANES as u64)?.checked_add(1)?,
-            Self::EntryBlocks => u64::from(hash.entry_blocks).checked_mul(entry_stride(axes) as u64)?,
+            Self::EntryBlocks => {
+                u64::from(hash.entry_blocks).checked_mul(entry_stride(axes, hash.code_bits) as u64)?
+            }
             _ => 0,
         })
     }

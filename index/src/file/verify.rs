@@ -146,7 +146,7 @@ fn buckets(file: &Opened, entries: usize) -> Option<Problem> {
         return directories;
     }
     let mut met = vec![false; entries];
-    let blocks = file.entry_blocks(hash.axes as usize);
+    let blocks = file.entry_blocks(&hash);
     let ids = blocks.iter().flat_map(|block| (0..LANES).map(move |lane| block.id(lane)));
     // A place without an entry has the id that no entry has.
     let mut is_good =

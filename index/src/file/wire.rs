@@ -10,6 +10,7 @@ use super::catalogue::{Catalogue, ClassInfo};
 use super::kept::{KeptFields, Originals};
 use super::sections::{ElementType, Section, SectionKind};
 use crate::descriptor::{DescriptorKind, DescriptorParams, Sampling, Tone};
+use crate::search::blocks::CodeBits;
 use crate::search::effort::{EPS_GRID, EffortPoint, Measured};
 use crate::search::hash::HashInfo;
 use crate::search::learned::LearnedHash;
@@ -20,11 +21,14 @@ use rkyv::rancor::Error;
 use rkyv::util::AlignedVec;
 use rkyv::{Archive, Deserialize, Serialize};
 
-/// The least reader that understands an index of these descriptors: version 4 brought hands that are
-/// turned upright, version 5 descriptors that a network makes, version 6 networks that are computed
-/// in integers.
-pub(crate) fn least_reader(descriptor: &DescriptorParams, network: Option<&Network>) -> u32 {
-    match (network.map(Network::arithmetic), descriptor.sampling) {
+/// The least reader that understands an index: version 4 brought hands that are turned upright,
+/// version 5 descriptors that a network makes, version 6 networks that are computed in integers,
+/// version 7 codes of four bits.
+pub(crate) fn least_reader(catalogue: &Catalogue, network: Option<&Network>) -> u32 {
+    if matches!(catalogue.hash, HashInfo::Learned(LearnedHash { code_bits: CodeBits::Four, .. })) {
+        return 7;
+    }
+    match (network.map(Network::arithmetic), catalogue.descriptor.sampling) {
         (Some(Arithmetic::Integers), _) => 6,
         (Some(Arithmetic::Floats), _) => 5,
         (None, Sampling::Upright { .. }) => 4,
@@ -227,16 +231,6 @@ structs! {
 
     RandomHashForm of RandomHash { planes: u32, tables: u32, buckets: u32 }
 
-    LearnedHashForm of LearnedHash {
-        planes: u32,
-        axes: u32,
-        groups: u32,
-        centre_blocks: u32,
-        entry_blocks: u32,
-        centre_scale: f32,
-        residual_scale: f32,
-    }
-
     MeasuredForm of Measured { queries: u32, held_out: bool, noise: [f64; 2], curve: Vec<EffortPointForm> }
 
     EffortPointForm of EffortPoint {
@@ -408,7 +402,10 @@ impl Frozen for ToneForm {
 #[derive(Archive, Serialize, Deserialize)]
 enum HashInfoForm {
     Random(RandomHashForm),
+    /// Codes of eight bits, as all were before version 7.
     Learned(LearnedHashForm),
+    /// Codes of four bits.
+    LearnedInHalves(LearnedHashForm),
 }
 
 impl Frozen for HashInfoForm {
@@ -417,14 +414,60 @@ impl Frozen for HashInfoForm {
     fn freeze(domain: &HashInfo) -> Self {
         match domain {
             HashInfo::Random(hash) => Self::Random(Frozen::freeze(hash)),
-            HashInfo::Learned(hash) => Self::Learned(Frozen::freeze(hash)),
+            HashInfo::Learned(hash) => match hash.code_bits {
+                CodeBits::Four => Self::LearnedInHalves(LearnedHashForm::freeze(hash)),
+                CodeBits::Eight => Self::Learned(LearnedHashForm::freeze(hash)),
+            },
         }
     }
 
     fn thaw(self) -> Option<HashInfo> {
         Some(match self {
             Self::Random(hash) => HashInfo::Random(hash.thaw()?),
-            Self::Learned(hash) => HashInfo::Learned(hash.thaw()?),
+            Self::Learned(hash) => HashInfo::Learned(hash.thaw(CodeBits::Eight)),
+            Self::LearnedInHalves(hash) => HashInfo::Learned(hash.thaw(CodeBits::Four)),
         })
+    }
+}
+
+/// A learned hash but for the bits of its codes, which are the variant that holds it.
+#[derive(Archive, Serialize, Deserialize)]
+struct LearnedHashForm {
+    planes: u32,
+    axes: u32,
+    groups: u32,
+    centre_blocks: u32,
+    entry_blocks: u32,
+    centre_scale: f32,
+    residual_scale: f32,
+}
+
+impl LearnedHashForm {
+    fn freeze(hash: &LearnedHash) -> Self {
+        let &LearnedHash {
+            planes,
+            axes,
+            groups,
+            centre_blocks,
+            entry_blocks,
+            centre_scale,
+            residual_scale,
+            code_bits: _,
+        } = hash;
+        Self { planes, axes, groups, centre_blocks, entry_blocks, centre_scale, residual_scale }
+    }
+
+    fn thaw(self, code_bits: CodeBits) -> LearnedHash {
+        let Self { planes, axes, groups, centre_blocks, entry_blocks, centre_scale, residual_scale } = self;
+        LearnedHash {
+            planes,
+            axes,
+            groups,
+            centre_blocks,
+            entry_blocks,
+            centre_scale,
+            residual_scale,
+            code_bits,
+        }
     }
 }

@@ -1,10 +1,13 @@
 //! Quantised vectors as they lie in the file: blocks of sixteen.
 //!
-//! A vector is a code of one byte for each of P axes (128 stands for 0), a *scalar* that a distance
-//! needs besides, and, where it is an entry, its id. A block holds, one after the other,
+//! A vector is a code for each of P axes, of one byte (128 stands for 0) or of half a byte (8 stands
+//! for 0), a *scalar* that a distance needs besides, and, where it is an entry, its id. A block
+//! holds, one after the other,
 //!
 //! - `P / 4` groups of 64 bytes: four axes of the first vector, the same four of the second, and so
 //!   on to the sixteenth, because a processor multiplies and adds four neighbouring bytes at once;
+//!   where a code is half a byte, `P / 8` groups, rounded up: eight axes of each vector, the first
+//!   four in the lower halves of its four bytes, the others in the upper;
 //! - sixteen f32, the scalars; infinity where there is no vector;
 //! - sixteen u32, the ids, in blocks of entries alone.
 //!
@@ -15,19 +18,59 @@
 pub(crate) const LANES: usize = 16;
 /// The most axes: the largest sum of products still fits an i32.
 pub(crate) const MAX_AXES: usize = 512;
-/// What is added to a code to make a byte of it.
-pub(crate) const CODE_ZERO: i32 = 128;
-/// The largest code, and the largest value of a quantised query.
+/// The largest code of 8 bits, and the largest value of a quantised query.
 pub(crate) const MAX_CODE: i32 = 127;
 const MAX_VALUE: i32 = (1 << 14) - 1;
 /// What the high half of a query's value counts.
 const HALF: i32 = 128;
 
+/// How many bits a code of a learned hash's entries has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CodeBits {
+    /// Half the bytes of a scan; for entries that are measured exactly in the end.
+    Four,
+    /// For centres, and for entries that are known by their codes alone.
+    Eight,
+}
+
+impl CodeBits {
+    /// The number.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+
+    /// What is added to a code so that it is not negative.
+    pub(crate) const fn zero(self) -> i32 {
+        match self {
+            Self::Four => 8,
+            Self::Eight => 128,
+        }
+    }
+
+    /// The largest code; the smallest is its negative.
+    pub(crate) const fn largest(self) -> i32 {
+        self.zero() - 1
+    }
+
+    /// Bytes of a vector's codes.
+    pub(crate) const fn bytes(self, axes: usize) -> usize {
+        match self {
+            Self::Four => axes.div_ceil(8) * 4,
+            Self::Eight => axes,
+        }
+    }
+}
+
 /// A run of blocks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blocks<'a> {
     bytes: &'a [u8],
-    axes: usize,
+    bits: CodeBits,
+    /// Bytes of the codes of a block.
+    codes: usize,
     stride: usize,
     /// The number of the first block among all.
     first: u32,
@@ -63,19 +106,26 @@ pub(crate) const fn centre_stride(axes: usize) -> usize {
 }
 
 /// Bytes of a block of entries.
-pub(crate) const fn entry_stride(axes: usize) -> usize {
-    LANES * (axes + 8)
+pub(crate) const fn entry_stride(axes: usize, bits: CodeBits) -> usize {
+    LANES * (bits.bytes(axes) + 8)
 }
 
 impl<'a> Blocks<'a> {
     /// Blocks of centres: no ids.
     pub(crate) fn of_centres(bytes: &'a [u8], axes: usize) -> Self {
-        Self { bytes, axes, stride: centre_stride(axes), first: 0, first_id: 0 }
+        let bits = CodeBits::Eight;
+        Self { bytes, bits, codes: LANES * axes, stride: centre_stride(axes), first: 0, first_id: 0 }
     }
 
     /// Blocks of entries.
-    pub(crate) fn of_entries(bytes: &'a [u8], axes: usize) -> Self {
-        Self { bytes, axes, stride: entry_stride(axes), first: 0, first_id: 0 }
+    pub(crate) fn of_entries(bytes: &'a [u8], axes: usize, bits: CodeBits) -> Self {
+        let (codes, stride) = (LANES * bits.bytes(axes), entry_stride(axes, bits));
+        Self { bytes, bits, codes, stride, first: 0, first_id: 0 }
+    }
+
+    /// The width of the codes.
+    pub(crate) fn bits(&self) -> CodeBits {
+        self.bits
     }
 
     /// The same entries, the first of the index being number `first_id`.
@@ -120,7 +170,7 @@ impl<'a> Blocks<'a> {
     /// multiple of 4: the casts do not fail.
     #[inline(always)]
     fn split(&self, bytes: &'a [u8], number: u32) -> Option<Block<'a>> {
-        let (codes, rest) = bytes.split_at_checked(LANES * self.axes)?;
+        let (codes, rest) = bytes.split_at_checked(self.codes)?;
         let (scalars, ids) = rest.split_at_checked(LANES * 4)?;
         let scalars: &[f32] = bytemuck::try_cast_slice(scalars).ok()?;
         Some(Block {
@@ -133,37 +183,65 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Writes one vector into a block of a file in the making.
-pub(crate) fn put(block: &mut [u8], axes: usize, lane: usize, codes: &[i8], scalar: f32, id: Option<u32>) {
-    for (axis, &code) in codes.iter().enumerate() {
-        block[axis / 4 * 4 * LANES + lane * 4 + axis % 4] = (i32::from(code) + CODE_ZERO) as u8;
+/// A block of a file in the making, all zeros before its vectors are put there.
+pub(crate) struct BlockMut<'a> {
+    codes: &'a mut [u8],
+    scalars: &'a mut [u8],
+    /// None in a block of centres.
+    ids: &'a mut [u8],
+    bits: CodeBits,
+}
+
+impl<'a> BlockMut<'a> {
+    /// The block that `bytes` are: as many as a stride.
+    pub(crate) fn new(bytes: &'a mut [u8], axes: usize, bits: CodeBits) -> Self {
+        let (codes, rest) = bytes.split_at_mut(LANES * bits.bytes(axes));
+        let (scalars, ids) = rest.split_at_mut(LANES * 4);
+        Self { codes, scalars, ids, bits }
     }
-    let scalars = LANES * axes;
-    block[scalars + lane * 4..][..4].copy_from_slice(&scalar.to_le_bytes());
-    if let Some(id) = id {
-        let ids = scalars + LANES * 4;
-        block[ids + lane * 4..][..4].copy_from_slice(&id.to_le_bytes());
+
+    /// Puts one vector there.
+    pub(crate) fn put(&mut self, lane: usize, codes: &[i8], scalar: f32, id: Option<u32>) {
+        for (axis, &code) in codes.iter().enumerate() {
+            let byte = (i32::from(code) + self.bits.zero()) as u8;
+            let (group, byte) = match self.bits {
+                CodeBits::Four if axis / 4 % 2 == 1 => (axis / 8, byte << 4),
+                CodeBits::Four => (axis / 8, byte),
+                CodeBits::Eight => (axis / 4, byte),
+            };
+            self.codes[group * 4 * LANES + lane * 4 + axis % 4] |= byte;
+        }
+        self.end(lane, scalar, id);
+    }
+
+    /// Puts vector `at` of another block of such codes there, as entry `id`.
+    pub(crate) fn copy(&mut self, lane: usize, from: &Block<'_>, at: usize, id: u32) {
+        let groups = self.codes.chunks_exact_mut(4 * LANES).zip(from.codes.chunks_exact(4 * LANES));
+        for (to, from) in groups {
+            to[lane * 4..][..4].copy_from_slice(&from[at * 4..][..4]);
+        }
+        self.end(lane, from.scalars[at], Some(id));
+    }
+
+    /// Marks a lane that holds no vector.
+    pub(crate) fn put_nothing(&mut self, lane: usize) {
+        let id = (!self.ids.is_empty()).then_some(u32::MAX);
+        self.end(lane, f32::INFINITY, id);
+    }
+
+    fn end(&mut self, lane: usize, scalar: f32, id: Option<u32>) {
+        self.scalars[lane * 4..][..4].copy_from_slice(&scalar.to_le_bytes());
+        if let Some(id) = id {
+            self.ids[lane * 4..][..4].copy_from_slice(&id.to_le_bytes());
+        }
     }
 }
 
-/// Writes vector `at` of another block into a block of a file in the making, as entry `id`.
-pub(crate) fn copy(block: &mut [u8], axes: usize, lane: usize, from: &Block<'_>, at: usize, id: u32) {
-    let fours = block.chunks_exact_mut(4 * LANES).zip(from.codes.chunks_exact(4 * LANES));
-    for (to, from) in fours.take(axes / 4) {
-        to[lane * 4..][..4].copy_from_slice(&from[at * 4..][..4]);
-    }
-    put(block, axes, lane, &[], from.scalars[at], Some(id));
-}
-
-/// Marks a lane that holds no vector.
-pub(crate) fn put_nothing(block: &mut [u8], axes: usize, lane: usize, has_ids: bool) {
-    put(block, axes, lane, &[], f32::INFINITY, has_ids.then_some(u32::MAX));
-}
-
-/// A coordinate as a code of steps of `scale`.
+/// A coordinate as a code of `bits` in steps of which `per_unit` make a unit.
 #[inline]
-pub(crate) fn code(coordinate: f32, per_scale: f32) -> i8 {
-    round((coordinate * per_scale).clamp(-MAX_CODE as f32, MAX_CODE as f32)) as i8
+pub(crate) fn code(coordinate: f32, per_unit: f32, bits: CodeBits) -> i8 {
+    let largest = bits.largest() as f32;
+    round((coordinate * per_unit).clamp(-largest, largest)) as i8
 }
 
 /// To the nearest integer, halves upward; faster than `f32::round` where there is no instruction
@@ -194,15 +272,15 @@ pub(crate) enum Precision {
 /// [`super::simd`] take.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuantisedQuery {
-    /// The values in units of `step`, zeros up to a multiple of 4.
+    /// The values in units of `step`, zeros up to a multiple of 8.
     pub(crate) values: Vec<i16>,
     /// The values as bytes, `HALF * high + low`: the high ones, signed.
     pub(crate) high: Vec<u8>,
     /// The low ones; where the query is coarse, all of them are 0.
     pub(crate) low: Vec<u8>,
     pub(crate) precision: Precision,
-    /// What [`CODE_ZERO`] adds to every dot product with codes.
-    pub(crate) bias: i32,
+    /// The sum of the values.
+    sum: i32,
     /// The length of a unit.
     pub(crate) step: f32,
 }
@@ -247,12 +325,16 @@ impl QuantisedQuery {
         self.precision = precision;
         self.values.clear();
         self.values.extend(values);
-        self.values.resize(self.values.len().next_multiple_of(4), 0);
+        self.values.resize(self.values.len().next_multiple_of(8), 0);
         self.high.clear();
         self.high.extend(self.values.iter().map(|value| (value >> 7) as u8));
         self.low.clear();
         self.low.extend(self.values.iter().map(|value| (value & 127) as u8));
-        let sum: i32 = self.values.iter().map(|&value| i32::from(value)).sum();
-        self.bias = CODE_ZERO * sum;
+        self.sum = self.values.iter().map(|&value| i32::from(value)).sum();
+    }
+
+    /// What [`CodeBits::zero`] adds to every dot product with codes.
+    pub(crate) fn bias(&self, bits: CodeBits) -> i32 {
+        bits.zero() * self.sum
     }
 }

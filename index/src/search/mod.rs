@@ -6,7 +6,7 @@
 //! [`searcher`] is the door to it all.
 //!
 //! - [`random`] is the paper's hash, with K and T learned from the data.
-//! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by 8-bit codes
+//! - [`learned`] fits the hyperplanes themselves to the data, and scans its buckets by short codes
 //!   ([`blocks`], [`simd`]).
 //! - [`exact`] measures every row.
 //! - [`build`] makes a hash; [`measure`] finds out how many probes find how much ([`effort`]), so

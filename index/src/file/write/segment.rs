@@ -8,8 +8,9 @@ use crate::file::header;
 use crate::file::input::BuildError;
 use crate::file::open::Opened;
 use crate::file::sections::{Section, SectionKind};
-use crate::search::blocks::{self, Blocks, LANES};
+use crate::search::blocks::{self, BlockMut, Blocks, LANES};
 use crate::search::hash::HashInfo;
+use crate::search::learned::LearnedHash;
 use crate::search::random::tables::Buckets;
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -144,12 +145,11 @@ impl Filled {
                 are_whole.then_some(filled).ok_or(DAMAGED)
             }
             HashInfo::Learned(hash) => {
-                let axes = hash.axes as usize;
-                let all = index.entry_blocks(axes);
+                let all = index.entry_blocks(&hash);
                 let mut entered = 0;
                 for bounds in directory.windows(2) {
                     let [start, end] = *bounds else { continue };
-                    entered += filled.put(all.run(start, end), axes, own);
+                    entered += filled.put(all.run(start, end), &hash, own);
                     filled.directory.push(filled.entry_blocks);
                 }
                 (entered == entries.len()).then_some(filled).ok_or(DAMAGED)
@@ -159,8 +159,9 @@ impl Filled {
 
     /// Adds to the blocks those entries of a bucket that are the segment's `own`, and returns how
     /// many these are.
-    fn put(&mut self, bucket: Blocks<'_>, axes: usize, own: impl Fn(u32) -> Option<u32>) -> usize {
-        let stride = blocks::entry_stride(axes);
+    fn put(&mut self, bucket: Blocks<'_>, hash: &LearnedHash, own: impl Fn(u32) -> Option<u32>) -> usize {
+        let (axes, bits) = (hash.axes as usize, hash.code_bits);
+        let stride = blocks::entry_stride(axes, bits);
         let mut entered = 0;
         let mut start = 0;
         for block in bucket.iter() {
@@ -172,14 +173,15 @@ impl Filled {
                     self.entry_blocks += 1;
                 }
                 if let Some(into) = self.blocks.get_mut(start..) {
-                    blocks::copy(into, axes, entered % LANES, &block, at, id);
+                    BlockMut::new(into, axes, bits).copy(entered % LANES, &block, at, id);
                 }
                 entered += 1;
             }
         }
         if let Some(last) = self.blocks.get_mut(start..).filter(|_| entered > 0) {
             let unused = entered.next_multiple_of(LANES) - entered;
-            (LANES - unused..LANES).for_each(|lane| blocks::put_nothing(last, axes, lane, true));
+            let mut last = BlockMut::new(last, axes, bits);
+            (LANES - unused..LANES).for_each(|lane| last.put_nothing(lane));
         }
         entered
     }

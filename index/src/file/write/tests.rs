@@ -133,12 +133,15 @@ fn text_that_is_none_is_found_and_refused() {
 
 #[test]
 fn an_index_needs_no_newer_reader_than_its_content_does() {
-    let least_reader = |sampling| {
+    let least_reader = |sampling, hash| {
         let mut writer = writer();
+        writer.params.hash = hash;
         writer.params.descriptor.sampling = sampling;
         let bytes = writer.finish_bytes().expect("the index is built");
         Header::read(&bytes).map(|header| (header.least_reader, header.version)).expect("the header is sound")
     };
-    assert_eq!(least_reader(Sampling::KeepAspect { side: 48 }), (3, 6));
-    assert_eq!(least_reader(Sampling::Upright { side: 48 }), (4, 6));
+    let random = writer().params.hash;
+    assert_eq!(least_reader(Sampling::KeepAspect { side: 48 }, random), (3, 7));
+    assert_eq!(least_reader(Sampling::Upright { side: 48 }, random), (4, 7));
+    assert_eq!(least_reader(Sampling::Upright { side: 48 }, HashParams::Learned), (7, 7));
 }

@@ -1,13 +1,21 @@
 //! The principal axes of the data: the frame in which vectors are quantised.
+//!
+//! Codes of four bits are too few for the first axes, of which the coordinates vary most, in a unit
+//! that the last ones need. So where entries have such codes the axes are turned at random among
+//! themselves ([`FittedAxes::mix`]): then all coordinates vary about alike.
 
 use crate::search::blocks::MAX_AXES;
 use crate::search::rows::Rows;
 use crate::search::simd::Simd;
 use nalgebra::{DMatrix, SymmetricEigen};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 /// Rows that the axes are fitted to.
 const SAMPLE: usize = 20_000;
+/// Of the turn of the axes among themselves, which is the same for every index.
+const SEED: u64 = 7;
 /// The share of the variance that the axes must hold where the best are measured exactly in the
 /// end: what the rest adds to a distance comes in then, and the bytes of more axes cost more time
 /// than they save.
@@ -44,6 +52,23 @@ pub(crate) struct FittedAxes {
 }
 
 impl FittedAxes {
+    /// Turns the axes at random: they span what they did, and distances stay.
+    pub(crate) fn mix(self) -> Self {
+        let count = self.count;
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        // The sum of four uniform values is normal enough.
+        let mut draw = || -> f64 { (0..4).map(|_| rng.random_range(-1.0..1.0f64)).sum() };
+        let turn = DMatrix::from_fn(count, count, |_, _| draw()).qr().q();
+        let rows = self.projection.chunks_exact(count.max(1)).flat_map(|row| {
+            (0..count).map(|axis| {
+                let column = turn.column(axis);
+                let sum: f64 = row.iter().zip(&column).map(|(&value, turn)| f64::from(value) * turn).sum();
+                sum as f32
+            })
+        });
+        Self { count, projection: rows.collect() }
+    }
+
     pub(crate) fn as_axes(&self) -> Axes<'_> {
         Axes { count: self.count, projection: &self.projection }
     }
@@ -127,8 +152,6 @@ fn covariance(rows: &[&[f32]], mean: &[f64]) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand::{RngExt, SeedableRng};
-    use rand_chacha::ChaCha8Rng;
 
     #[test]
     fn axes_hold_what_is_not_measured_again_and_no_more_than_up_to_a_block() {

@@ -8,7 +8,8 @@
 //! A query is turned into the data's principal axes ([`axes`]) and quantised once. Buckets are
 //! ranked by the distance of their centres, in two levels: the groups of centres first, then the
 //! centres of the nearest groups. The first buckets are scanned: their entries lie in blocks of
-//! 8-bit codes ([`super::blocks`]), the difference of each entry from its bucket's centre. From a
+//! codes ([`super::blocks`]), the difference of each entry from its bucket's centre: of 4 bits where
+//! the index keeps descriptors, by which the best are measured in the end, else of 8. From a
 //! query q to an entry x = c + r, with centre c and residual r,
 //!
 //! `|q - x|^2 = |q - c|^2 + (|r|^2 + 2 <c, r>) - 2 <q, r>`:
@@ -21,7 +22,7 @@ pub(crate) mod centres;
 pub(crate) mod fit;
 pub(crate) mod lookup;
 
-use crate::search::blocks::{Blocks, LANES};
+use crate::search::blocks::{Blocks, CodeBits, LANES};
 use axes::Axes;
 use centres::{Centres, bounds};
 
@@ -42,6 +43,8 @@ pub struct LearnedHash {
     pub centre_scale: f32,
     /// The unit of the entries' codes.
     pub residual_scale: f32,
+    /// The bits of the entries' codes.
+    pub code_bits: CodeBits,
 }
 
 /// A learned hash and its buckets as they lie in the file. Nothing in them is trusted.

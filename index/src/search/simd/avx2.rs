@@ -2,30 +2,46 @@
 //! without loss.
 
 use super::portable;
-use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
+use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
 use crate::search::smallest::Smallest;
 use std::arch::x86_64::{
-    __m128i, __m256, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32, _mm_loadu_ps, _mm_loadu_si128,
-    _mm_movehl_ps, _mm_mul_ps, _mm_setzero_ps, _mm_shuffle_ps, _mm_sub_ps, _mm256_add_epi32, _mm256_add_ps,
-    _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_extractf128_ps,
-    _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_madd_epi16, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps,
-    _mm256_setzero_si256, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
+    __m128i, __m256, __m256i, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_and_si128, _mm_cvtss_f32, _mm_loadu_ps,
+    _mm_loadu_si128, _mm_movehl_ps, _mm_mul_ps, _mm_set1_epi8, _mm_setzero_ps, _mm_shuffle_ps,
+    _mm_srli_epi16, _mm_sub_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_castps256_ps128, _mm256_cmp_ps,
+    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_extractf128_ps, _mm256_hadd_epi32, _mm256_loadu_ps,
+    _mm256_madd_epi16, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute4x64_epi64, _mm256_set1_epi32,
+    _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256, _mm256_storeu_ps,
+    _mm256_sub_epi32, _mm256_sub_ps,
 };
 
 #[target_feature(enable = "avx2")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
     let (factor, base) = (_mm256_set1_ps(factor), _mm256_set1_ps(base));
-    let bias = _mm256_set1_epi32(query.bias);
+    let bias = _mm256_set1_epi32(query.bias(run.bits()));
     for block in run.iter() {
         // Each register holds four vectors, two sums of two axes each.
         let mut sums = [_mm256_setzero_si256(); 4];
-        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter().zip(query.values.as_chunks::<4>().0);
-        for (codes, &four) in groups {
-            let values = _mm256_set1_epi64x(bytemuck::cast(four));
-            for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
-                *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(_mm256_cvtepu8_epi16(load(codes)), values));
+        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter();
+        let values = query.values.as_chunks::<4>().0;
+        match run.bits() {
+            CodeBits::Four => {
+                let lower = _mm_set1_epi8(15);
+                for (codes, &[low, high]) in groups.zip(values.as_chunks::<2>().0) {
+                    for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
+                        let codes = load(codes);
+                        let upper = _mm_srli_epi16::<4>(codes);
+                        *sum = add_products(*sum, _mm_and_si128(codes, lower), low);
+                        *sum = add_products(*sum, _mm_and_si128(upper, lower), high);
+                    }
+                }
+            }
+            CodeBits::Eight => {
+                for (codes, &four) in groups.zip(values) {
+                    for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
+                        *sum = add_products(*sum, load(codes), four);
+                    }
+                }
             }
         }
         let bound = _mm256_set1_ps(into.bound());
@@ -46,6 +62,14 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
         }
         into.offer(&block, &out, mask);
     }
+}
+
+/// Adds the products of four axes of four vectors and the query's four values.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn add_products(sums: __m256i, codes: __m128i, values: [i16; 4]) -> __m256i {
+    let values = _mm256_set1_epi64x(bytemuck::cast(values));
+    _mm256_add_epi32(sums, _mm256_madd_epi16(_mm256_cvtepu8_epi16(codes), values))
 }
 
 #[inline]

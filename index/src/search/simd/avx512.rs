@@ -2,49 +2,72 @@
 //! multiplies them by four values of the query and adds the products up.
 
 use super::{avx2, portable};
-use crate::search::blocks::{Block, Blocks, LANES, Precision, QuantisedQuery};
+use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
 use crate::search::distance;
 use crate::search::smallest::Smallest;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use std::arch::x86_64::{
     __m256i, __m512, __m512i, _CMP_LE_OQ, _mm256_add_ps, _mm256_castpd_ps, _mm256_loadu_si256,
-    _mm512_add_epi32, _mm512_add_ps, _mm512_castps_pd, _mm512_castps512_ps256, _mm512_cmp_ps_mask,
-    _mm512_cvtepi32_ps, _mm512_cvtph_ps, _mm512_dpbusd_epi32, _mm512_extractf64x4_pd, _mm512_loadu_ps,
-    _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_ps,
-    _mm512_setzero_si512, _mm512_slli_epi32, _mm512_storeu_ps, _mm512_sub_epi32, _mm512_sub_ps,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castps_pd, _mm512_castps512_ps256,
+    _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtph_ps, _mm512_dpbusd_epi32, _mm512_extractf64x4_pd,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi8, _mm512_set1_epi32, _mm512_set1_ps,
+    _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_srli_epi16, _mm512_storeu_ps,
+    _mm512_sub_epi32, _mm512_sub_ps,
 };
 
 /// Several blocks go together: they have as many sums as the instruction takes steps, so that none
 /// waits for the one before it, and share the query's values.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
-    let mut blocks = run.iter();
-    match query.precision {
-        Precision::Fine => {
-            while let Some(first) = blocks.next() {
-                match blocks.next() {
-                    Some(second) => score::<2, true>([first, second], query, factor, base, into),
-                    None => score::<1, true>([first], query, factor, base, into),
-                }
-            }
-        }
-        Precision::Coarse => loop {
-            match [blocks.next(), blocks.next(), blocks.next(), blocks.next()] {
-                [Some(a), Some(b), Some(c), Some(d)] => {
-                    score::<4, false>([a, b, c, d], query, factor, base, into);
-                }
-                [Some(a), Some(b), Some(c), None] => {
-                    return score::<3, false>([a, b, c], query, factor, base, into);
-                }
-                [Some(a), Some(b), ..] => return score::<2, false>([a, b], query, factor, base, into),
-                [Some(a), ..] => return score::<1, false>([a], query, factor, base, into),
-                [None, ..] => return,
-            }
-        },
+    let query = Query { query, bias: query.bias(run.bits()), factor, base };
+    match (query.query.precision, run.bits()) {
+        (Precision::Fine, CodeBits::Four) => by_twos::<true>(run, &query, into),
+        (Precision::Fine, CodeBits::Eight) => by_twos::<false>(run, &query, into),
+        (Precision::Coarse, CodeBits::Four) => by_fours::<true>(run, &query, into),
+        (Precision::Coarse, CodeBits::Eight) => by_fours::<false>(run, &query, into),
     }
 }
 
+/// What makes scores of codes.
+struct Query<'a> {
+    query: &'a QuantisedQuery,
+    bias: i32,
+    factor: f32,
+    base: f32,
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+fn by_twos<const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut Smallest) {
+    let mut blocks = run.iter();
+    while let Some(first) = blocks.next() {
+        match blocks.next() {
+            Some(second) => score::<2, true, HALVES>([first, second], query, into),
+            None => score::<1, true, HALVES>([first], query, into),
+        }
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+fn by_fours<const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut Smallest) {
+    let mut blocks = run.iter();
+    loop {
+        match [blocks.next(), blocks.next(), blocks.next(), blocks.next()] {
+            [Some(a), Some(b), Some(c), Some(d)] => {
+                score::<4, false, HALVES>([a, b, c, d], query, into);
+            }
+            [Some(a), Some(b), Some(c), None] => return score::<3, false, HALVES>([a, b, c], query, into),
+            [Some(a), Some(b), ..] => return score::<2, false, HALVES>([a, b], query, into),
+            [Some(a), ..] => return score::<1, false, HALVES>([a], query, into),
+            [None, ..] => return,
+        }
+    }
+}
+
+/// `HALVES`: whether a code is half a byte.
+///
 /// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
 /// low`; of a coarse query, without `LOW`, as its high half alone.
 ///
@@ -52,53 +75,59 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
 /// which are compiled for any processor, and are not inlined into one that is for this.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-fn score<const N: usize, const LOW: bool>(
+fn score<const N: usize, const LOW: bool, const HALVES: bool>(
     blocks: [Block<'_>; N],
-    query: &QuantisedQuery,
-    factor: f32,
-    base: f32,
+    query: &Query<'_>,
     into: &mut Smallest,
 ) {
+    let &Query { query, bias, factor, base } = query;
+    // Two groups of four axes at a time, a last one by itself: of codes of half a byte they lie in the
+    // same bytes, and the last one is never alone.
     let (high, low) = (query.high.as_chunks::<4>().0, query.low.as_chunks::<4>().0);
+    let per_bytes = if HALVES { 2 } else { 1 };
     let mut groups = high.len().min(low.len());
     for block in &blocks {
-        groups = groups.min(block.codes.as_chunks::<{ 4 * LANES }>().0.len());
+        groups = groups.min(block.codes.as_chunks::<{ 4 * LANES }>().0.len() * per_bytes);
     }
     let (high, last_high) = high[..groups].as_chunks::<2>();
     let (low, last_low) = low[..groups].as_chunks::<2>();
-    let mut codes: [(&[[_; 2]], &[_]); N] = [(&[], &[]); N];
+    let mut codes: [&[[u8; 4 * LANES]]; N] = [&[]; N];
     for (codes, block) in codes.iter_mut().zip(&blocks) {
-        let (pairs, last) = block.codes.as_chunks::<{ 4 * LANES }>().0[..groups].as_chunks::<2>();
-        *codes = (&pairs[..high.len()], last);
+        *codes = &block.codes.as_chunks().0[..groups / per_bytes];
     }
+    let lower = _mm512_set1_epi8(15);
     // The high and the low half of each block's even and odd groups.
     let mut sums = [[[_mm512_setzero_si512(); 2]; 2]; N];
-    for (at, pair) in high.iter().zip(low).enumerate() {
-        for odd in 0..2 {
-            let (high, low) = (four(pair.0[odd]), four(pair.1[odd]));
-            for (sums, (codes, _)) in sums.iter_mut().zip(&codes) {
-                let codes = load(&codes[at][odd]);
-                sums[odd][0] = _mm512_dpbusd_epi32(sums[odd][0], codes, high);
+    for (at, (high, low)) in high.iter().zip(low).enumerate() {
+        let (high, low) = ([four(high[0]), four(high[1])], [four(low[0]), four(low[1])]);
+        for (sums, codes) in sums.iter_mut().zip(&codes) {
+            let pair = if HALVES {
+                let both = load(&codes[at]);
+                [_mm512_and_si512(both, lower), _mm512_and_si512(_mm512_srli_epi16::<4>(both), lower)]
+            } else {
+                [load(&codes[2 * at]), load(&codes[2 * at + 1])]
+            };
+            for odd in 0..2 {
+                sums[odd][0] = _mm512_dpbusd_epi32(sums[odd][0], pair[odd], high[odd]);
                 if LOW {
-                    sums[odd][1] = _mm512_dpbusd_epi32(sums[odd][1], codes, low);
+                    sums[odd][1] = _mm512_dpbusd_epi32(sums[odd][1], pair[odd], low[odd]);
                 }
             }
         }
     }
     for (&high, &low) in last_high.iter().zip(last_low) {
         let (high, low) = (four(high), four(low));
-        for (sums, (_, codes)) in sums.iter_mut().zip(&codes) {
-            for codes in *codes {
-                let codes = load(codes);
-                sums[0][0] = _mm512_dpbusd_epi32(sums[0][0], codes, high);
-                if LOW {
-                    sums[0][1] = _mm512_dpbusd_epi32(sums[0][1], codes, low);
-                }
+        for (sums, codes) in sums.iter_mut().zip(&codes) {
+            let Some(codes) = codes.last() else { continue };
+            let codes = load(codes);
+            sums[0][0] = _mm512_dpbusd_epi32(sums[0][0], codes, high);
+            if LOW {
+                sums[0][1] = _mm512_dpbusd_epi32(sums[0][1], codes, low);
             }
         }
     }
     let (factor, base) = (_mm512_set1_ps(factor), _mm512_set1_ps(base));
-    let bias = _mm512_set1_epi32(query.bias);
+    let bias = _mm512_set1_epi32(bias);
     for (block, sums) in blocks.iter().zip(sums) {
         let high = _mm512_slli_epi32::<7>(_mm512_add_epi32(sums[0][0], sums[1][0]));
         let low = _mm512_add_epi32(sums[0][1], sums[1][1]);

@@ -1,6 +1,6 @@
 //! Plain loops: what the other paths must agree with.
 
-use crate::search::blocks::{Blocks, LANES, QuantisedQuery};
+use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
 use crate::search::smallest::Smallest;
 use wide::{i16x8, i32x4, u8x16};
@@ -8,11 +8,23 @@ use wide::{i16x8, i32x4, u8x16};
 /// The compiler sees no instruction that multiplies four bytes by four values and adds the products;
 /// two of 16 bits every processor's vectors have.
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
+    let bias = query.bias(run.bits());
     for block in run.iter() {
         // Two sums for each of sixteen vectors: of the even pairs of axes, and of the odd ones.
         let mut sums = [i32x4::ZERO; LANES / 2];
-        for (codes, values) in block.codes.as_chunks().0.iter().zip(query.values.as_chunks().0) {
-            add_products(codes, *values, &mut sums);
+        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter();
+        match run.bits() {
+            CodeBits::Four => {
+                for (codes, [low, high]) in groups.zip(query.values.as_chunks().0.as_chunks().0) {
+                    add_products(&codes.map(|code| code & 15), *low, &mut sums);
+                    add_products(&codes.map(|code| code >> 4), *high, &mut sums);
+                }
+            }
+            CodeBits::Eight => {
+                for (codes, values) in groups.zip(query.values.as_chunks().0) {
+                    add_products(codes, *values, &mut sums);
+                }
+            }
         }
         let mut mask = 0u16;
         let mut scores = [0.0f32; LANES];
@@ -21,7 +33,7 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
             [even.wrapping_add(odd), next_even.wrapping_add(next_odd)]
         });
         for (lane, (dot, &scalar)) in dots.zip(block.scalars).enumerate() {
-            scores[lane] = base + (scalar - factor * dot.wrapping_sub(query.bias) as f32);
+            scores[lane] = base + (scalar - factor * dot.wrapping_sub(bias) as f32);
             mask |= u16::from(scores[lane] <= into.bound()) << lane;
         }
         into.offer(&block, &scores, mask);

@@ -1,7 +1,7 @@
 //! The centres of the buckets, and the groups of them.
 
 use super::tree::Leaves;
-use crate::search::blocks::{self, Blocks, LANES, QuantisedQuery};
+use crate::search::blocks::{self, BlockMut, Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::counting_sort::counting_sort;
 use crate::search::learned::centres::{Centres, Ranking};
 use crate::search::simd::Simd;
@@ -185,14 +185,14 @@ fn put_centres(into: &mut AlignedVec<64>, axes: usize, scale: f32, centres: &[i8
     for sixteen in centres.chunks(LANES * axes) {
         let start = into.len();
         into.resize(start + stride, 0);
-        let block = &mut into[start..];
+        let mut block = BlockMut::new(&mut into[start..], axes, CodeBits::Eight);
         for lane in 0..LANES {
             match sixteen.get(lane * axes..(lane + 1) * axes) {
                 Some(codes) => {
                     let squares: i32 = codes.iter().map(|&code| i32::from(code) * i32::from(code)).sum();
-                    blocks::put(block, axes, lane, codes, scale * scale * squares as f32, None);
+                    block.put(lane, codes, scale * scale * squares as f32, None);
                 }
-                None => blocks::put_nothing(block, axes, lane, false),
+                None => block.put_nothing(lane),
             }
         }
     }

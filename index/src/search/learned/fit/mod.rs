@@ -10,7 +10,7 @@ mod tree;
 use super::axes::{self, FittedAxes};
 use super::centres::Centres;
 use super::{Entries, Learned, LearnedHash};
-use crate::search::blocks::{self, Blocks};
+use crate::search::blocks::{self, Blocks, CodeBits};
 use crate::search::rows::Rows;
 use crate::search::simd::Simd;
 use cells::{CHUNK, Cells};
@@ -52,7 +52,7 @@ impl Fitted {
             residual_scale: self.size.residual_scale,
             files: vec![Entries {
                 directory: &self.bucket_directory,
-                blocks: Blocks::of_entries(&self.entries, axes),
+                blocks: Blocks::of_entries(&self.entries, axes, self.size.code_bits),
             }],
         }
     }
@@ -81,6 +81,7 @@ pub(crate) fn fit<E: Send>(
 ) -> Result<Fitted, E> {
     let planes = planes(rows.len());
     let axes = axes::fit(rows, keeps_descriptors);
+    let axes = if keeps_descriptors { axes.mix() } else { axes };
     progress(0.05)?;
     let (mut codes, centre_scale) = quantise(rows, &axes, simd);
     progress(0.15)?;
@@ -97,18 +98,21 @@ pub(crate) fn fit<E: Send>(
         }
         progress(0.35 + 0.4 * (round + 1) as f64 / ROUNDS as f64)?;
     }
-    let residuals = encode::residuals(rows, &axes, &cells, &homes, &mut codes, simd);
+    let code_bits = if keeps_descriptors { CodeBits::Four } else { CodeBits::Eight };
+    let residuals = encode::residuals(rows, &axes, code_bits, &cells, &homes, &mut codes, simd);
     progress(0.9)?;
-    let (bucket_directory, entries) = encode::blocks(&codes, axes.count, &residuals, &homes, cells.places());
+    let (bucket_directory, entries) =
+        encode::blocks(&codes, axes.count, code_bits, &residuals, &homes, cells.places());
     progress(1.0)?;
     let size = LearnedHash {
         planes,
         axes: axes.count as u32,
         groups: cells.groups() as u32,
         centre_blocks: (cells.places() / blocks::LANES) as u32,
-        entry_blocks: (entries.len() / blocks::entry_stride(axes.count)) as u32,
+        entry_blocks: (entries.len() / blocks::entry_stride(axes.count, code_bits)) as u32,
         centre_scale,
         residual_scale: residuals.scale,
+        code_bits,
     };
     let (groups, group_directory, centres) = cells.into_parts();
     Ok(Fitted { size, axes, groups, group_directory, centres, bucket_directory, entries })
@@ -131,7 +135,7 @@ fn quantise(rows: Rows<'_>, axes: &FittedAxes, simd: Simd) -> (Vec<i8>, f32) {
             for (codes, row) in codes.chunks_exact_mut(axes.count).zip(rows_of.chunks_exact(rows.dim)) {
                 axes.as_axes().project(simd, row, &mut coordinates);
                 for (code, &coordinate) in codes.iter_mut().zip(&coordinates) {
-                    *code = blocks::code(coordinate, 1.0 / scale);
+                    *code = blocks::code(coordinate, 1.0 / scale, CodeBits::Eight);
                 }
             }
         },
