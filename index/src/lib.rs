@@ -92,6 +92,7 @@ pub use hand_image::{BACKGROUND, DESCRIBED_SIDE, HandImage, HandImageError, MIN_
 pub use index::{CannotRecognise, Index};
 pub use phase::Phase;
 pub use rotation::{euler_deg, from_columns, from_euler_deg, mirror_orientation, turned_orientation};
+pub use search::blocks::CodeBits;
 pub use search::build::{HashParams, RandomParams};
 pub use search::effort::{EPS, EPS_GRID, EffortPoint, Measured};
 pub use search::hash::HashInfo;
