@@ -321,7 +321,7 @@ fn seal(out: &mut Sink, catalogue: &Catalogue, network: Option<&Network>) -> io:
     let archive = wire::write(catalogue).map_err(io::Error::other)?;
     out.open()?;
     let header = Header {
-        least_reader: wire::least_reader(&catalogue, network),
+        least_reader: wire::least_reader(catalogue, network),
         version: header::VERSION,
         file_length: out.len() + archive.len() as u64,
         catalogue_offset: out.len(),
