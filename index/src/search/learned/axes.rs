@@ -154,6 +154,40 @@ mod tests {
     use super::*;
 
     #[test]
+    fn mixed_axes_keep_distances_and_vary_alike() {
+        const DIM: usize = 64;
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let values: Vec<f32> = (0..2_000 * DIM)
+            .map(|at| 0.95f32.powi((at % DIM) as i32) * rng.random_range(-1.0..1.0f32))
+            .collect();
+        let rows = Rows { values: &values, dim: DIM };
+        let coordinates = |axes: &FittedAxes| -> Vec<f32> {
+            let each = values.chunks_exact(DIM).flat_map(|row| {
+                let mut coordinates = vec![0.0; axes.count];
+                axes.as_axes().project(Simd::best(), row, &mut coordinates);
+                coordinates
+            });
+            each.collect()
+        };
+        let fitted = fit(rows, true);
+        let count = fitted.count;
+        let (plain, mixed) = (coordinates(&fitted), coordinates(&fitted.mix()));
+        let squares = |coordinates: &[f32]| coordinates.iter().map(|value| value * value).sum::<f32>();
+        for (plain, mixed) in plain.chunks_exact(count).zip(mixed.chunks_exact(count)) {
+            assert!((squares(plain) / squares(mixed) - 1.0).abs() < 1e-4);
+        }
+        // The largest variance of an axis by the least.
+        let spread = |coordinates: &[f32]| {
+            let of_axis =
+                |axis: usize| coordinates.iter().skip(axis).step_by(count).map(|value| value * value).sum();
+            let variances: Vec<f32> = (0..count).map(of_axis).collect();
+            let largest = variances.iter().copied().fold(0.0, f32::max);
+            largest / variances.iter().copied().fold(f32::INFINITY, f32::min)
+        };
+        assert!(spread(&plain) > 20.0 && spread(&mixed) < 8.0, "{} {}", spread(&plain), spread(&mixed));
+    }
+
+    #[test]
     fn axes_hold_what_is_not_measured_again_and_no_more_than_up_to_a_block() {
         const DIM: usize = 96;
         let mut rng = ChaCha8Rng::seed_from_u64(1);

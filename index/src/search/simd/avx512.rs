@@ -81,8 +81,8 @@ fn score<const N: usize, const LOW: bool, const HALVES: bool>(
     into: &mut Smallest,
 ) {
     let &Query { query, bias, factor, base } = query;
-    // Two groups of four axes at a time, a last one by itself: of codes of half a byte they lie in the
-    // same bytes, and the last one is never alone.
+    // Two groups of four axes at a time, a last one by itself. Of codes of half a byte two groups lie
+    // in the same bytes, and none is by itself.
     let (high, low) = (query.high.as_chunks::<4>().0, query.low.as_chunks::<4>().0);
     let per_bytes = if HALVES { 2 } else { 1 };
     let mut groups = high.len().min(low.len());

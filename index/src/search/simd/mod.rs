@@ -30,7 +30,8 @@ enum Level {
     /// AVX2.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// What the compiler makes of plain loops; on aarch64 that is NEON.
+    /// Vectors of the crate `wide` and what the compiler makes of plain loops; on aarch64 both are
+    /// NEON.
     Portable,
 }
 

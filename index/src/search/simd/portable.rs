@@ -1,4 +1,4 @@
-//! Plain loops: what the other paths must agree with.
+//! Vectors of the crate `wide` and plain loops: what the other paths must agree with.
 
 use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;

@@ -81,7 +81,8 @@ pub(crate) fn fit<E: Send>(
 ) -> Result<Fitted, E> {
     let planes = planes(rows.len());
     let axes = axes::fit(rows, keeps_descriptors);
-    let axes = if keeps_descriptors { axes.mix() } else { axes };
+    let (axes, code_bits) =
+        if keeps_descriptors { (axes.mix(), CodeBits::Four) } else { (axes, CodeBits::Eight) };
     progress(0.05)?;
     let (mut codes, centre_scale) = quantise(rows, &axes, simd);
     progress(0.15)?;
@@ -98,7 +99,6 @@ pub(crate) fn fit<E: Send>(
         }
         progress(0.35 + 0.4 * (round + 1) as f64 / ROUNDS as f64)?;
     }
-    let code_bits = if keeps_descriptors { CodeBits::Four } else { CodeBits::Eight };
     let residuals = encode::residuals(rows, &axes, code_bits, &cells, &homes, &mut codes, simd);
     progress(0.9)?;
     let (bucket_directory, entries) =
