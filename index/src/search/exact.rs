@@ -60,7 +60,7 @@ pub(crate) fn nearest_of_many<'a, E>(
                 }
             }
         }
-        nearest.iter().for_each(|nearest| append(nearest.neighbours(), k, found));
+        nearest.iter_mut().for_each(|nearest| append(nearest.neighbours(), k, found));
     }
     Ok(())
 }

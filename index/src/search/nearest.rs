@@ -1,5 +1,7 @@
 //! Neighbours, and the k nearest of them.
 
+use super::smallest::Smallest;
+
 /// One entry of the index, as near as `distance` to the query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
@@ -20,10 +22,8 @@ impl Neighbour {
 /// as infinitely far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Nearest {
-    k: usize,
-    /// Ascending.
-    kept: Vec<Neighbour>,
-    /// No squared distance above is among the nearest; some that are below it are not either.
+    kept: Smallest,
+    /// No row whose squared distance is above is among the nearest.
     bound: f32,
 }
 
@@ -34,13 +34,13 @@ impl Nearest {
         nearest
     }
 
+    /// `k`: at least 1.
     pub(crate) fn reset(&mut self, k: usize) {
-        self.k = k;
-        self.kept.clear();
+        self.kept.reset(k);
         self.bound = f32::INFINITY;
     }
 
-    /// k is small: a sorted list beats a heap.
+    /// Offers a row by the square of its distance.
     #[inline]
     pub(crate) fn offer(&mut self, id: u32, squared: f32) {
         // Most are too far, and need no root to show it.
@@ -51,24 +51,14 @@ impl Nearest {
         let squared = if squared.is_nan() { f32::INFINITY } else { squared };
         // Compared as it is returned: of two squares, one root may come, and what several indexes
         // return is merged by it.
-        let offered = Neighbour { id, distance: squared.sqrt() };
-        let is_before = |kept: &Neighbour| kept.by_distance(&offered).is_lt();
-        if self.kept.len() >= self.k {
-            if self.kept.last().is_none_or(is_before) {
-                return;
-            }
-            self.kept.pop();
-        }
-        let at = self.kept.partition_point(is_before);
-        self.kept.insert(at, offered);
-        if let (true, Some(last)) = (self.kept.len() >= self.k, self.kept.last()) {
+        if self.kept.push(squared.sqrt(), id) {
             // A root is rounded by less than that.
-            let squared = f64::from(last.distance).powi(2) * (1.0 + 1e-6);
-            self.bound = squared as f32;
+            self.bound = (f64::from(self.kept.bound()).powi(2) * (1.0 + 1e-6)) as f32;
         }
     }
 
-    pub(crate) fn neighbours(&self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
-        self.kept.iter().copied()
+    /// What was kept, nearest first.
+    pub(crate) fn neighbours(&mut self) -> impl ExactSizeIterator<Item = Neighbour> + '_ {
+        self.kept.sorted().map(|(distance, id)| Neighbour { id, distance })
     }
 }

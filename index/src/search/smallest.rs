@@ -2,8 +2,8 @@
 
 use super::blocks::{Block, LANES};
 
-/// Keeps the `keep` smallest of the scores that it is offered, equal ones by number; NaN and
-/// infinity are never kept. What is kept does not depend on the order of the offers.
+/// Keeps the `keep` smallest of the scores that it is offered, equal ones by number. What is kept
+/// does not depend on the order of the offers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Smallest {
     keep: usize,
@@ -36,12 +36,15 @@ impl Smallest {
         }
     }
 
+    /// Offers a score, which is no NaN. Returns whether the bound has moved.
     #[inline]
-    fn push(&mut self, score: f32, number: u32) {
+    pub(crate) fn push(&mut self, score: f32, number: u32) -> bool {
         self.keys.push(u64::from(ordered(score)) << 32 | u64::from(number));
-        if self.keys.len() >= 2 * self.keep + 16 {
+        let is_full = self.keys.len() >= self.keep.saturating_mul(2).saturating_add(16);
+        if is_full {
             self.shrink();
         }
+        is_full
     }
 
     fn shrink(&mut self) {
