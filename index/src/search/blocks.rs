@@ -144,6 +144,16 @@ impl<'a> Blocks<'a> {
         Self { bytes: range.unwrap_or(&[]), first: self.first.wrapping_add(start), ..self }
     }
 
+    /// The number of a vector of this run: its id, or its place among all vectors where blocks hold
+    /// no ids.
+    #[inline]
+    pub(crate) fn number(&self, at: usize) -> Option<u32> {
+        let (block, lane) = (at / LANES, at % LANES);
+        let first = block.checked_mul(self.stride)?;
+        let bytes = self.bytes.get(first..first + self.stride)?;
+        Some(self.split(bytes, self.first.wrapping_add(block as u32))?.id(lane))
+    }
+
     /// How many vectors a run holds: only its last block has unused places.
     pub(crate) fn vectors(&self) -> u32 {
         let last = self

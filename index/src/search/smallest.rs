@@ -1,6 +1,12 @@
 //! The few smallest of many scores.
 
-use super::blocks::{Block, LANES};
+use super::blocks::{Blocks, LANES, QuantisedQuery};
+use super::simd::Simd;
+
+/// So many scores are looked at together, or those of one run, where it has more.
+const TOGETHER: usize = 8192;
+/// How often the range of a first bound is halved.
+const HALVINGS: usize = 7;
 
 /// Keeps the `keep` smallest of the scores that it is offered, equal ones by number. What is kept
 /// does not depend on the order of the offers.
@@ -11,6 +17,11 @@ pub(crate) struct Smallest {
     keys: Vec<u64>,
     /// No score above is among the smallest.
     bound: f32,
+    /// Of [`Self::scan`]: scores as they lie in their blocks, the least of some of them each, and
+    /// the places of those that may be among the smallest.
+    scores: Vec<f32>,
+    least: Vec<f32>,
+    near: Vec<u32>,
 }
 
 impl Smallest {
@@ -26,14 +37,83 @@ impl Smallest {
         self.bound
     }
 
-    /// Offers those vectors of a block whose bit is set in `mask`.
-    #[inline]
-    pub(crate) fn offer(&mut self, block: &Block<'_>, scores: &[f32; LANES], mut mask: u16) {
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            self.push(scores[lane % LANES], block.id(lane));
+    /// Offers the vectors of all `runs` by their scores ([`Simd::scan`]), each run with its base,
+    /// and under their numbers: ids, or, where blocks hold none, places among all blocks.
+    pub(crate) fn scan<'b>(
+        &mut self,
+        simd: Simd,
+        mut runs: impl Iterator<Item = (f32, Blocks<'b>)> + Clone,
+        query: &QuantisedQuery,
+        factor: f32,
+    ) {
+        loop {
+            let scanned = runs.clone();
+            self.scores.clear();
+            while self.scores.len() < TOGETHER
+                && let Some((base, run)) = runs.next()
+            {
+                let start = self.scores.len();
+                self.scores.resize(start + LANES * run.len(), f32::INFINITY);
+                simd.scan(run, query, factor, base, &mut self.scores[start..]);
+            }
+            if self.scores.is_empty() {
+                return;
+            }
+            self.lower_bound();
+            simd.near(&self.scores, self.bound, &mut self.near);
+            self.offer(scanned.map(|(_, run)| run));
         }
+    }
+
+    /// Finds a first bound, so that few scores are offered in vain: of twice as many groups of scores
+    /// as are kept, the least of each are compared, and half of these are low enough.
+    fn lower_bound(&mut self) {
+        if self.bound < f32::MAX || self.scores.len() / 4 < self.keep {
+            return;
+        }
+        self.least.clear();
+        self.least.resize((2 * self.keep).next_multiple_of(LANES), f32::MAX);
+        for scores in self.scores.chunks(self.least.len()) {
+            for (least, &score) in self.least.iter_mut().zip(scores) {
+                *least = if score < *least { score } else { *least };
+            }
+        }
+        let (mut low, mut high) = (f32::MAX, f32::MIN);
+        for &least in &self.least {
+            low = if least < low { least } else { low };
+            high = if least > high { least } else { high };
+        }
+        // Halving the range is quicker than sorting, and a bound may be a little too high.
+        for _ in 0..HALVINGS {
+            let middle = low + 0.5 * (high - low);
+            let below: u32 = self.least.iter().map(|&least| u32::from(least <= middle)).sum();
+            if below as usize >= self.keep {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.bound = high.min(f32::MAX);
+    }
+
+    /// Offers the scores at the places that are near.
+    fn offer<'b>(&mut self, mut runs: impl Iterator<Item = Blocks<'b>>) {
+        let near = std::mem::take(&mut self.near);
+        let (mut run, mut start, mut end) = (None, 0, 0);
+        for &place in &near {
+            let place = place as usize;
+            while place >= end
+                && let Some(next) = runs.next()
+            {
+                (start, end) = (end, end + LANES * next.len());
+                run = Some(next);
+            }
+            let number = run.and_then(|run| run.number(place - start));
+            if let (Some(number), Some(&score)) = (number, self.scores.get(place)) {
+                self.push(score, number);
+            }
+        }
+        self.near = near;
     }
 
     /// Offers a score, which is no NaN. Returns whether the bound has moved.

@@ -45,14 +45,15 @@ impl Centres<'_> {
             chosen.extend(0..all);
         } else {
             nearest.reset(groups as usize);
-            simd.scan(self.groups, query, factor, 0.0, nearest);
+            nearest.scan(simd, std::iter::once((0.0, self.groups)), query, factor);
             chosen.extend(nearest.unsorted().map(|(_, group)| group));
         }
         nearest.reset(probes as usize);
-        for &group in chosen.iter() {
+        let runs = chosen.iter().map(|&group| {
             let (start, end) = bounds(self.group_directory, group);
-            simd.scan(self.buckets.run(start, end), query, factor, 0.0, nearest);
-        }
+            (0.0, self.buckets.run(start, end))
+        });
+        nearest.scan(simd, runs, query, factor);
         buckets.clear();
         buckets.extend(nearest.sorted());
     }

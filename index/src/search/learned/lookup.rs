@@ -89,9 +89,7 @@ impl<'a> Lookup<'a> {
         let more = k.saturating_mul(MORE).saturating_add(ranking.buckets.len() / 4);
         found.reset(k.saturating_add(more).min(MOST));
         let factor = 2.0 * hash.residual_scale * quantised.step;
-        for (base, run) in hash.runs(&ranking.buckets) {
-            simd.scan(run, quantised, factor, base, found);
-        }
+        found.scan(simd, hash.runs(&ranking.buckets), quantised, factor);
         candidates.clear();
         candidates.extend(found.unsorted().map(|(_, id)| id));
     }

@@ -83,7 +83,7 @@ impl<'a> Learned<'a> {
     }
 
     /// The blocks of the given buckets, all buckets of one file before those of the next.
-    fn runs<'l>(&'l self, buckets: &'l [(f32, u32)]) -> impl Iterator<Item = (f32, Blocks<'a>)> + 'l {
+    fn runs<'l>(&'l self, buckets: &'l [(f32, u32)]) -> impl Iterator<Item = (f32, Blocks<'a>)> + Clone + 'l {
         self.files.iter().flat_map(|file| buckets.iter().map(|&(base, bucket)| (base, file.bucket(bucket))))
     }
 }

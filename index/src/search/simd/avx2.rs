@@ -4,7 +4,6 @@
 use super::portable;
 use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
-use crate::search::smallest::Smallest;
 use std::arch::x86_64::{
     __m128i, __m256, __m256i, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_and_si128, _mm_cvtss_f32, _mm_loadu_ps,
     _mm_loadu_si128, _mm_movehl_ps, _mm_mul_ps, _mm_set1_epi8, _mm_setzero_ps, _mm_shuffle_ps,
@@ -16,10 +15,10 @@ use std::arch::x86_64::{
 };
 
 #[target_feature(enable = "avx2")]
-pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
+pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let (factor, base) = (_mm256_set1_ps(factor), _mm256_set1_ps(base));
     let bias = _mm256_set1_epi32(query.bias(run.bits()));
-    for block in run.iter() {
+    for (block, into) in run.iter().zip(into.as_chunks_mut::<LANES>().0) {
         // Each register holds four vectors, two sums of two axes each.
         let mut sums = [_mm256_setzero_si256(); 4];
         let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter();
@@ -44,23 +43,32 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
                 }
             }
         }
-        let bound = _mm256_set1_ps(into.bound());
-        let (mut out, mut mask, mut shift) = ([0.0f32; LANES], 0, 0);
-        let halves = out.as_chunks_mut::<8>().0.iter_mut().zip(block.scalars.as_chunks::<8>().0);
-        for ((out, scalars), pair) in halves.zip(sums.as_chunks::<2>().0) {
+        let halves = into.as_chunks_mut::<8>().0.iter_mut().zip(block.scalars.as_chunks::<8>().0);
+        for ((scores, scalars), pair) in halves.zip(sums.as_chunks::<2>().0) {
             // Adding neighbours leaves vectors 0 1 4 5 2 3 6 7: put them in order.
             let dots = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_hadd_epi32(pair[0], pair[1]));
-            let dots = _mm256_sub_epi32(dots, bias);
+            let dots = _mm256_cvtepi32_ps(_mm256_sub_epi32(dots, bias));
             // SAFETY: the scalars are an array of eight f32; an unaligned load takes any address.
             let scalars = unsafe { _mm256_loadu_ps(scalars.as_ptr()) };
-            let found =
-                _mm256_add_ps(base, _mm256_sub_ps(scalars, _mm256_mul_ps(factor, _mm256_cvtepi32_ps(dots))));
-            mask |= (_mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(found, bound)) as u16) << shift;
-            shift += 8;
+            let found = _mm256_add_ps(base, _mm256_sub_ps(scalars, _mm256_mul_ps(factor, dots)));
             // SAFETY: the array has room for eight f32; an unaligned store takes any address.
-            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), found) };
+            unsafe { _mm256_storeu_ps(scores.as_mut_ptr(), found) };
         }
-        into.offer(&block, &out, mask);
+    }
+}
+
+#[target_feature(enable = "avx2")]
+pub(super) fn near(scores: &[f32], bound: f32, into: &mut Vec<u32>) {
+    let bound = _mm256_set1_ps(bound);
+    into.clear();
+    for (start, scores) in (0u32..).step_by(8).zip(scores.as_chunks::<8>().0) {
+        // SAFETY: the scores are an array of eight f32; an unaligned load takes any address.
+        let scores = unsafe { _mm256_loadu_ps(scores.as_ptr()) };
+        let mut mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(scores, bound)) as u8;
+        while mask != 0 {
+            into.push(start + mask.trailing_zeros());
+            mask &= mask - 1;
+        }
     }
 }
 

@@ -4,28 +4,28 @@
 use super::{avx2, portable};
 use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
 use crate::search::distance;
-use crate::search::smallest::Smallest;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use std::arch::x86_64::{
     __m256i, __m512, __m512i, _CMP_LE_OQ, _mm256_add_ps, _mm256_castpd_ps, _mm256_loadu_si256,
     _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castps_pd, _mm512_castps512_ps256,
     _mm512_cmp_ps_mask, _mm512_cvtepi32_ps, _mm512_cvtph_ps, _mm512_dpbusd_epi32, _mm512_extractf64x4_pd,
-    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_mul_ps, _mm512_set1_epi8, _mm512_set1_epi32, _mm512_set1_ps,
-    _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_srli_epi16, _mm512_storeu_ps,
-    _mm512_sub_epi32, _mm512_sub_ps,
+    _mm512_loadu_ps, _mm512_loadu_si512, _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi8,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_ps, _mm512_setzero_si512,
+    _mm512_slli_epi32, _mm512_srli_epi16, _mm512_storeu_ps, _mm512_storeu_si512, _mm512_sub_epi32,
+    _mm512_sub_ps,
 };
 
 /// Several blocks go together: they have as many sums as the instruction takes steps, so that none
 /// waits for the one before it, and share the query's values.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
+pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let query = Query { query, bias: query.bias(run.bits()), factor, base };
     match (query.query.precision, run.bits()) {
-        (Precision::Fine, CodeBits::Four) => by_twos::<true>(run, &query, into),
-        (Precision::Fine, CodeBits::Eight) => by_twos::<false>(run, &query, into),
-        (Precision::Coarse, CodeBits::Four) => by_fours::<true>(run, &query, into),
-        (Precision::Coarse, CodeBits::Eight) => by_fours::<false>(run, &query, into),
+        (Precision::Fine, CodeBits::Four) => by_twos::<true, true>(run, &query, into),
+        (Precision::Fine, CodeBits::Eight) => by_twos::<true, false>(run, &query, into),
+        (Precision::Coarse, CodeBits::Four) => by_twos::<false, true>(run, &query, into),
+        (Precision::Coarse, CodeBits::Eight) => by_twos::<false, false>(run, &query, into),
     }
 }
 
@@ -39,29 +39,12 @@ struct Query<'a> {
 
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-fn by_twos<const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut Smallest) {
-    let mut blocks = run.iter();
-    while let Some(first) = blocks.next() {
+fn by_twos<const LOW: bool, const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut [f32]) {
+    let mut blocks = run.iter().zip(into.as_chunks_mut().0);
+    while let Some((first, into)) = blocks.next() {
         match blocks.next() {
-            Some(second) => score::<2, true, HALVES>([first, second], query, into),
-            None => score::<1, true, HALVES>([first], query, into),
-        }
-    }
-}
-
-#[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
-fn by_fours<const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut Smallest) {
-    let mut blocks = run.iter();
-    loop {
-        match [blocks.next(), blocks.next(), blocks.next(), blocks.next()] {
-            [Some(a), Some(b), Some(c), Some(d)] => {
-                score::<4, false, HALVES>([a, b, c, d], query, into);
-            }
-            [Some(a), Some(b), Some(c), None] => return score::<3, false, HALVES>([a, b, c], query, into),
-            [Some(a), Some(b), ..] => return score::<2, false, HALVES>([a, b], query, into),
-            [Some(a), ..] => return score::<1, false, HALVES>([a], query, into),
-            [None, ..] => return,
+            Some((second, next)) => score::<2, LOW, HALVES>([first, second], query, [into, next]),
+            None => score::<1, LOW, HALVES>([first], query, [into]),
         }
     }
 }
@@ -78,7 +61,7 @@ fn by_fours<const HALVES: bool>(run: Blocks<'_>, query: &Query<'_>, into: &mut S
 fn score<const N: usize, const LOW: bool, const HALVES: bool>(
     blocks: [Block<'_>; N],
     query: &Query<'_>,
-    into: &mut Smallest,
+    into: [&mut [f32; LANES]; N],
 ) {
     let &Query { query, bias, factor, base } = query;
     // Two groups of four axes at a time, a last one by itself. Of codes of half a byte two groups lie
@@ -128,21 +111,39 @@ fn score<const N: usize, const LOW: bool, const HALVES: bool>(
     }
     let (factor, base) = (_mm512_set1_ps(factor), _mm512_set1_ps(base));
     let bias = _mm512_set1_epi32(bias);
-    for (block, sums) in blocks.iter().zip(sums) {
+    for ((block, sums), into) in blocks.iter().zip(sums).zip(into) {
         let high = _mm512_slli_epi32::<7>(_mm512_add_epi32(sums[0][0], sums[1][0]));
         let low = _mm512_add_epi32(sums[0][1], sums[1][1]);
         let dots = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_add_epi32(high, low), bias));
         // SAFETY: the scalars are an array of sixteen f32; an unaligned load takes any address.
         let scalars = unsafe { _mm512_loadu_ps(block.scalars.as_ptr()) };
         let scores = _mm512_add_ps(base, _mm512_sub_ps(scalars, _mm512_mul_ps(factor, dots)));
-        let mask = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(scores, _mm512_set1_ps(into.bound()));
-        if mask != 0 {
-            let mut found = [0.0f32; LANES];
-            // SAFETY: the array has room for sixteen f32; an unaligned store takes any address.
-            unsafe { _mm512_storeu_ps(found.as_mut_ptr(), scores) };
-            into.offer(block, &found, mask);
-        }
+        // SAFETY: the array has room for sixteen f32; an unaligned store takes any address.
+        unsafe { _mm512_storeu_ps(into.as_mut_ptr(), scores) };
     }
+}
+
+/// Without a branch: which scores are near cannot be foreseen.
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+pub(super) fn near(scores: &[f32], bound: f32, into: &mut Vec<u32>) {
+    let bound = _mm512_set1_ps(bound);
+    let mut places = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    let mut count = 0;
+    into.resize(scores.len(), 0);
+    for scores in scores.as_chunks::<LANES>().0 {
+        // SAFETY: the scores are an array of sixteen f32; an unaligned load takes any address.
+        let scores = unsafe { _mm512_loadu_ps(scores.as_ptr()) };
+        let mask = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(scores, bound);
+        let near = _mm512_maskz_compress_epi32(mask, places);
+        // There is room for sixteen: before this block there were no more than sixteen for each.
+        if let Some(into) = into.get_mut(count..).and_then(|into| into.first_chunk_mut::<LANES>()) {
+            // SAFETY: the array has room for sixteen u32; an unaligned store takes any address.
+            unsafe { _mm512_storeu_si512(into.as_mut_ptr().cast(), near) };
+        }
+        count += mask.count_ones() as usize;
+        places = _mm512_add_epi32(places, _mm512_set1_epi32(LANES as i32));
+    }
+    into.truncate(count);
 }
 
 /// Four values of a query, for each of sixteen vectors.

@@ -14,7 +14,6 @@ mod avx512;
 mod portable;
 
 use super::blocks::{Blocks, QuantisedQuery};
-use super::smallest::Smallest;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 
@@ -71,16 +70,15 @@ impl Simd {
         }
     }
 
-    /// Offers every vector of `run` to `into`, by its score `base + (scalar - factor * <codes,
-    /// query>)` and under its number: its id, or, where blocks hold none, its place among all
-    /// blocks.
+    /// Appends the score of every place of `run`, `base + (scalar - factor * <codes, query>)`;
+    /// infinity where there is no vector.
     pub(crate) fn scan(
         self,
         run: Blocks<'_>,
         query: &QuantisedQuery,
         factor: f32,
         base: f32,
-        into: &mut Smallest,
+        into: &mut [f32],
     ) {
         match self.0 {
             // SAFETY: the level says that the processor has the instructions; `Self::available`
@@ -91,6 +89,21 @@ impl Simd {
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2::scan(run, query, factor, base, into) },
             Level::Portable => portable::scan(run, query, factor, base, into),
+        }
+    }
+
+    /// The places of those of `scores`, sixteen times as many as some number, that are not above
+    /// `bound`, in order, in place of what `into` holds.
+    pub(crate) fn near(self, scores: &[f32], bound: f32, into: &mut Vec<u32>) {
+        match self.0 {
+            // SAFETY: the level says that the processor has the instructions; `Self::available`
+            // asked it.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { avx512::near(scores, bound, into) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { avx2::near(scores, bound, into) },
+            Level::Portable => portable::near(scores, bound, into),
         }
     }
 

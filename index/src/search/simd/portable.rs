@@ -2,14 +2,13 @@
 
 use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
-use crate::search::smallest::Smallest;
 use wide::{i16x8, i32x4, u8x16};
 
 /// The compiler sees no instruction that multiplies four bytes by four values and adds the products;
 /// two of 16 bits every processor's vectors have.
-pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut Smallest) {
+pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let bias = query.bias(run.bits());
-    for block in run.iter() {
+    for (block, into) in run.iter().zip(into.as_chunks_mut::<LANES>().0) {
         // Two sums for each of sixteen vectors: of the even pairs of axes, and of the odd ones.
         let mut sums = [i32x4::ZERO; LANES / 2];
         let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter();
@@ -26,17 +25,28 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
                 }
             }
         }
-        let mut mask = 0u16;
-        let mut scores = [0.0f32; LANES];
         let dots = sums.iter().flat_map(|sums| {
             let [even, odd, next_even, next_odd] = sums.to_array();
             [even.wrapping_add(odd), next_even.wrapping_add(next_odd)]
         });
-        for (lane, (dot, &scalar)) in dots.zip(block.scalars).enumerate() {
-            scores[lane] = base + (scalar - factor * dot.wrapping_sub(bias) as f32);
-            mask |= u16::from(scores[lane] <= into.bound()) << lane;
+        for ((score, dot), &scalar) in into.iter_mut().zip(dots).zip(block.scalars) {
+            *score = base + (scalar - factor * dot.wrapping_sub(bias) as f32);
         }
-        into.offer(&block, &scores, mask);
+    }
+}
+
+pub(super) fn near(scores: &[f32], bound: f32, into: &mut Vec<u32>) {
+    into.clear();
+    for (block, scores) in scores.as_chunks::<LANES>().0.iter().enumerate() {
+        // Most blocks have none, which vectors show faster than a branch for each.
+        let mut any = false;
+        for &score in scores {
+            any |= score <= bound;
+        }
+        if any {
+            let places = (LANES * block) as u32..;
+            into.extend(places.zip(scores).filter_map(|(place, &score)| (score <= bound).then_some(place)));
+        }
     }
 }
 

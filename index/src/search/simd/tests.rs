@@ -3,6 +3,7 @@
 use super::*;
 use crate::search::blocks::{self, BlockMut, CodeBits, LANES, Precision};
 use crate::search::distance;
+use crate::search::smallest::Smallest;
 use proptest::prelude::*;
 use rkyv::util::AlignedVec;
 
@@ -56,7 +57,7 @@ proptest! {
         let by = |simd: Simd| {
             let mut smallest = Smallest::default();
             smallest.reset(keep);
-            simd.scan(run, &quantised, factor, base, &mut smallest);
+            smallest.scan(simd, [(base, run)].into_iter(), &quantised, factor);
             smallest.sorted().collect::<Vec<_>>()
         };
         let mut expected: Vec<(f32, u32)> = (0u32..)
@@ -70,6 +71,17 @@ proptest! {
         expected.truncate(keep);
         for simd in Simd::available() {
             prop_assert_eq!(by(simd), &expected[..], "{}", simd.name());
+        }
+    }
+
+    #[test]
+    fn every_path_finds_the_same_places(scores in prop::collection::vec(prop_oneof![-3.0..3.0f32, Just(1.0), Just(f32::NAN), Just(f32::INFINITY)], 0..20 * LANES), bound in prop_oneof![-3.0..3.0f32, Just(1.0), Just(f32::MAX)]) {
+        let scores = &scores[..scores.len() / LANES * LANES];
+        let expected: Vec<u32> = (0..).zip(scores).filter_map(|(at, &score)| (score <= bound).then_some(at)).collect();
+        for simd in Simd::available() {
+            let mut found = vec![7; 5];
+            simd.near(scores, bound, &mut found);
+            prop_assert_eq!(&found, &expected, "{}", simd.name());
         }
     }
 
@@ -120,6 +132,40 @@ proptest! {
 }
 
 #[test]
+fn many_runs_are_scanned_in_parts() {
+    // More than are looked at together, in runs of 0 to 6 blocks, after one of many.
+    let vectors: Vec<(Vec<i8>, f32)> = (0..21_000u32)
+        .map(|at| (vec![(at % 15) as i8 - 7; 4], (at.wrapping_mul(7919) % 10_007) as f32))
+        .collect();
+    let bytes = block_bytes(4, &vectors, None);
+    let all = Blocks::of_centres(&bytes, 4);
+    let starts = std::iter::once(0).chain((600..).scan(600, |start, at| {
+        *start += at % 7;
+        Some(*start)
+    }));
+    let starts: Vec<u32> = starts.take_while(|&start| start < all.len() as u32).collect();
+    let ends = starts[1..].iter().copied().chain([all.len() as u32]);
+    let runs = starts.iter().zip(ends).map(|(&start, end)| (start as f32, all.run(start, end)));
+    let mut query = QuantisedQuery::default();
+    query.set(&[1.0, -0.5, 0.25, 0.75], Precision::Fine);
+    let sum: i32 = query.values.iter().map(|&value| i32::from(value)).sum();
+    let base = |at: u32| starts[starts.partition_point(|&start| start <= at / LANES as u32) - 1] as f32;
+    let mut expected: Vec<(f32, u32)> = (0..)
+        .zip(&vectors)
+        .map(|(at, (codes, scalar))| (base(at) + (scalar - 0.01 * (i32::from(codes[0]) * sum) as f32), at))
+        .collect();
+    expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    for simd in Simd::available() {
+        for keep in [1, 40, 3_000, 30_000] {
+            let mut smallest = Smallest::default();
+            smallest.reset(keep);
+            smallest.scan(simd, runs.clone(), &query, 0.01);
+            assert!(smallest.sorted().eq(expected.iter().copied().take(keep)), "{} {keep}", simd.name());
+        }
+    }
+}
+
+#[test]
 fn the_largest_sums_do_not_overflow() {
     let axes = blocks::MAX_AXES;
     let codes = |code: i8| (vec![code; axes], 0.0f32);
@@ -132,7 +178,7 @@ fn the_largest_sums_do_not_overflow() {
         for simd in Simd::available() {
             let mut smallest = Smallest::default();
             smallest.reset(9);
-            simd.scan(Blocks::of_centres(&bytes, axes), &query, 1.0, 0.0, &mut smallest);
+            smallest.scan(simd, [(0.0, Blocks::of_centres(&bytes, axes))].into_iter(), &query, 1.0);
             let found: Vec<(f32, u32)> = smallest.sorted().collect();
             assert_eq!(found, [(-largest, 0), (largest, 1)], "{}", simd.name());
         }
