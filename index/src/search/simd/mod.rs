@@ -70,8 +70,8 @@ impl Simd {
         }
     }
 
-    /// Appends the score of every place of `run`, `base + (scalar - factor * <codes, query>)`;
-    /// infinity where there is no vector.
+    /// Puts the score of every place of `run` into `into`, which has as many: `base + (scalar -
+    /// factor * <codes, query>)`, infinity where there is no vector.
     pub(crate) fn scan(
         self,
         run: Blocks<'_>,
@@ -92,8 +92,8 @@ impl Simd {
         }
     }
 
-    /// The places of those of `scores`, sixteen times as many as some number, that are not above
-    /// `bound`, in order, in place of what `into` holds.
+    /// Puts the places of those `scores` that are not above `bound` into `into`, in order. A multiple
+    /// of sixteen scores, as blocks have.
     pub(crate) fn near(self, scores: &[f32], bound: f32, into: &mut Vec<u32>) {
         match self.0 {
             // SAFETY: the level says that the processor has the instructions; `Self::available`
