@@ -65,8 +65,8 @@ impl Smallest {
         }
     }
 
-    /// Finds a first bound, so that few scores are offered in vain. Scores are put into twice as many
-    /// groups as are kept; a bound that the least of half the groups do not exceed is high enough.
+    /// Finds a first bound, so that few scores are offered in vain. Scores are put into twice as
+    /// many groups as are kept; a bound that the least of half the groups do not exceed will do.
     fn lower_bound(&mut self) {
         if self.bound < f32::MAX || self.scores.len() / 4 < self.keep {
             return;

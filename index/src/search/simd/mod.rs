@@ -92,8 +92,8 @@ impl Simd {
         }
     }
 
-    /// Puts the places of those `scores` that are not above `bound` into `into`, in order. The number
-    /// of scores is a multiple of sixteen, as blocks have.
+    /// Puts the places of those `scores` that are not above `bound` into `into`, in order. The
+    /// number of scores is a multiple of sixteen, as blocks have.
     pub(crate) fn near(self, scores: &[f32], bound: f32, into: &mut Vec<u32>) {
         match self.0 {
             // SAFETY: the level says that the processor has the instructions; `Self::available`
