@@ -188,7 +188,8 @@ fn a_damaged_network_is_found_at_opening() {
     }
 }
 
-/// The index of that name still describes and finds what it did when it was written.
+/// The fixture describes each picture to the bits that it was written with, and finds each entry by
+/// its own descriptor.
 fn assert_is_read_for_ever(name: &str, network: &Network) {
     let path = [env!("CARGO_MANIFEST_DIR"), "tests", "fixtures", name];
     let index = Index::open(path.iter().collect::<PathBuf>()).expect("the fixture opens");
