@@ -12,7 +12,7 @@
 //! t is a logistic function of [`Evidence`], fitted by `grasp-query experiment trust` to pictures
 //! of hands before backgrounds that are hard to distinguish from skin (`data/trust*.toml`, which
 //! name the command), but at least the model's floor: of photographs, which it was not fitted to,
-//! it trusts those that are named rightly hardly more than the others (docs/accuracy.md). A mask
+//! it trusts those that are named rightly hardly more than the others (docs/trials.md). A mask
 //! that was given is trusted, unless it is all of the picture.
 
 use grasp_index::{DescriptorKind, DescriptorParams};

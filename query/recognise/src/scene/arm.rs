@@ -8,7 +8,7 @@
 //! one voice beside those of the networks.
 
 /// How much likelier the hand of the side is that an arm comes from, level, as a logarithm. Chosen
-/// on photographs and on pictures of two hands (docs/accuracy.md).
+/// on photographs and on pictures of two hands (docs/trials.md).
 const FROM_THE_SIDE: f64 = 3.0;
 
 /// The logarithm of how much likelier a right hand is than a left one that stands upright in a

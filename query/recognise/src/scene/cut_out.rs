@@ -14,7 +14,7 @@ use grasp_index::{SHOWN_LENGTHS, end_of_hand};
 /// what the naming network was trained on.
 const SIZES: f64 = 2.1;
 /// How the networks join the neighbours: chosen on segmented pictures of two hands
-/// (docs/accuracy.md); what is known of open hands helps one of them and harms the other.
+/// (docs/trials.md); what is known of open hands helps one of them and harms the other.
 const POWERS: Powers = Powers { neighbours: 0.8, networks: 0.8, opening: 0.0 };
 
 impl Prediction {

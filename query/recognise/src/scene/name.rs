@@ -10,7 +10,7 @@ use crate::picture::Picture;
 use crate::segment::Mask;
 use crate::side::Side;
 
-/// How the networks join the neighbours: chosen on camera pictures of two hands (docs/accuracy.md).
+/// How the networks join the neighbours: chosen on camera pictures of two hands (docs/trials.md).
 const POWERS: Powers = Powers { neighbours: 0.72, networks: 1.2, opening: 1.0 };
 
 /// What the networks see in a camera picture.

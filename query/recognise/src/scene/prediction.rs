@@ -8,7 +8,7 @@ use crate::side::Side;
 /// Looks at a hand: turned and enlarged by so much.
 const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 /// How much the network counts that finds hands; the rest is that of the network that has learned
-/// to name them. Chosen on pictures of two hands (docs/accuracy.md).
+/// to name them. Chosen on pictures of two hands (docs/trials.md).
 const FINDING: f64 = 0.4;
 /// How much the network counts beside both that looks at what is held: of the stage, and of the
 /// grasp where the thing is held for certain.
