@@ -82,17 +82,27 @@ impl SurfaceMesh {
         self.normals.iter_mut().for_each(|n| *n = place.rotation * *n);
     }
 
-    /// Points all over it, no farther from each other than about `step` metres; of the vertices of
+    /// Points all over it, no farther from each other than about `step` metres; of the corners of
     /// triangles that are smaller one.
     pub(super) fn points(&self, step: f32) -> impl Iterator<Item = Vector3<f32>> + '_ {
         self.triangles.iter().flat_map(move |(corners, _)| {
-            let [a, b, c] = corners.map(|v| self.vertices[v as usize]);
+            // From a corner along the longest edge, and from there towards the third corner.
+            let [mut a, mut b, mut c] = corners.map(|v| self.vertices[v as usize]);
+            for _ in 0..2 {
+                if (b - a).norm_squared() < (c - b).norm_squared().max((a - c).norm_squared()) {
+                    (a, b, c) = (b, c, a);
+                }
+            }
             let (along, across) = (b - a, c - a);
-            let longest = along.norm_squared().max(across.norm_squared()).max((c - b).norm_squared());
-            let steps = ((longest.sqrt() / step) as u16).min(40);
-            let share = move |i: u16| f32::from(i) / f32::from(steps.max(1));
-            (0..=steps)
-                .flat_map(move |i| (0..=steps - i).map(move |j| a + along * share(i) + across * share(j)))
+            let length = along.norm();
+            let steps = |far: f32| (far / step) as u16;
+            let columns = steps(length);
+            let rows = steps(along.cross(&across).norm() / length.max(1e-9));
+            let share = |i: u16, of: u16| f32::from(i) / f32::from(of.max(1));
+            (0..=rows).flat_map(move |j| {
+                let left = 1.0 - share(j, rows);
+                (0..=columns).map(move |i| a + across * (1.0 - left) + along * (share(i, columns) * left))
+            })
         })
     }
 }
