@@ -36,14 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 spec.object = spec.grasp.object.object((rng.next_u64() % 100) as f64 / 100.0);
                 (spec.example, spec.held) = (None, None);
             }
-            let hand = PosedHand::build(&spec)?;
-            // Every third one has its person's other hand near.
-            let other = match column % 3 {
-                0 => Some(PosedHand::build(&scenes[rng.next_u64() as usize % scenes.len()])?),
-                _ => None,
-            };
-            let scene = hand.dressed(true, Randomised::ALL, rng.next_u64());
-            let scene = scene.in_company(other.as_ref(), rng.next_u64());
+            let scene = PosedHand::build(&spec)?.dressed(true, Randomised::ALL, rng.next_u64());
             let layers = scene.layers(&View::random(&mut rng), 3.0);
             let picture = layers.paint(&Framing::thing(&layers, &mut rng), SIDE, &mut rng);
             for (y, line) in picture.rgb.chunks(3 * SIDE).enumerate() {

@@ -25,8 +25,6 @@ pub enum LeftOut {
     Camera,
     /// Borders of pictures within the square that is looked at.
     Borders,
-    /// A second hand, and things about the one that is held.
-    Company,
     /// Things that are held up, and hands that are posed as another grasp's.
     Ways,
     /// Pictures that are made harder than a camera's.
@@ -47,7 +45,6 @@ impl LeftOut {
             arms: has(Self::Arms),
             camera: has(Self::Camera),
             borders: has(Self::Borders),
-            company: has(Self::Company),
         }
     }
 

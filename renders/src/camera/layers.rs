@@ -4,12 +4,10 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
 use super::border::Border;
-use super::company::{FIRST_MATERIAL, SECOND_ARM};
 use super::marks::Mark;
 use super::randomised::Randomised;
-use super::scene::{CameraScene, FIRST_OBJECT, FIRST_OF_COMPANY};
+use super::scene::{CameraScene, FIRST_OBJECT};
 use super::shut::shut;
-use super::surface_mesh::SurfaceMesh;
 use crate::random::{between, normal, unit};
 use crate::raster::{Projected, fill};
 use crate::view::View;
@@ -25,15 +23,10 @@ const DEPTH: f32 = 1.0 / 16.0;
 /// Steps of a place in metres.
 const STEP: f32 = 0.0015;
 
-/// The least share of hand and thing that is seen; what else there is and would hide more of them
-/// is left out.
-const LEAST_SEEN: f32 = 0.75;
-
 /// What is seen at one texel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Texel {
-    /// 0 nothing, 1 the hand with its forearm, 2 the arm that goes on, then the parts of the thing,
-    /// and of what is not the hand's own.
+    /// 0 nothing, 1 the hand with its forearm, 2 the arm that goes on, then the parts of the thing.
     pub(super) part: u8,
     /// The normal in the camera's frame, times 127.
     normal: [i8; 3],
@@ -88,17 +81,7 @@ impl Texel {
     }
 
     pub(super) fn is_object(&self) -> bool {
-        (FIRST_OBJECT..FIRST_OF_COMPANY).contains(&self.part)
-    }
-
-    /// The arm that goes on behind a second hand's forearm.
-    pub(super) fn is_second_far_arm(&self) -> bool {
-        self.part == SECOND_ARM
-    }
-
-    /// The number of the material that things about the hand are made of.
-    pub(super) fn material_of_company(&self) -> Option<usize> {
-        self.part.checked_sub(FIRST_MATERIAL).map(usize::from)
+        self.part >= FIRST_OBJECT
     }
 }
 
@@ -131,17 +114,15 @@ impl Layers {
     fn draw(scene: &CameraScene, camera_from_hand: UnitQuaternion<f64>, distance: f64) -> Self {
         let turn: &Matrix3<f32> = &camera_from_hand.to_rotation_matrix().matrix().cast();
         let distance = distance as f32;
-        let camera = Camera::of(scene, turn, distance);
-        let mut canvas = Canvas::new();
-        canvas.fill(&scene.own, &camera, 0);
-        if !scene.company.triangles.is_empty() {
-            let alone = canvas.clone();
-            canvas.fill(&scene.company, &camera, scene.own.triangles.len());
-            if canvas.hides_too_much(&alone, scene) {
-                canvas = alone;
-            }
+        let (projected, texels_a_metre) = project(scene, turn, distance);
+        let mut depth = vec![0f32; SIDE * SIDE];
+        // Which triangle is seen, and the weights of its second and third corner.
+        let mut seen = vec![(u32::MAX, 0f32, 0f32); SIDE * SIDE];
+        for (at, (corners, _)) in scene.triangles.iter().enumerate() {
+            let corners = corners.map(|v| projected[v as usize]);
+            let see = |wb: f32, wc: f32, scale: f32| (at as u32, wb * scale, wc * scale);
+            fill(&corners, SIDE, &mut depth, &mut seen, see);
         }
-        let Canvas { depth, seen } = canvas;
         let mut texels: Vec<Texel> = seen
             .iter()
             .map(|&(at, wb, wc)| texel(scene, turn, at as usize, [1.0 - wb - wc, wb, wc]))
@@ -149,11 +130,11 @@ impl Layers {
         for ((texel, shut), near) in texels.iter_mut().zip(shut(&depth, SIDE)).zip(&depth) {
             texel.shut = shut;
             // Casting saturates: what is nowhere is far away.
-            texel.depth = ((near.recip() - distance) * camera.texels_a_metre / DEPTH) as i16;
+            texel.depth = ((near.recip() - distance) * texels_a_metre / DEPTH) as i16;
         }
         let [hand, thing] = [Texel::is_hand, Texel::is_object].map(|of| Patch::of(&texels, of));
         let (centre, size) = hand.with(&thing);
-        let (is_sleeved, randomised) = (scene.is_sleeved(), scene.randomised);
+        let CameraScene { is_sleeved, randomised, .. } = *scene;
         Self { texels, centre, size, hand, thing, is_sleeved, randomised, camera_from_hand }
     }
 
@@ -234,109 +215,69 @@ impl Patch {
     }
 }
 
-/// What is nearest at each texel of a view that is being drawn.
-#[derive(Clone)]
-struct Canvas {
-    /// The inverse of its distance in metres; 0 where there is nothing.
-    depth: Vec<f32>,
-    /// Which triangle is seen, and the weights of its second and third corner.
-    seen: Vec<(u32, f32, f32)>,
-}
-
-impl Canvas {
-    fn new() -> Self {
-        Self { depth: vec![0.0; SIDE * SIDE], seen: vec![(u32::MAX, 0.0, 0.0); SIDE * SIDE] }
-    }
-
-    /// Draws triangles, the first of them as number `first`.
-    fn fill(&mut self, mesh: &SurfaceMesh, camera: &Camera<'_>, first: usize) {
-        let projected: Vec<Projected> = mesh.vertices.iter().map(|v| camera.project(v)).collect();
-        for (at, (corners, _)) in mesh.triangles.iter().enumerate() {
-            let corners = corners.map(|v| projected[v as usize]);
-            let see = |wb: f32, wc: f32, scale: f32| ((first + at) as u32, wb * scale, wc * scale);
-            fill(&corners, SIDE, &mut self.depth, &mut self.seen, see);
-        }
-    }
-
-    /// Whether much of hand and thing can no longer be seen that could `before`.
-    fn hides_too_much(&self, before: &Self, scene: &CameraScene) -> bool {
-        let is_own = |(at, ..): &&(u32, f32, f32)| {
-            let part = scene.own.triangles.get(*at as usize).map(|(_, part)| *part);
-            part.is_some_and(|part| part == 1 || part >= FIRST_OBJECT)
-        };
-        let count = |canvas: &Self| canvas.seen.iter().filter(is_own).count() as f32;
-        count(self) < LEAST_SEEN * count(before)
-    }
-}
-
 fn texel(scene: &CameraScene, turn: &Matrix3<f32>, at: usize, weights: [f32; 3]) -> Texel {
-    let own = scene.own.triangles.get(at).map(|triangle| (&scene.own, triangle));
-    let of_company = || {
-        let at = at.checked_sub(scene.own.triangles.len())?;
-        scene.company.triangles.get(at).map(|triangle| (&scene.company, triangle))
-    };
-    let Some((mesh, (corners, part))) = own.or_else(of_company) else { return Texel::default() };
+    let Some((corners, part)) = scene.triangles.get(at) else { return Texel::default() };
     let mix = |values: [Vector3<f32>; 3]| {
         values.iter().zip(weights).fold(Vector3::zeros(), |sum, (v, weight)| sum + v * weight)
     };
-    let normal = (turn * mix(corners.map(|v| mesh.normals[v as usize])))
+    let is_hand = corners.iter().all(|&v| (v as usize) < scene.hand_vertices);
+    let normal = (turn * mix(corners.map(|v| scene.normals[v as usize])))
         .try_normalize(1e-12)
         .unwrap_or_else(|| -Vector3::z());
     let round = |v: f32, limit: f32| (v.clamp(-limit, limit) + if v < 0.0 { -0.5 } else { 0.5 }) as i8;
-    let place = mix(corners.map(|v| mesh.places[v as usize]));
-    let mark = mix(corners.map(|v| {
-        let Mark { palmar, nail, knuckle } = mesh.marks[v as usize];
-        Vector3::new(palmar, nail, knuckle)
-    }));
     Texel {
         part: *part,
         normal: [normal.x, normal.y, normal.z].map(|v| round(v * 127.0, 127.0)),
-        place: [place.x, place.y, place.z].map(|v| round(v / STEP, 127.0)),
-        mark: [mark.x, mark.y, mark.z].map(|v| round(v * 127.0, 127.0)),
+        place: {
+            let place = mix(corners.map(|v| scene.places[v as usize]));
+            [place.x, place.y, place.z].map(|v| round(v / STEP, 127.0))
+        },
+        mark: match is_hand {
+            true => {
+                let of = |v: u32| {
+                    let Mark { palmar, nail, knuckle } = scene.marks[v as usize];
+                    Vector3::new(palmar, nail, knuckle)
+                };
+                let mark = mix(corners.map(of));
+                [mark.x, mark.y, mark.z].map(|v| round(v * 127.0, 127.0))
+            }
+            false => [0; 3],
+        },
         shut: 0,
         depth: 0,
     }
 }
 
-/// The frame that shows the hand, without its arm, in the middle.
-struct Camera<'a> {
-    turn: &'a Matrix3<f32>,
-    centre: Vector3<f32>,
-    distance: f32,
-    zoom: f32,
-    shift: [f32; 2],
-    /// How many texels wide a metre is at the hand.
-    texels_a_metre: f32,
-}
-
-impl<'a> Camera<'a> {
-    fn of(scene: &CameraScene, turn: &'a Matrix3<f32>, distance: f32) -> Self {
-        let SurfaceMesh { vertices, places, .. } = &scene.own;
-        let hand = vertices.iter().zip(places).take(scene.hand_vertices);
-        let hand: Vec<_> = hand.filter(|(_, place)| place.x > WRIST).map(|(v, _)| v).collect();
-        let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
-        hand.iter().for_each(|v| (low, high) = (low.inf(v), high.sup(v)));
-        let centre = (low + high) * 0.5;
-        let mut camera =
-            Self { turn, centre, distance, zoom: 1.0, shift: [0.0; 2], texels_a_metre: 1.0 / distance };
-        let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
-        for p in hand.iter().map(|v| camera.project(v)) {
-            low = [low[0].min(p.x), low[1].min(p.y)];
-            high = [high[0].max(p.x), high[1].max(p.y)];
-        }
-        camera.zoom = SHARE * SIDE as f32 / (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
-        camera.shift = [0, 1].map(|i| 0.5 * (SIDE as f32 - camera.zoom * (low[i] + high[i])));
-        camera.texels_a_metre *= camera.zoom;
-        camera
+/// Every vertex in the frame that shows the hand, without its arm, in the middle; and how many
+/// texels wide a metre is there.
+fn project(scene: &CameraScene, turn: &Matrix3<f32>, distance: f32) -> (Vec<Projected>, f32) {
+    let hand = |at: usize| at < scene.hand_vertices && scene.places[at].x > WRIST;
+    let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));
+    for (_, v) in scene.vertices.iter().enumerate().filter(|(at, _)| hand(*at)) {
+        (low, high) = (low.inf(v), high.sup(v));
     }
-
-    fn project(&self, v: &Vector3<f32>) -> Projected {
-        let c = self.turn * (v - self.centre);
-        // What would lie behind the camera is far out of the picture all the same.
-        let near = 1.0 / (c.z + self.distance).max(0.1 * self.distance);
-        let [x, y] = [(c.x, 0), (c.y, 1)].map(|(at, i)| at * near * self.zoom + self.shift[i]);
-        Projected { x, y, near, grey: 0.0 }
+    let centre = (low + high) * 0.5;
+    let mut out: Vec<Projected> = scene
+        .vertices
+        .iter()
+        .map(|v| {
+            let c = turn * (v - centre);
+            // What would lie behind the camera is far out of the picture all the same.
+            let near = 1.0 / (c.z + distance).max(0.1 * distance);
+            Projected { x: c.x * near, y: c.y * near, near, grey: 0.0 }
+        })
+        .collect();
+    let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
+    for (_, p) in out.iter().enumerate().filter(|(at, _)| hand(*at)) {
+        low = [low[0].min(p.x), low[1].min(p.y)];
+        high = [high[0].max(p.x), high[1].max(p.y)];
     }
+    let zoom = SHARE * SIDE as f32 / (high[0] - low[0]).max(high[1] - low[1]).max(1e-9);
+    let shift = [0, 1].map(|i| 0.5 * (SIDE as f32 - zoom * (low[i] + high[i])));
+    for p in &mut out {
+        (p.x, p.y) = (p.x * zoom + shift[0], p.y * zoom + shift[1]);
+    }
+    (out, zoom / distance)
 }
 
 /// Which square of a view a picture shows.

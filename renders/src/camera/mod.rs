@@ -10,7 +10,7 @@
 mod background;
 mod border;
 mod clutter;
-mod company;
+
 mod lattice;
 mod layers;
 mod light;
@@ -21,9 +21,10 @@ mod palette;
 mod randomised;
 mod scene;
 mod shading;
+
 mod shut;
+
 mod surface;
-mod surface_mesh;
 mod things;
 mod wrist;
 

@@ -7,7 +7,7 @@ use super::lattice::Lattice;
 use super::layers::{Framing, Layers, Texel};
 use super::light::Light;
 use super::optics::{develop, develop_ideally};
-use super::palette::{Rgb, Surroundings, scale};
+use super::palette::{Rgb, scale};
 use super::randomised::Randomised;
 use super::scene::FIRST_OBJECT;
 use super::surface::{Material, Skin};
@@ -19,11 +19,8 @@ const SUPER: usize = 2;
 const WATCH: f64 = 0.4;
 /// How often its strap is nearly black.
 const BLACK: f64 = 0.4;
-/// Materials that are ready for the parts of a thing, and for all that is about it.
-const OF_THING: usize = 3;
-const AROUND: usize = 3;
-/// How often much of what is about a thing has about the hand's colour.
-const LIKE_SKIN: f64 = 0.3;
+/// Materials that are ready for the parts of a thing.
+const MATERIALS: usize = 6;
 
 /// What the masks of a [`Picture`] show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +57,6 @@ struct Surfaces {
     /// Where a watch or the like is worn, from and to, in metres behind the wrist.
     watch: Option<[f32; 2]>,
     strap: Material,
-    /// What the thing is made of, then what is about it.
     things: Vec<Material>,
     light: Light,
     field: Lattice,
@@ -128,13 +124,15 @@ impl Surfaces {
             [from, from + between(rng, [0.012, 0.05]) as f32]
         });
         let material = if randomised.materials { Material::random } else { Material::plain };
-        let skin = if randomised.skin { Skin::random(rng) } else { Skin::even() };
-        let strap = if unit(rng) < BLACK { Material::black(rng) } else { Material::random(rng) };
-        let mut things: Vec<Material> = (0..OF_THING).map(|_| material(rng)).collect();
-        let colours = Surroundings { like: (unit(rng) < LIKE_SKIN).then_some(skin.colour()) };
-        things.extend((0..AROUND).map(|_| Material::around(colours, rng)));
-        let light = if randomised.light { Light::random(rng) } else { Light::even() };
-        Self { skin, cloth, watch, strap, things, light, field: Lattice::random(rng) }
+        Self {
+            skin: if randomised.skin { Skin::random(rng) } else { Skin::even() },
+            cloth,
+            watch,
+            strap: if unit(rng) < BLACK { Material::black(rng) } else { Material::random(rng) },
+            things: (0..MATERIALS).map(|_| material(rng)).collect(),
+            light: if randomised.light { Light::random(rng) } else { Light::even() },
+            field: Lattice::random(rng),
+        }
     }
 
     /// Which of the masks a texel belongs to.
@@ -164,14 +162,8 @@ impl Surfaces {
         let (texel, light, field) = (layers.at(x, y), &self.light, &self.field);
         let shares = light.shares(layers, x, y);
         if texel.is_object() {
-            let material = &self.things[usize::from(texel.part - FIRST_OBJECT) % OF_THING];
+            let material = &self.things[usize::from(texel.part - FIRST_OBJECT) % self.things.len()];
             return material.seen(texel, light, shares, field);
-        }
-        if let Some(number) = texel.material_of_company() {
-            return self.things[number % self.things.len()].seen(texel, light, shares, field);
-        }
-        if let Some(cloth) = self.cloth.as_ref().filter(|_| texel.is_second_far_arm()) {
-            return cloth.seen(texel, light, shares, field);
         }
         match self.cover(texel).filter(|_| texel.is_arm()) {
             Some(material) => material.seen(texel, light, shares, field),
@@ -255,7 +247,6 @@ mod tests {
             arms: false,
             camera: false,
             borders: false,
-            company: false,
         };
         let hand = |randomised, seed| {
             let scene = PosedHand::build(&specs[0]).expect("a scene").dressed(true, randomised, 1);

@@ -23,8 +23,6 @@ pub struct Randomised {
     pub camera: bool,
     /// Where the picture ends within a square around a hand; without, it does not.
     pub borders: bool,
-    /// A second hand and things about the one that is held; without, there is nothing else.
-    pub company: bool,
 }
 
 impl Randomised {
@@ -39,6 +37,5 @@ impl Randomised {
         arms: true,
         camera: true,
         borders: true,
-        company: true,
     };
 }

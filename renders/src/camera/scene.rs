@@ -6,11 +6,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::company::Company;
 use super::marks::{Mark, marks};
 use super::randomised::Randomised;
 use super::shading::smoothed;
-use super::surface_mesh::SurfaceMesh;
 use super::things::dress;
 use super::wrist::Wrist;
 use crate::grasp::PlacedObject;
@@ -31,8 +29,6 @@ const SLEEVED: f64 = 0.45;
 const HAND: u8 = 1;
 const ARM: u8 = 2;
 pub(super) const FIRST_OBJECT: u8 = 3;
-/// Numbers from here on are of what is not the hand's own.
-pub(super) const FIRST_OF_COMPANY: u8 = 64;
 
 /// A posed hand and the plain body that it closes on, meshed once: it can be dressed in many ways.
 #[derive(Debug, Clone)]
@@ -79,47 +75,33 @@ impl PosedHand {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let is_sleeved = unit(&mut rng) < SLEEVED && randomised.arms;
         let width = if is_sleeved { between(&mut rng, SLEEVE) } else { BARE };
+        let arm = arm(&self.shape, &self.cut, ARM_LENGTH, width);
         let wrist = if randomised.arms { Wrist::random(&mut rng) } else { Wrist::STRAIGHT };
-        let mut own = self.with_arm(width, &wrist, [HAND, ARM]);
-        let things_from = own.vertices.len();
-        if is_held {
-            let parts = match randomised.things {
-                true => self.things(&mut rng),
-                false => vec![smoothed(&self.object.mesh())],
-            };
-            for (part, mesh) in parts.iter().enumerate() {
-                own.add(mesh, FIRST_OBJECT.saturating_add(part as u8));
-            }
-        }
-        CameraScene {
-            own,
+        let mut scene = CameraScene {
             hand_vertices: self.hand.vertices.len(),
-            things_from,
-            company: SurfaceMesh::default(),
-            sleeve: is_sleeved.then_some(width),
+            vertices: Vec::new(),
+            places: Vec::new(),
+            marks: self.marks.clone(),
+            normals: Vec::new(),
+            triangles: Vec::new(),
+            is_sleeved,
             randomised,
             world_from_hand: self.world_from_hand,
             hand_length: self.hand_length(),
+        };
+        scene.add(&self.hand, HAND);
+        scene.add(&smoothed(&arm), ARM);
+        scene.bend(&wrist);
+        if is_held {
+            let parts = match randomised.things {
+                true => dress(&self.object, self.largest, &mut rng),
+                false => vec![self.object.mesh()],
+            };
+            for (part, mesh) in parts.iter().enumerate() {
+                scene.add(&smoothed(mesh), FIRST_OBJECT.saturating_add(part as u8));
+            }
         }
-    }
-
-    /// The hand on an arm so much wider than its wrist, which is bent; with the numbers of both.
-    pub(super) fn with_arm(&self, width: f64, wrist: &Wrist, [hand_part, arm_part]: [u8; 2]) -> SurfaceMesh {
-        let mut out = SurfaceMesh::default();
-        out.add_hand(&self.hand, &self.marks, hand_part);
-        out.add(&smoothed(&arm(&self.shape, &self.cut, ARM_LENGTH, width)), arm_part);
-        out.bend(wrist);
-        out
-    }
-
-    /// The parts of a thing that people hold so.
-    pub(super) fn things(&self, rng: &mut ChaCha8Rng) -> Vec<Mesh> {
-        dress(&self.object, self.largest, rng).iter().map(smoothed).collect()
-    }
-
-    /// The middle of the plain body that the hand closes on, in the hand's frame.
-    pub(super) fn holds_at(&self) -> Vector3<f64> {
-        self.object.centre
+        scene
     }
 
     /// Where the hand's joints are.
@@ -133,42 +115,40 @@ impl PosedHand {
     }
 }
 
-/// A posed hand with its arm and what it holds, and what is about it.
+/// A posed hand with its arm and what it holds.
 #[derive(Debug, Clone)]
 pub struct CameraScene {
-    /// The hand, its arm and the thing, in the hand's frame.
-    pub(super) own: SurfaceMesh,
-    /// Its vertices before these are the hand's with what it has of a forearm, and from these on
-    /// the thing's.
+    pub(super) vertices: Vec<Vector3<f32>>,
+    /// The same while the wrist was straight.
+    pub(super) places: Vec<Vector3<f32>>,
+    /// What the skin has at each vertex of the hand.
+    pub(super) marks: Vec<Mark>,
+    /// One unit normal a vertex.
+    pub(super) normals: Vec<Vector3<f32>>,
+    /// Corners, and the part that they are of.
+    pub(super) triangles: Vec<([u32; 3], u8)>,
+    /// Vertices before these are the hand's with what it has of a forearm.
     pub(super) hand_vertices: usize,
-    pub(super) things_from: usize,
-    /// What else there is, in the same frame.
-    pub(super) company: SurfaceMesh,
-    /// How much wider than the wrist the sleeve is on the arm that goes on behind the hand's own
-    /// forearm, if it is in one.
-    sleeve: Option<f64>,
+    /// Whether the arm that goes on behind the hand's own forearm is in a sleeve.
+    pub(super) is_sleeved: bool,
     pub(super) randomised: Randomised,
     pub(super) world_from_hand: UnitQuaternion<f64>,
     pub(super) hand_length: f64,
 }
 
 impl CameraScene {
-    /// The same with what may be about a hand, by `seed`: often nothing, now and then `second`, the
-    /// person's other hand, and things that stand and lie about.
-    pub fn in_company(mut self, second: Option<&PosedHand>, seed: u64) -> Self {
-        if self.randomised.company {
-            self.company = Company::random(&self, second, &mut ChaCha8Rng::seed_from_u64(seed));
+    /// Bends what there is, hand and arm.
+    fn bend(&mut self, wrist: &Wrist) {
+        for (vertex, normal) in self.vertices.iter_mut().zip(&mut self.normals) {
+            wrist.bend(vertex, normal);
         }
-        self
     }
 
-    /// How much wider than the wrist an arm of this person is.
-    pub(super) fn arm_width(&self) -> f64 {
-        self.sleeve.unwrap_or(BARE)
-    }
-
-    /// Whether the arm that goes on behind the hand's own forearm is in a sleeve.
-    pub(super) fn is_sleeved(&self) -> bool {
-        self.sleeve.is_some()
+    fn add(&mut self, mesh: &Mesh, part: u8) {
+        let offset = self.vertices.len() as u32;
+        self.vertices.extend(&mesh.vertices);
+        self.places.extend(&mesh.vertices);
+        self.normals.extend(&mesh.normals);
+        self.triangles.extend(mesh.triangles.iter().map(|corners| (corners.map(|c| c + offset), part)));
     }
 }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use super::lattice::Lattice;
 use super::layers::Texel;
 use super::light::{Light, Shares};
-use super::palette::{self, Rgb, Surroundings, mix, scale, times};
+use super::palette::{self, Rgb, mix, scale, times};
 use crate::random::{between, normal, unit};
 
 /// What a material's colour follows.
@@ -76,18 +76,6 @@ impl Material {
             polish: between(rng, [4.0, 60.0]) as f32,
             metal: if unit(rng) < 0.12 { between(rng, [0.3, 0.9]) as f32 } else { 0.0 },
         }
-    }
-
-    /// Of what is about a thing.
-    pub(super) fn around(colours: Surroundings, rng: &mut ChaCha8Rng) -> Self {
-        let first = if unit(rng) < 0.5 { colours.any(rng) } else { colours.muted(rng) };
-        // Most surfaces are of one colour, lighter here and darker there.
-        let mut other = || match unit(rng) < 0.6 {
-            true => scale(first, between(rng, [0.45, 1.5]) as f32),
-            false => colours.any(rng),
-        };
-        let colours = [first, other(), other()];
-        Self { colours, ..Self::random(rng) }
     }
 
     /// Of a thing, in one colour, matt.

@@ -20,10 +20,6 @@ const IN_SIGHT: f64 = 0.8;
 /// grasp, in grasps that have such ways.
 const PRESENTED: f64 = 0.4;
 const ALIKE: f64 = 0.22;
-/// How often a person's other hand is near the one that is asked about.
-const SECOND: f64 = 0.2;
-/// How far from a scene's number the number is of that whose hand is its second.
-const SECOND_FROM: u64 = 1 << 40;
 /// Distances of the camera, in hand lengths.
 const DISTANCE: [f64; 2] = [2.0, 8.0];
 /// What the thing in the hand looks like is drawn by another seed than the hand.
@@ -96,16 +92,11 @@ impl Views {
         }
         let stage = spec.stage;
         let hand = PosedHand::build(&spec)?;
-        let has_second = unit(&mut rng) < SECOND && self.randomised.company && !is_cut_out;
-        let second = if has_second { Some(self.second(number, &spec)?) } else { None };
         let joints = Arc::new(Joints::new(hand.joints(), hand.hand_length()));
         let class = (!is_empty).then_some(class);
         let view = |rng: &mut ChaCha8Rng| {
             let distance = between(rng, DISTANCE);
-            let mut scene = hand.dressed(is_held, self.randomised, rng.next_u64());
-            if !is_cut_out {
-                scene = scene.in_company(second.as_ref(), rng.next_u64());
-            }
+            let scene = hand.dressed(is_held, self.randomised, rng.next_u64());
             SceneView {
                 layers: scene.layers(&seen_from(&spec, is_presented, rng), distance),
                 class,
@@ -115,13 +106,6 @@ impl Views {
             }
         };
         Ok((0..views).map(|_| view(&mut rng)).collect())
-    }
-
-    /// The other hand of the person of a numbered scene, posed as in another scene.
-    fn second(&self, number: u64, first: &SceneSpec) -> anyhow::Result<PosedHand> {
-        let DrawnScene { spec, .. } = self.scenes.scene(number.wrapping_add(SECOND_FROM));
-        let (hand_shape, hand_model) = (Arc::clone(&first.hand_shape), first.hand_model.clone());
-        Ok(PosedHand::build(&SceneSpec { hand_shape, hand_model, ..spec })?)
     }
 
     /// Without the thing, hands that hold something up are all one grasp: none of those is cut out.

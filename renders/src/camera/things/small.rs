@@ -1,4 +1,4 @@
-//! What finger tips pick up: bulbs, plugs, pens, glasses, cards, pegs, bottles by their caps.
+//! What finger tips pick up: bulbs, plugs, pens, glasses, cards.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -16,23 +16,23 @@ impl Thing {
         // So far out of the fingers, along z.
         let along = |far: f64| Isometry3::from_parts(Translation3::from(out * far), turn);
         match unit(rng) {
-            x if x < 0.13 => self.bulb(r, &along(0.0), rng),
-            x if x < 0.25 => self.pen(r, &along(0.0), rng),
-            x if x < 0.36 => {
+            x if x < 0.14 => self.bulb(r, &along(0.0), rng),
+            x if x < 0.28 => self.pen(r, &along(0.0), rng),
+            x if x < 0.40 => {
                 let size = [between(rng, [0.015, 0.045]), 2.0 * r, between(rng, [0.02, 0.06])];
                 self.plug(size, &along(0.35 * size[2]), rng);
             }
             // A die, a plug's adapter: as wide as the fingers are apart.
-            x if x < 0.46 => {
+            x if x < 0.52 => {
                 let size = [2.1 * r, 2.1 * r * between(rng, [0.8, 1.2]), 2.1 * r * between(rng, [0.8, 1.4])];
                 self.plug(size, &along(between(rng, [-0.1, 0.35]) * size[2]), rng);
             }
-            x if x < 0.53 => {
+            x if x < 0.60 => {
                 let size = [between(rng, [0.04, 0.09]), 0.003, between(rng, [0.04, 0.12])];
                 self.add(Of::Body, &Lathe::cuboid(size), along(0.42 * size[2]));
             }
-            x if x < 0.65 => self.glasses(&out, rng),
-            x if x < 0.73 => {
+            x if x < 0.74 => self.glasses(&out, rng),
+            x if x < 0.83 => {
                 // Scissors by one blade or ring.
                 for side in [-1.0, 1.0] {
                     let spread = turn * V::x() * (side * 0.02);
@@ -42,48 +42,12 @@ impl Thing {
                     self.add_ring(Of::Body, &ring, [0.018; 2], 0.004);
                 }
             }
-            x if x < 0.80 => {
+            x if x < 0.91 => {
                 let tall = between(rng, [0.6, 1.6]);
                 self.add(Of::Body, &Lathe { aspect: [1.0, tall], ..Lathe::ball(r) }, along(0.0));
             }
-            x if x < 0.89 => self.peg(r, &along(0.0), rng),
-            x if x < 0.95 => self.by_its_cap(r, &along(0.0), rng),
             _ => self.add(Of::Body, &Lathe::cylinder(r, between(rng, [0.01, 0.05])), along(0.0)),
         }
-    }
-
-    /// A peg, a chess piece, a stick of glue, by its upper end.
-    fn peg(&mut self, r: f64, place: &Isometry3<f64>, rng: &mut ChaCha8Rng) {
-        let (long, held) = (between(rng, [0.035, 0.12]), between(rng, [0.1, 0.45]));
-        let squareness = if unit(rng) < 0.3 { 1.0 } else { 0.0 };
-        let body = Lathe { squareness, ..Lathe::cylinder(r, long) };
-        self.add(Of::Body, &body, place * at_height((0.5 - held) * long));
-        match unit(rng) {
-            x if x < 0.3 => {
-                let (wide, high) = (r * between(rng, [1.2, 2.2]), between(rng, [0.004, 0.02]));
-                self.add(Of::Trim, &Lathe::cylinder(wide, high), place * at_height((1.0 - held) * long));
-            }
-            x if x < 0.5 => {
-                let band = Lathe { squareness, ..Lathe::cylinder(1.02 * r, 0.3 * long) };
-                self.add(Of::Trim, &band, place * at_height((0.7 - held) * long));
-            }
-            _ => {}
-        }
-    }
-
-    /// A bottle or a tube by its cap, or the cap alone.
-    fn by_its_cap(&mut self, r: f64, place: &Isometry3<f64>, rng: &mut ChaCha8Rng) {
-        let (high, wide) = (between(rng, [0.008, 0.03]), r * between(rng, [1.2, 3.0]));
-        self.add(Of::Trim, &Lathe::cylinder(r, high), *place);
-        if unit(rng) < 0.25 {
-            return;
-        }
-        let (from, shoulder) = (0.5 * high, 0.5 * high + between(rng, [0.003, 0.03]));
-        let end = shoulder + between(rng, [0.03, 0.16]);
-        // The other end of a tube is flat.
-        let flat = if unit(rng) < 0.25 { [1.0, between(rng, [0.2, 0.6])] } else { [1.0; 2] };
-        let profile = vec![[0.0, from], [0.8 * r, from], [wide, shoulder], [wide, end], [0.0, end]];
-        self.add(Of::Body, &Lathe { aspect: flat, ..Lathe::round(profile) }, *place);
     }
 
     /// By its base: a pear, a reflector or a bent tube above it.
