@@ -22,6 +22,9 @@ const SEED: u64 = 7;
 const VARIANCE: f64 = 0.96;
 /// The same where entries are known by their codes alone.
 const VARIANCE_OF_ALL: f64 = 0.995;
+/// Fewer axes than that save little of a scan, and what they leave out is then made good by scanning
+/// and measuring more (docs/search.md).
+const FEWEST_AXES: usize = 64;
 /// More axes than that make a scan slower than the exact distances that they save.
 const WANTED_AXES: usize = 256;
 
@@ -101,7 +104,7 @@ pub(crate) fn fit(rows: Rows<'_>, keeps_descriptors: bool) -> FittedAxes {
         held >= wanted * total
     });
     let enough = enough.map_or(dim, |at| at + 1).next_multiple_of(16);
-    let count = enough.min(dim.next_multiple_of(4)).min(WANTED_AXES.min(MAX_AXES));
+    let count = enough.max(FEWEST_AXES).min(dim.next_multiple_of(4)).min(WANTED_AXES.min(MAX_AXES));
     let mut projection = vec![0.0; (dim + 1) * count];
     for (axis, &at) in order.iter().take(count).enumerate() {
         let direction = eigenvectors.column(at);
@@ -189,10 +192,10 @@ mod tests {
 
     #[test]
     fn axes_hold_what_is_not_measured_again_and_no_more_than_up_to_a_block() {
-        const DIM: usize = 96;
+        const DIM: usize = 160;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        // Of value `at`, the spread is 0.96 to the power of its number, and the variance the square.
-        let spread = |at: usize| 0.96f32.powi(at as i32);
+        // Of value `at`, the spread is 0.98 to the power of its number, and the variance the square.
+        let spread = |at: usize| 0.98f32.powi(at as i32);
         let values: Vec<f32> =
             (0..4_000 * DIM).map(|at| spread(at % DIM) * rng.random_range(-1.0..1.0f32)).collect();
         let rows = Rows { values: &values, dim: DIM };
@@ -206,5 +209,16 @@ mod tests {
                 "{count} for {wanted}"
             );
         }
+    }
+
+    #[test]
+    fn there_are_some_axes_even_where_few_hold_it_all() {
+        let axes = |dim: usize| {
+            // All vary along the first three.
+            let row = |at: usize| (0..dim).map(move |d| if d < 3 { (at * (d + 7) % 11) as f32 } else { 0.0 });
+            let values: Vec<f32> = (0..500).flat_map(row).collect();
+            fit(Rows { values: &values, dim }, true).count
+        };
+        assert_eq!([axes(84), axes(50), axes(30)], [FEWEST_AXES, 52, 32]);
     }
 }
