@@ -31,6 +31,7 @@ impl Scene {
         let sides = [Side::Right, Side::Left];
         let mut eye = Eye::new(picture);
         let mut prediction = Prediction::of_square(networks, &mut eye, &square, &sides, POWERS);
+        prediction.add_cut_out(networks, &mut Eye::of_cut_out(picture, hand), &square, &sides);
         prediction.add_thing(networks, &mut eye, &found.squares_of_thing(), &sides);
         prediction.right_odds += found.right_odds;
         prediction.arm_odds = arm::right_odds(square.turn);

@@ -10,6 +10,9 @@ const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 /// How much the network counts that finds hands; the rest is that of the network that has learned
 /// to name them. Chosen on pictures of two hands (docs/trials.md).
 const FINDING: f64 = 0.4;
+/// How much it counts what they see of the grasp where all but the hand is black, beside what they
+/// see of it where it is.
+const CUT_OUT: f64 = 0.3;
 /// How much the network counts beside both that looks at what is held: of the stage, and of the
 /// grasp where the thing is held for certain.
 const THING_OF_STAGE: f64 = 0.4;
@@ -59,13 +62,29 @@ impl Prediction {
         sides: &[Side],
         powers: Powers,
     ) -> Self {
-        let naming = networks.naming();
-        let voices = [(networks.finding(), FINDING), (naming, 1.0 - FINDING)];
-        let named = looks(eye, std::slice::from_ref(square), sides, &voices);
+        let named = looks(eye, (&[*square], &LOOKS), sides, &voices(networks));
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
-        Self { right_odds, arm_odds: 0.0, grasps: naming.grasps.clone(), powers, by_side, stages_by_side }
+        let grasps = networks.naming().grasps.clone();
+        Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side }
+    }
+
+    /// Joins what both see of the grasp in the same square through an eye that sees the hand alone:
+    /// what lies about a hand is never what it was in the scenes that they have learned from.
+    pub(super) fn add_cut_out(
+        &mut self,
+        networks: &Networks,
+        eye: &mut Eye<'_>,
+        square: &Square,
+        sides: &[Side],
+    ) {
+        let seen = looks(eye, (&[*square], &LOOKS[..1]), sides, &voices(networks));
+        for (logs, seen) in self.by_side.iter_mut().zip(seen) {
+            let seen = normalised(&seen.grasps);
+            logs.iter_mut().zip(seen).for_each(|(log, seen)| *log += CUT_OUT * (seen - *log));
+            *logs = normalised(logs);
+        }
     }
 
     /// Joins what is seen in squares around what the hand holds, the more the likelier it is that the
@@ -77,7 +96,7 @@ impl Prediction {
         squares: &[Square],
         sides: &[Side],
     ) {
-        let seen = looks(eye, squares, sides, &[(networks.things(), 1.0)]);
+        let seen = looks(eye, (squares, &LOOKS), sides, &[(networks.things(), 1.0)]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -115,19 +134,24 @@ impl Prediction {
     }
 }
 
+/// Who names the grasp, and how much each counts.
+fn voices(networks: &Networks) -> [(&SceneNetwork, f64); 2] {
+    [(networks.finding(), FINDING), (networks.naming(), 1.0 - FINDING)]
+}
+
 /// What networks, each of which counts so much, see in squares of a right and of a left hand, where
-/// these are asked about: the mean of all looks.
+/// these are asked about, each square turned and enlarged in some ways: the mean of all looks.
 fn looks(
     eye: &mut Eye<'_>,
-    squares: &[Square],
+    (squares, ways): (&[Square], &[(f64, f64)]),
     sides: &[Side],
     voices: &[(&SceneNetwork, f64)],
 ) -> [Named; 2] {
     let grasps = voices.first().map_or(0, |(network, _)| network.grasps.len());
     let mut named = [Named::new(grasps), Named::new(grasps)];
-    let looks = squares.iter().flat_map(|square| LOOKS.map(|look| (square, look)));
-    let share_of_look = 1.0 / (squares.len() * LOOKS.len()) as f64;
-    for (square, (turn, size)) in looks {
+    let looks = squares.iter().flat_map(|square| ways.iter().map(move |way| (square, way)));
+    let share_of_look = 1.0 / (squares.len() * ways.len()) as f64;
+    for (square, &(turn, size)) in looks {
         eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
         for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
             if side == Side::Left {

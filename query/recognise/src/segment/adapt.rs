@@ -26,6 +26,9 @@ pub struct AdaptParams {
     pub prior: f32,
     /// The published model's log-odds lie within plus and minus this.
     pub trust: f32,
+    /// The same where something else has seen the hand, too: wood that has the colour of skin is
+    /// then not taken for it for certain.
+    pub trust_beside_seen: f32,
     /// How much of a colour cast is taken out, 0 (none) to 1 (white becomes white).
     pub cast: f32,
     /// How strongly the middle of the picture is preferred when pixels are counted: see
@@ -62,17 +65,18 @@ impl Default for AdaptParams {
             gamma: 0.2,
             prior: 1.5,
             trust: 3.0,
+            trust_beside_seen: 2.0,
             cast: 0.7,
             centre: 3.0,
             decision: 4.0,
-            seen_first: 0.3,
+            seen_first: 1.0,
             seen: 0.1,
-            doubt: 5e-4,
+            doubt: 2e-4,
             near: 3.0,
             off: 0.5,
             most_off: 2.0,
             reach: 10.0,
-            edge: 60.0,
+            edge: 30.0,
         }
     }
 }
@@ -93,10 +97,11 @@ pub struct Odds {
 pub fn log_odds(picture: &Picture, params: &AdaptParams, seen: Option<&[f32]>) -> Odds {
     let (width, height) = (picture.width(), picture.height());
     let light = Light::of(picture, params.cast);
+    let trust = if seen.is_some() { params.trust_beside_seen } else { params.trust };
     let published = picture
         .rgb()
         .iter()
-        .map(|&rgb| (skin::log_odds(light.correct(rgb)) + params.prior).clamp(-params.trust, params.trust));
+        .map(|&rgb| (skin::log_odds(light.correct(rgb)) + params.prior).clamp(-trust, trust));
     let trained: Vec<f32> = match seen {
         None => published.collect(),
         Some(seen) => published.zip(seen).map(|(skin, seen)| skin + params.seen_first * seen).collect(),
