@@ -195,6 +195,7 @@ impl Named {
 mod tests {
     use super::*;
     use crate::picture::Picture;
+    use crate::segment::Mask;
 
     #[test]
     fn what_is_held_changes_the_grasps_of_the_hands_that_are_asked_about_and_not_which_hand_it_is() {
@@ -216,6 +217,27 @@ mod tests {
         for side in [Side::Right, Side::Left] {
             assert!((with.probabilities(side).iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_hand_that_is_cut_out_changes_its_grasps_and_not_which_hand_it_is() {
+        let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
+        let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
+        let places: Vec<usize> = (0..64 * 64).collect();
+        let hand = Mask::from_values(64, 64, &places, |at| (16..48).contains(&(at % 64)) && at / 64 > 20);
+        let (networks, mut eye) = (Networks::default(), Eye::of_cut_out(&picture, &hand));
+        let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
+        let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
+        let before =
+            Prediction::of_square(&networks, &mut Eye::new(&picture), &square, &[Side::Right], powers);
+        let mut joined = before.clone();
+        joined.add_cut_out(&networks, &mut eye, &square, &[Side::Right]);
+        assert_eq!((joined.right_odds, joined.stages_by_side), (before.right_odds, before.stages_by_side));
+        assert_ne!(joined.probabilities(Side::Right), before.probabilities(Side::Right));
+        for (is, was) in joined.probabilities(Side::Left).iter().zip(before.probabilities(Side::Left)) {
+            assert!((is - was).abs() < 1e-12, "{is} {was}");
+        }
+        assert!((joined.probabilities(Side::Right).iter().sum::<f64>() - 1.0).abs() < 1e-9);
     }
 
     /// A hand that is a pinch if it is a right one, and a lid's if it is a left one.

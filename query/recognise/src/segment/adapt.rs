@@ -192,4 +192,17 @@ mod tests {
         assert!(odds.placed[60] < odds.colour[60] - 1.0);
         assert!(odds.placed[32 * 64 + 32] > odds.placed[60]);
     }
+
+    #[test]
+    fn a_wall_of_the_colour_of_skin_is_no_hand_where_something_else_has_seen_the_hand() {
+        let picture = patch([200, 140, 110], [165, 105, 80]);
+        let (hand, wall) = (32 * 64 + 32, 5 * 64 + 32);
+        assert!(skin::log_odds(picture.rgb()[wall]) > 1.0);
+        let seen: Vec<f32> =
+            picture.rgb().iter().map(|rgb| if *rgb == picture.rgb()[hand] { 3.0 } else { -3.0 }).collect();
+        let [alone, beside] = [None, Some(seen.as_slice())]
+            .map(|seen| log_odds(&picture, &AdaptParams::default(), seen).placed);
+        assert!(alone[wall] > 0.0, "by colour the wall is skin: {}", alone[wall]);
+        assert!(beside[hand] > 1.0 && beside[wall] < -1.0, "{} {}", beside[hand], beside[wall]);
+    }
 }
