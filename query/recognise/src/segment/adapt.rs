@@ -194,15 +194,17 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_of_the_colour_of_skin_is_no_hand_where_something_else_has_seen_the_hand() {
-        let picture = patch([200, 140, 110], [165, 105, 80]);
-        let (hand, wall) = (32 * 64 + 32, 5 * 64 + 32);
-        assert!(skin::log_odds(picture.rgb()[wall]) > 1.0);
-        let seen: Vec<f32> =
-            picture.rgb().iter().map(|rgb| if *rgb == picture.rgb()[hand] { 3.0 } else { -3.0 }).collect();
-        let [alone, beside] = [None, Some(seen.as_slice())]
-            .map(|seen| log_odds(&picture, &AdaptParams::default(), seen).placed);
-        assert!(alone[wall] > 0.0, "by colour the wall is skin: {}", alone[wall]);
-        assert!(beside[hand] > 1.0 && beside[wall] < -1.0, "{} {}", beside[hand], beside[wall]);
+    fn a_box_of_the_colour_of_skin_is_no_hand_where_something_else_has_seen_the_hand() {
+        let is_hand = |at: usize| at % 64 < 16;
+        let wood = patch([165, 105, 80], [90, 130, 90]);
+        let rgb = wood.rgb().iter().enumerate();
+        let rgb = rgb.map(|(at, &rgb)| if is_hand(at) { [200, 140, 110] } else { rgb }).collect();
+        let picture = Picture::new(64, 64, rgb).unwrap();
+        let seen: Vec<f32> = (0..64 * 64).map(|at| if is_hand(at) { 3.0 } else { -3.0 }).collect();
+        let of = |seen| log_odds(&picture, &AdaptParams::default(), seen).placed;
+        let (hand, wood) = (32 * 64 + 8, 32 * 64 + 32);
+        assert!(of(None)[wood] > 1.0, "by colour it is skin: {}", of(None)[wood]);
+        let beside = of(Some(seen.as_slice()));
+        assert!(beside[hand] > 1.0 && beside[wood] < -1.0, "{} {}", beside[hand], beside[wood]);
     }
 }
