@@ -22,8 +22,8 @@ const SEED: u64 = 7;
 const VARIANCE: f64 = 0.96;
 /// The same where entries are known by their codes alone.
 const VARIANCE_OF_ALL: f64 = 0.995;
-/// Fewer axes than that save little of a scan, and what they leave out is then made good by scanning
-/// and measuring more (docs/search.md).
+/// Fewer axes than that save little of a scan, and what they leave out is then made good by
+/// scanning and measuring more (docs/search.md).
 const FEWEST_AXES: usize = 64;
 /// More axes than that make a scan slower than the exact distances that they save.
 const WANTED_AXES: usize = 256;
@@ -194,7 +194,7 @@ mod tests {
     fn axes_hold_what_is_not_measured_again_and_no_more_than_up_to_a_block() {
         const DIM: usize = 160;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        // Of value `at`, the spread is 0.98 to the power of its number, and the variance the square.
+        // Of value `at`, the spread is 0.98 to the power of its number, and the variance its square.
         let spread = |at: usize| 0.98f32.powi(at as i32);
         let values: Vec<f32> =
             (0..4_000 * DIM).map(|at| spread(at % DIM) * rng.random_range(-1.0..1.0f32)).collect();

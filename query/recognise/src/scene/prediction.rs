@@ -10,8 +10,9 @@ const LOOKS: [(f64, f64); 3] = [(0.0, 1.0), (0.22, 1.12), (-0.22, 0.92)];
 /// How much the network counts that finds hands; the rest is that of the network that has learned
 /// to name them. Chosen on pictures of two hands (docs/trials.md).
 const FINDING: f64 = 0.4;
-/// How much it counts what they see of the grasp where all but the hand is black, beside what they
-/// see of it where it is.
+/// How much the grasp counts that both see in a look at the hand alone, all else black; the rest is
+/// that of the looks at the picture. Chosen on pictures of two hands before other backgrounds
+/// (docs/trials.md).
 const CUT_OUT: f64 = 0.3;
 /// How much the network counts beside both that looks at what is held: of the stage, and of the
 /// grasp where the thing is held for certain.
@@ -62,7 +63,7 @@ impl Prediction {
         sides: &[Side],
         powers: Powers,
     ) -> Self {
-        let named = looks(eye, (&[*square], &LOOKS), sides, &voices(networks));
+        let named = looks(eye, &[*square], &LOOKS, sides, &voices(networks));
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
         let by_side = named.map(|named| normalised(&named.grasps));
@@ -70,8 +71,9 @@ impl Prediction {
         Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side }
     }
 
-    /// Joins what both see of the grasp in the same square through an eye that sees the hand alone:
-    /// what lies about a hand is never what it was in the scenes that they have learned from.
+    /// Joins what the scene and the naming network see of the grasp in the same square through an
+    /// eye on the hand cut out ([`Eye::of_cut_out`]): backgrounds differ from those that they have
+    /// learned from, black does not.
     pub(super) fn add_cut_out(
         &mut self,
         networks: &Networks,
@@ -79,7 +81,7 @@ impl Prediction {
         square: &Square,
         sides: &[Side],
     ) {
-        let seen = looks(eye, (&[*square], &LOOKS[..1]), sides, &voices(networks));
+        let seen = looks(eye, &[*square], &LOOKS[..1], sides, &voices(networks));
         for (logs, seen) in self.by_side.iter_mut().zip(seen) {
             let seen = normalised(&seen.grasps);
             logs.iter_mut().zip(seen).for_each(|(log, seen)| *log += CUT_OUT * (seen - *log));
@@ -96,7 +98,7 @@ impl Prediction {
         squares: &[Square],
         sides: &[Side],
     ) {
-        let seen = looks(eye, (squares, &LOOKS), sides, &[(networks.things(), 1.0)]);
+        let seen = looks(eye, squares, &LOOKS, sides, &[(networks.things(), 1.0)]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -134,7 +136,7 @@ impl Prediction {
     }
 }
 
-/// Who names the grasp, and how much each counts.
+/// The networks that name the grasp of a hand, and how much each counts.
 fn voices(networks: &Networks) -> [(&SceneNetwork, f64); 2] {
     [(networks.finding(), FINDING), (networks.naming(), 1.0 - FINDING)]
 }
@@ -143,7 +145,8 @@ fn voices(networks: &Networks) -> [(&SceneNetwork, f64); 2] {
 /// these are asked about, each square turned and enlarged in some ways: the mean of all looks.
 fn looks(
     eye: &mut Eye<'_>,
-    (squares, ways): (&[Square], &[(f64, f64)]),
+    squares: &[Square],
+    ways: &[(f64, f64)],
     sides: &[Side],
     voices: &[(&SceneNetwork, f64)],
 ) -> [Named; 2] {
@@ -197,18 +200,24 @@ mod tests {
     use crate::picture::Picture;
     use crate::segment::Mask;
 
+    const SQUARE: Square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
+    const POWERS: Powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
+
+    /// A picture of 64 x 64 pixels of many shades.
+    fn shaded() -> Picture {
+        let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
+        Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap()
+    }
+
     #[test]
     fn what_is_held_changes_the_grasps_of_the_hands_that_are_asked_about_and_not_which_hand_it_is() {
-        let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
-        let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
+        let picture = shaded();
         let (networks, mut eye) = (Networks::default(), Eye::new(&picture));
-        let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
-        let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
-        let without = Prediction::of_square(&networks, &mut eye, &square, &[Side::Right], powers);
+        let without = Prediction::of_square(&networks, &mut eye, &SQUARE, &[Side::Right], POWERS);
         let mut with = without.clone();
         with.add_thing(&networks, &mut eye, &[], &[Side::Right]);
         assert_eq!(with.probabilities(Side::Right), without.probabilities(Side::Right));
-        with.add_thing(&networks, &mut eye, &[Square { side: 30.0, ..square }], &[Side::Right]);
+        with.add_thing(&networks, &mut eye, &[Square { side: 30.0, ..SQUARE }], &[Side::Right]);
         assert_eq!(with.right_odds, without.right_odds);
         assert_ne!(with.probabilities(Side::Right), without.probabilities(Side::Right));
         for (is, was) in with.probabilities(Side::Left).iter().zip(without.probabilities(Side::Left)) {
@@ -221,17 +230,14 @@ mod tests {
 
     #[test]
     fn a_hand_that_is_cut_out_changes_its_grasps_and_not_which_hand_it_is() {
-        let shade = |at: usize| [at % 64 * 3, at / 64 * 2, at % 7 * 9].map(|v| v as u8);
-        let picture = Picture::new(64, 64, (0..64 * 64).map(shade).collect()).unwrap();
+        let picture = shaded();
         let places: Vec<usize> = (0..64 * 64).collect();
         let hand = Mask::from_values(64, 64, &places, |at| (16..48).contains(&(at % 64)) && at / 64 > 20);
         let (networks, mut eye) = (Networks::default(), Eye::of_cut_out(&picture, &hand));
-        let square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
-        let powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
         let before =
-            Prediction::of_square(&networks, &mut Eye::new(&picture), &square, &[Side::Right], powers);
+            Prediction::of_square(&networks, &mut Eye::new(&picture), &SQUARE, &[Side::Right], POWERS);
         let mut joined = before.clone();
-        joined.add_cut_out(&networks, &mut eye, &square, &[Side::Right]);
+        joined.add_cut_out(&networks, &mut eye, &SQUARE, &[Side::Right]);
         assert_eq!((joined.right_odds, joined.stages_by_side), (before.right_odds, before.stages_by_side));
         assert_ne!(joined.probabilities(Side::Right), before.probabilities(Side::Right));
         for (is, was) in joined.probabilities(Side::Left).iter().zip(before.probabilities(Side::Left)) {
@@ -246,7 +252,7 @@ mod tests {
             right_odds,
             arm_odds: 0.0,
             grasps: vec!["pinch".to_owned(), "precision-disc".to_owned()],
-            powers: Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 },
+            powers: POWERS,
             by_side: [[0.8, 0.1, 0.1], [0.2, 0.7, 0.1]].map(|of| of.map(libm::log).to_vec()),
             stages_by_side: [[0.0; STAGES]; 2],
         }
