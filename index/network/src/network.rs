@@ -160,7 +160,7 @@ impl Network {
             Weights::Floats(packed) => packed,
             Weights::Integers { network, .. } => return network.run(scratch, input),
         };
-        scratch.fit(&self.layers, &[]);
+        scratch.fit(&self.layers, &[], false);
         let buffers = &mut scratch.buffers;
         buffers.set_input(input);
         for (at, layer) in packed.iter().enumerate() {

@@ -1,8 +1,7 @@
 //! The inner loops in integers, by the instructions of a path.
 
-use super::kernel::{self, by_floats, compute};
-use super::packed::{PackedIntegers, Quads, Weights};
-use crate::lanes::Lanes;
+use super::kernel::{self, compute};
+use super::packed::PackedIntegers;
 use crate::path::{Level, Path};
 
 /// Integers that stand for values, and what each of them counts.
@@ -11,7 +10,7 @@ pub(super) enum Integers<'a> {
     /// For instructions that sum products of bytes.
     Bytes(&'a [u8], f32),
     /// For all others.
-    Floats(&'a [f32], f32),
+    Words(&'a [i16], f32),
 }
 
 /// Whether a path has instructions that sum products of bytes.
@@ -23,34 +22,25 @@ pub(super) fn sums_bytes(path: Path) -> bool {
     }
 }
 
-/// Computes a layer whose weights were packed for this path; see [`compute`].
+/// Computes a layer; see [`compute`].
 pub(super) fn run(path: Path, layer: &PackedIntegers, input: Integers<'_>, output: &mut [f32]) {
-    match (path.level(), &layer.weights, input) {
+    match (path.level(), input) {
         // SAFETY: the level says that the processor has the instructions: only `Path::available`,
         // which asked it, makes one.
         #[cfg(target_arch = "x86_64")]
-        (Level::Avx512Vnni, Weights::Quads(quads), Integers::Bytes(bytes, unit)) => unsafe {
-            avx512_vnni(layer, quads, bytes, unit, output)
+        (Level::Avx512Vnni, Integers::Bytes(bytes, unit)) => unsafe {
+            avx512_vnni(layer, bytes, unit, output)
         },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        (Level::AvxVnni, Weights::Quads(quads), Integers::Bytes(bytes, unit)) => unsafe {
-            avx_vnni(layer, quads, bytes, unit, output)
-        },
-        // SAFETY: as above.
+        (Level::AvxVnni, Integers::Bytes(bytes, unit)) => unsafe { avx_vnni(layer, bytes, unit, output) },
+        // SAFETY: as above; what has AVX-512 has AVX2.
         #[cfg(target_arch = "x86_64")]
-        (Level::Avx512, Weights::Rows(rows), Integers::Floats(floats, unit)) => unsafe {
-            avx512_integers(layer, rows, floats, unit, output)
+        (Level::Avx512 | Level::Avx2, Integers::Words(words, unit)) => unsafe {
+            avx2_words(layer, words, unit, output)
         },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        (Level::Avx2, Weights::Rows(rows), Integers::Floats(floats, unit)) => unsafe {
-            avx2_integers(layer, rows, floats, unit, output)
-        },
-        (_, Weights::Rows(rows), Integers::Floats(floats, unit)) => {
-            portable_integers(layer, rows, floats, unit, output)
-        }
-        _ => unreachable!("weights and values are packed as the path takes them"),
+        (Level::Portable, Integers::Words(words, unit)) => portable_words(layer, words, unit, output),
+        _ => unreachable!("values are rounded as the path takes them"),
     }
 }
 
@@ -67,16 +57,16 @@ pub(super) fn to_bytes(path: Path, values: &[f32], bytes: &mut [u8]) -> f32 {
     }
 }
 
-/// Rounds values to integers where they are, and returns what each counts; see [`kernel::round`].
-pub(super) fn round(path: Path, values: &mut [f32]) -> f32 {
+/// The same, as words; see [`kernel::to_words`].
+pub(super) fn to_words(path: Path, values: &[f32], words: &mut [i16]) -> f32 {
     match path.level() {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512Vnni | Level::Avx512 => unsafe { avx512_round(values) },
+        Level::Avx512Vnni | Level::Avx512 => unsafe { avx512_to_words(values, words) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::AvxVnni | Level::Avx2 => unsafe { avx2_round(values) },
-        Level::Portable => kernel::round(values),
+        Level::AvxVnni | Level::Avx2 => unsafe { avx2_to_words(values, words) },
+        Level::Portable => kernel::to_words(values, words),
     }
 }
 
@@ -84,35 +74,24 @@ pub(super) fn round(path: Path, values: &mut [f32]) -> f32 {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vnni")]
-fn avx512_vnni(layer: &PackedIntegers, quads: &[Quads], input: &[u8], unit: f32, output: &mut [f32]) {
-    let sums = |quads: &[Quads], starts| kernel::vnni(layer, quads, input, starts);
-    compute::<8, _>(layer, quads, unit, output, sums);
+fn avx512_vnni(layer: &PackedIntegers, input: &[u8], unit: f32, output: &mut [f32]) {
+    compute::<8>(layer, unit, output, |quads, starts| kernel::vnni(layer, quads, input, starts));
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,avxvnni")]
-fn avx_vnni(layer: &PackedIntegers, quads: &[Quads], input: &[u8], unit: f32, output: &mut [f32]) {
-    let sums = |quads: &[Quads], starts| kernel::vnni_256(layer, quads, input, starts);
-    compute::<3, _>(layer, quads, unit, output, sums);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn avx512_integers(layer: &PackedIntegers, rows: &[Lanes], input: &[f32], unit: f32, output: &mut [f32]) {
-    let sums = |rows: &[Lanes], starts| by_floats(layer, rows, input, starts);
-    compute::<4, _>(layer, rows, unit, output, sums);
+fn avx_vnni(layer: &PackedIntegers, input: &[u8], unit: f32, output: &mut [f32]) {
+    compute::<3>(layer, unit, output, |quads, starts| kernel::vnni_256(layer, quads, input, starts));
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2_integers(layer: &PackedIntegers, rows: &[Lanes], input: &[f32], unit: f32, output: &mut [f32]) {
-    let sums = |rows: &[Lanes], starts| by_floats(layer, rows, input, starts);
-    compute::<2, _>(layer, rows, unit, output, sums);
+fn avx2_words(layer: &PackedIntegers, input: &[i16], unit: f32, output: &mut [f32]) {
+    compute::<2>(layer, unit, output, |quads, starts| kernel::words_256(layer, quads, input, starts));
 }
 
-fn portable_integers(layer: &PackedIntegers, rows: &[Lanes], input: &[f32], unit: f32, output: &mut [f32]) {
-    let sums = |rows: &[Lanes], starts| by_floats(layer, rows, input, starts);
-    compute::<2, _>(layer, rows, unit, output, sums);
+fn portable_words(layer: &PackedIntegers, input: &[i16], unit: f32, output: &mut [f32]) {
+    compute::<2>(layer, unit, output, |quads, starts| kernel::words(layer, quads, input, starts));
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -129,12 +108,12 @@ fn avx2_to_bytes(values: &[f32], bytes: &mut [u8]) -> f32 {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
-fn avx512_round(values: &mut [f32]) -> f32 {
-    kernel::round(values)
+fn avx512_to_words(values: &[f32], words: &mut [i16]) -> f32 {
+    kernel::to_words(values, words)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2_round(values: &mut [f32]) -> f32 {
-    kernel::round(values)
+fn avx2_to_words(values: &[f32], words: &mut [i16]) -> f32 {
+    kernel::to_words(values, words)
 }

@@ -6,34 +6,37 @@ use std::arch::x86_64::*;
 #[cfg(target_arch = "x86_64")]
 use std::mem::transmute;
 
+use wide::{i8x16, i16x16, i32x8};
+
 use super::packed::{PackedIntegers, Quads, TOGETHER};
-use super::rounding::{nearest, nearest_byte};
+use super::rounding::{nearest_byte, nearest_word};
 use crate::kernel::rectify;
-use crate::lanes::Lanes;
 use crate::layer::LANES;
 
 /// The largest integer that stands for a value.
 const LARGEST_VALUE: f32 = 255.0;
-/// Inputs whose products are summed as floats: sums of so many integers, each below 2^15, stay
-/// below 2^24, to which floats are exact.
-const EXACT: usize = 512;
+/// Outputs whose weights, as words, fill a vector of 32 bytes.
+const OF_VECTOR: usize = 4;
+/// Vectors of sums a pixel that are kept at once where products of words are summed: two pixels
+/// have their sums, values, weights and products in 16 registers.
+const AT_ONCE: usize = 4;
+/// The outputs of so many vectors.
+const PART: usize = AT_ONCE * OF_VECTOR;
 
-/// Computes a layer, `PIXELS` of its pixels at a time. `weights` are [`Quads`] or rows of
-/// [`Lanes`], so many for each block of outputs; `sums` takes a block's and the places where
-/// windows start, and returns the sums of products.
+/// Computes a layer, `PIXELS` of its pixels at a time; `sums` takes the weights of a block of
+/// outputs and the places where windows start, and returns the sums of products.
 ///
 /// `output` has the border that the layer was packed for; only the pixels inside it are written.
 /// `unit` is what the input's integers count.
 #[inline(always)]
-pub(super) fn compute<const PIXELS: usize, W>(
+pub(super) fn compute<const PIXELS: usize>(
     layer: &PackedIntegers,
-    weights: &[W],
     unit: f32,
     output: &mut [f32],
-    sums: impl Fn(&[W], [usize; PIXELS]) -> [[i32; LANES]; PIXELS],
+    sums: impl Fn(&[Quads], [usize; PIXELS]) -> [[i32; LANES]; PIXELS],
 ) {
     // A layer has an output at least, and an output an input.
-    let blocks = weights.chunks_exact(weights.len() / layer.scales.len());
+    let blocks = layer.weights.chunks_exact(layer.weights.len() / layer.scales.len());
     for ((weights, scales), first) in blocks.zip(&layer.scales).zip((0..).step_by(LANES)) {
         let width = LANES.min(layer.outputs - first);
         let units = scales.units.map(|of_weights| unit * of_weights);
@@ -58,63 +61,104 @@ fn scaled(sums: [i32; LANES], units: &[f32; LANES], biases: &[f32; LANES]) -> [f
     values
 }
 
-/// The sums by floats, which are exact: see [`EXACT`].
-#[inline(always)]
-#[expect(clippy::needless_range_loop, reason = "as in the loops over floats")]
-pub(super) fn by_floats<const PIXELS: usize>(
-    layer: &PackedIntegers,
-    rows: &[Lanes],
-    input: &[f32],
-    starts: [usize; PIXELS],
-) -> [[i32; LANES]; PIXELS] {
-    let mut sums = [[0; LANES]; PIXELS];
-    let (mut exact, mut summed) = ([[0.0f32; LANES]; PIXELS], 0);
-    for (y, rows) in rows.chunks_exact(layer.row_length).enumerate() {
-        for (part, rows) in rows.chunks(EXACT).enumerate() {
-            summed += rows.len();
-            if summed > EXACT {
-                add(&mut sums, &exact);
-                (exact, summed) = ([[0.0; LANES]; PIXELS], rows.len());
-            }
-            let from = y * layer.row_step + part * EXACT;
-            let windows: [&[f32]; PIXELS] =
-                std::array::from_fn(|pixel| &input[starts[pixel] + from..][..rows.len()]);
-            for (at, weights) in rows.iter().enumerate() {
-                for pixel in 0..PIXELS {
-                    let value = windows[pixel][at];
-                    for lane in 0..LANES {
-                        exact[pixel][lane] += value * weights.0[lane];
-                    }
-                }
-            }
-        }
-    }
-    add(&mut sums, &exact);
-    sums
-}
-
-/// Adds sums that are exact as floats.
-#[inline(always)]
-fn add<const PIXELS: usize>(sums: &mut [[i32; LANES]; PIXELS], exact: &[[f32; LANES]; PIXELS]) {
-    for (sum, exact) in sums.as_flattened_mut().iter_mut().zip(exact.as_flattened()) {
-        *sum += *exact as i32;
-    }
-}
-
 /// The rows of the windows that start at `starts`, in fours of values, with the weights of each.
-#[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn fours<'a, const PIXELS: usize>(
+fn fours<'a, T, const PIXELS: usize>(
     layer: &PackedIntegers,
     quads: &'a [Quads],
-    input: &'a [u8],
+    input: &'a [T],
     starts: [usize; PIXELS],
-) -> impl Iterator<Item = (&'a [Quads], [&'a [[u8; TOGETHER]]; PIXELS])> {
+) -> impl Iterator<Item = (&'a [Quads], [&'a [[T; TOGETHER]]; PIXELS])> {
     let (length, step) = (layer.row_length, layer.row_step);
     quads.chunks_exact(length / TOGETHER).enumerate().map(move |(y, weights)| {
         let window = |pixel| input[starts[pixel] + y * step..][..length].as_chunks().0;
         (weights, std::array::from_fn(window))
     })
+}
+
+/// The weights of [`OF_VECTOR`] outputs, from this one on.
+#[inline(always)]
+fn vector_of(quads: &Quads, first: usize) -> [[i8; TOGETHER]; OF_VECTOR] {
+    std::array::from_fn(|lane| quads.0[first + lane])
+}
+
+/// The sums by products of words, in pairs, on any processor. An output has two sums: of its first
+/// two and of its last two inputs of each four.
+#[inline(always)]
+pub(super) fn words<const PIXELS: usize>(
+    layer: &PackedIntegers,
+    quads: &[Quads],
+    input: &[i16],
+    starts: [usize; PIXELS],
+) -> [[i32; LANES]; PIXELS] {
+    let mut all = [[0; LANES]; PIXELS];
+    for first in (0..LANES).step_by(PART) {
+        let mut sums = [[i32x8::ZERO; AT_ONCE]; PIXELS];
+        for (quads, windows) in fours(layer, quads, input, starts) {
+            for (at, quads) in quads.iter().enumerate() {
+                let values = windows.map(|window| i16x16::from(repeated(window[at])));
+                for vector in 0..AT_ONCE {
+                    let weights: i8x16 = bytemuck::cast(vector_of(quads, first + vector * OF_VECTOR));
+                    let weights = i16x16::from_i8x16(weights);
+                    for pixel in 0..PIXELS {
+                        sums[pixel][vector] += values[pixel].dot(weights);
+                    }
+                }
+            }
+        }
+        for (all, sums) in all.iter_mut().zip(sums) {
+            add_pairs(bytemuck::cast(sums), &mut all[first..]);
+        }
+    }
+    all
+}
+
+/// The same by vectors of 32 bytes.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn words_256<const PIXELS: usize>(
+    layer: &PackedIntegers,
+    quads: &[Quads],
+    input: &[i16],
+    starts: [usize; PIXELS],
+) -> [[i32; LANES]; PIXELS] {
+    let mut all = [[0; LANES]; PIXELS];
+    for first in (0..LANES).step_by(PART) {
+        let mut sums = [[_mm256_setzero_si256(); AT_ONCE]; PIXELS];
+        for (quads, windows) in fours(layer, quads, input, starts) {
+            for (at, quads) in quads.iter().enumerate() {
+                let mut values = [_mm256_setzero_si256(); PIXELS];
+                for pixel in 0..PIXELS {
+                    values[pixel] = _mm256_set1_epi64x(bytemuck::cast(windows[pixel][at]));
+                }
+                for vector in 0..AT_ONCE {
+                    let weights: __m128i = bytemuck::cast(vector_of(quads, first + vector * OF_VECTOR));
+                    let weights = _mm256_cvtepi8_epi16(weights);
+                    for pixel in 0..PIXELS {
+                        let products = _mm256_madd_epi16(values[pixel], weights);
+                        sums[pixel][vector] = _mm256_add_epi32(sums[pixel][vector], products);
+                    }
+                }
+            }
+        }
+        for (all, sums) in all.iter_mut().zip(sums) {
+            add_pairs(bytemuck::cast(sums), &mut all[first..]);
+        }
+    }
+    all
+}
+
+/// Four values, again and again.
+#[inline(always)]
+fn repeated(values: [i16; TOGETHER]) -> [i16; 16] {
+    std::array::from_fn(|at| values[at % TOGETHER])
+}
+
+/// Adds the two sums of each output.
+#[inline(always)]
+fn add_pairs(sums: [[i32; 2]; PART], to: &mut [i32]) {
+    to.iter_mut().zip(sums).for_each(|(to, [first, last])| *to = first + last);
 }
 
 /// The sums by instructions that multiply four bytes by four others and add all to a sum.
@@ -207,12 +251,12 @@ pub(super) fn to_bytes(values: &[f32], bytes: &mut [u8]) -> f32 {
     scale.unit
 }
 
-/// The same, where the values are.
+/// The same, as words.
 #[inline(always)]
-pub(super) fn round(values: &mut [f32]) -> f32 {
+pub(super) fn to_words(values: &[f32], words: &mut [i16]) -> f32 {
     let scale = Scale::of(values);
-    for value in values {
-        *value = nearest(*value * scale.of_values);
+    for (word, value) in words.iter_mut().zip(values) {
+        *word = nearest_word(*value * scale.of_values);
     }
     scale.unit
 }

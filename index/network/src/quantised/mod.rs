@@ -58,9 +58,9 @@ fn is_rounded(architecture: &Architecture, layers: &[Layer]) -> Vec<bool> {
 }
 
 /// How a layer is computed.
-fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool], in_bytes: bool) -> Step {
+fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool]) -> Step {
     match reads_integers(layer.source, is_rounded) {
-        true => Step::Integers(PackedIntegers::new(layer, in_bytes)),
+        true => Step::Integers(PackedIntegers::new(layer)),
         false => Step::Floats(Packed::new(layer)),
     }
 }
@@ -81,7 +81,7 @@ impl QuantisedNetwork {
         Self::read(bytes, Path::best())
     }
 
-    /// The same, computed by these instructions: they say how weights are laid out.
+    /// The same, computed by these instructions.
     pub(crate) fn read(bytes: &[u8], path: Path) -> Result<Self, ReadError> {
         let Contents { architecture, layers, weights, .. } = file::decode(bytes)?;
         Ok(Self::new(architecture, layers, weights, path)?)
@@ -95,8 +95,7 @@ impl QuantisedNetwork {
         path: Path,
     ) -> Result<Self, WeightsError> {
         let is_rounded = is_rounded(&architecture, &layers);
-        let in_bytes = dispatch::sums_bytes(path);
-        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded, in_bytes))?;
+        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded))?;
         Ok(Self { architecture, layers, steps, is_rounded, path })
     }
 
@@ -112,8 +111,8 @@ impl QuantisedNetwork {
     /// Where `input` has another length.
     pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
         let in_bytes = dispatch::sums_bytes(self.path);
-        scratch.fit(&self.layers, &self.is_rounded);
-        let Scratch { buffers, bytes, units, .. } = scratch;
+        scratch.fit(&self.layers, &self.is_rounded, in_bytes);
+        let Scratch { buffers, bytes, words, units, .. } = scratch;
         buffers.set_input(input);
         for (at, step) in self.steps.iter().enumerate() {
             let source = self.architecture.source(at).map_or(0, |source| source + 1);
@@ -124,7 +123,7 @@ impl QuantisedNetwork {
                 Step::Integers(layer) => {
                     let input = match in_bytes {
                         true => Integers::Bytes(&bytes[source], units[source]),
-                        false => Integers::Floats(&before[source], units[source]),
+                        false => Integers::Words(&words[source], units[source]),
                     };
                     dispatch::run(self.path, layer, input, output);
                 }
@@ -132,7 +131,7 @@ impl QuantisedNetwork {
             if self.is_rounded[at + 1] {
                 units[at + 1] = match in_bytes {
                     true => dispatch::to_bytes(self.path, output, &mut bytes[at + 1]),
-                    false => dispatch::round(self.path, output),
+                    false => dispatch::to_words(self.path, output, &mut words[at + 1]),
                 };
             }
         }

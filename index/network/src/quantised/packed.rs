@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::rounding::{nearest, nearest_byte};
+use super::rounding::nearest_byte;
 use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer, Rectifier};
 use crate::pixels::{Borders, Pixel, pixels};
@@ -21,19 +21,11 @@ const MOST_INPUTS: usize = i32::MAX as usize / (255 * 127);
 #[repr(C, align(64))]
 pub(super) struct Quads(pub(super) [[i8; TOGETHER]; LANES]);
 
-/// A layer's integer weights, in blocks of outputs; those past the last are 0.
-#[derive(Clone, Debug)]
-pub(super) enum Weights {
-    /// `[block][y, x, input in fours]`, for instructions that sum products of bytes.
-    Quads(Cow<'static, [Quads]>),
-    /// `[block][y, x, input]`, as floats, for all others.
-    Rows(Vec<Lanes>),
-}
-
 /// A layer's weights as integers, and where its pixels lie.
 #[derive(Clone, Debug)]
 pub(super) struct PackedIntegers {
-    pub(super) weights: Weights,
+    /// `[block][y, x, input in fours]`; those of outputs past the last are 0.
+    pub(super) weights: Cow<'static, [Quads]>,
     /// For each block of outputs, what follows its sums.
     pub(super) scales: Vec<Scales>,
     /// Values of a window that lie together.
@@ -61,23 +53,28 @@ impl PackedIntegers {
         layer.input_planes.is_multiple_of(TOGETHER) && layer.inputs() <= MOST_INPUTS
     }
 
-    /// Rounds the weights of a layer, to be multiplied `in_bytes` or as floats.
-    pub(super) fn new(unpacked: &mut Unpacked<'_>, in_bytes: bool) -> Self {
+    /// Rounds the weights of a layer.
+    pub(super) fn new(unpacked: &mut Unpacked<'_>) -> Self {
         let (layer, borders) = (unpacked.layer, unpacked.borders);
         let blocks = layer.output_planes.div_ceil(LANES);
         let mut scales = Vec::with_capacity(blocks);
-        let mut weights = Weights::with_room(blocks * layer.inputs(), in_bytes);
+        let mut weights = Vec::with_capacity(blocks * layer.inputs() / TOGETHER);
         unpacked.for_each_block(|block| {
             let (biases, matrix) = block.split_first().expect("a block begins with its biases");
             let units = units(matrix);
-            weights.extend(matrix, inverse(&units));
+            weights.extend(quads(matrix, inverse(&units)));
             scales.push(Scales { units, biases: biases.0 });
         });
-        Self::of_blocks(weights, scales, layer, borders)
+        Self::of_blocks(Cow::Owned(weights), scales, layer, borders)
     }
 
     /// A layer whose weights lie as they shall, with the scales of each block.
-    pub(super) fn of_blocks(weights: Weights, scales: Vec<Scales>, layer: &Layer, borders: Borders) -> Self {
+    pub(super) fn of_blocks(
+        weights: Cow<'static, [Quads]>,
+        scales: Vec<Scales>,
+        layer: &Layer,
+        borders: Borders,
+    ) -> Self {
         Self {
             weights,
             scales,
@@ -86,33 +83,6 @@ impl PackedIntegers {
             outputs: layer.output_planes,
             pixels: pixels(layer, borders),
             rectifier: layer.rectifier,
-        }
-    }
-}
-
-impl Weights {
-    /// Integers that lie in fours, to be multiplied `in_bytes` or as floats.
-    pub(super) fn of_quads(quads: Cow<'static, [Quads]>, in_bytes: bool) -> Self {
-        if in_bytes {
-            return Self::Quads(quads);
-        }
-        let row = |quads: &Quads, input: usize| Lanes(quads.0.map(|integers| f32::from(integers[input])));
-        Self::Rows(quads.iter().flat_map(|quads| (0..TOGETHER).map(move |input| row(quads, input))).collect())
-    }
-
-    /// None yet, with room for so many rows of a block.
-    fn with_room(rows: usize, in_bytes: bool) -> Self {
-        match in_bytes {
-            true => Self::Quads(Cow::Owned(Vec::with_capacity(rows / TOGETHER))),
-            false => Self::Rows(Vec::with_capacity(rows)),
-        }
-    }
-
-    /// Adds a block's rows, a unit of whose weights is so many integers.
-    fn extend(&mut self, matrix: &[Lanes], scale: [f32; LANES]) {
-        match self {
-            Self::Quads(weights) => weights.to_mut().extend(quads(matrix, scale)),
-            Self::Rows(weights) => weights.extend(rows(matrix, scale)),
         }
     }
 }
@@ -143,9 +113,4 @@ fn quads(matrix: &[Lanes], scale: [f32; LANES]) -> impl Iterator<Item = Quads> {
         }
         Quads(words.map(|word| word.to_le_bytes().map(u8::cast_signed)))
     })
-}
-
-/// The rows of a block's inputs as integers.
-fn rows(matrix: &[Lanes], scale: [f32; LANES]) -> impl Iterator<Item = Lanes> {
-    matrix.iter().map(move |row| Lanes(std::array::from_fn(|lane| nearest(row.0[lane] * scale[lane]))))
 }

@@ -1,8 +1,8 @@
 //! Networks whose weights are integers before a program starts.
 //!
-//! Whoever carries a network in a program prepares it while the program is compiled. Where a
-//! processor sums products of bytes, the weights then stay where they lie: a process that answers
-//! one question rounds none and asks for no memory for them.
+//! Whoever carries a network in a program prepares it while the program is compiled. The weights
+//! then stay where they lie: a process that answers one question rounds none and asks for no memory
+//! for them.
 //!
 //! | part, each from the next multiple of 64 bytes on | |
 //! |---|---|
@@ -12,8 +12,8 @@
 
 use std::borrow::Cow;
 
-use super::packed::{PackedIntegers, Quads, Scales, TOGETHER, Weights};
-use super::{QuantisedNetwork, Step, dispatch, is_rounded, reads_integers, step};
+use super::packed::{PackedIntegers, Quads, Scales, TOGETHER};
+use super::{QuantisedNetwork, Step, is_rounded, reads_integers, step};
 use crate::file::{self, Contents, Shape};
 use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer};
@@ -34,7 +34,7 @@ impl QuantisedNetwork {
     pub fn prepare(bytes: &[u8]) -> Result<Vec<u8>, ReadError> {
         let Contents { architecture, layers, weights, .. } = file::decode(bytes)?;
         let is_rounded = is_rounded(&architecture, &layers);
-        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded, true))?;
+        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded))?;
         let mut prepared = file::encode(&architecture, Arithmetic::Integers, &[]);
         for step in &steps {
             match step {
@@ -42,9 +42,7 @@ impl QuantisedNetwork {
                     append(&mut prepared, bytes_of(layer.weights().iter().map(|row| row.0)))
                 }
                 Step::Integers(layer) => {
-                    if let Weights::Quads(quads) = &layer.weights {
-                        append(&mut prepared, bytemuck::cast_slice(quads).iter().copied());
-                    }
+                    append(&mut prepared, bytemuck::cast_slice(&layer.weights).iter().copied());
                     let scales = layer.scales.iter().flat_map(|scales| [scales.units, scales.biases]);
                     append(&mut prepared, bytes_of(scales));
                 }
@@ -64,13 +62,12 @@ impl QuantisedNetwork {
         let head = parts.take(usize::try_from(file::length(bytes)?).unwrap_or(usize::MAX))?;
         let Shape { architecture, layers, .. } = file::shape(head)?;
         let is_rounded = is_rounded(&architecture, &layers);
-        let in_bytes = dispatch::sums_bytes(path);
         let mut steps = Vec::with_capacity(layers.len());
         for (at, layer) in layers.iter().enumerate() {
             let source = architecture.source(at);
             let borders = Borders::of_layer(&layers, at, source);
             steps.push(match reads_integers(source, &is_rounded) {
-                true => Step::Integers(parts.integers(layer, borders, in_bytes)?),
+                true => Step::Integers(parts.integers(layer, borders)?),
                 false => Step::Floats(parts.floats(layer, borders)?),
             });
         }
@@ -124,12 +121,7 @@ impl Parts {
     }
 
     /// A layer that is computed in integers.
-    fn integers(
-        &mut self,
-        layer: &Layer,
-        borders: Borders,
-        in_bytes: bool,
-    ) -> Result<PackedIntegers, ReadError> {
+    fn integers(&mut self, layer: &Layer, borders: Borders) -> Result<PackedIntegers, ReadError> {
         let blocks = layer.output_planes.div_ceil(LANES);
         let bytes = self.take(blocks * layer.inputs() / TOGETHER * size_of::<Quads>())?;
         let quads = match bytemuck::try_cast_slice(bytes) {
@@ -139,6 +131,6 @@ impl Parts {
         let mut rows = self.rows(2 * blocks)?;
         let mut next = || rows.next().unwrap_or_default();
         let scales = (0..blocks).map(|_| Scales { units: next(), biases: next() }).collect();
-        Ok(PackedIntegers::of_blocks(Weights::of_quads(quads, in_bytes), scales, layer, borders))
+        Ok(PackedIntegers::of_blocks(quads, scales, layer, borders))
     }
 }

@@ -4,10 +4,10 @@
 /// and leaves it, in two's complement, in the lowest bits.
 const SIZE: f32 = 12_582_912.0;
 
-/// The integer nearest to a value between -2^22 and 2^22.
+/// The integer nearest to a value between -2^15 and 2^15.
 #[inline(always)]
-pub(super) fn nearest(value: f32) -> f32 {
-    (value + SIZE) - SIZE
+pub(super) fn nearest_word(value: f32) -> i16 {
+    (value + SIZE).to_bits() as i16
 }
 
 /// The lowest byte of that integer, in two's complement.
@@ -25,9 +25,9 @@ mod tests {
         for (value, integer) in
             [(0.0, 0), (0.49, 0), (0.5, 0), (1.5, 2), (2.5, 2), (126.51, 127), (254.5, 254)]
         {
-            assert_eq!(nearest(value), f32::from(u8::try_from(integer).unwrap()));
+            assert_eq!(nearest_word(value), integer);
             assert_eq!(nearest_byte(value), integer as u8);
-            assert_eq!(nearest(-value), -f32::from(u8::try_from(integer).unwrap()));
+            assert_eq!(nearest_word(-value), -integer);
             assert_eq!(nearest_byte(-value).cast_signed(), (-integer) as i8);
         }
     }
