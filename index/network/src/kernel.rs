@@ -21,7 +21,11 @@ pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output
         for group in layer.pixels.chunks(PIXELS) {
             // A last group that is smaller computes its last pixel several times.
             let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
-            let sums = sums::<PIXELS>(layer, block, input, starts);
+            // What fills the last block is computed where the outputs fill more than half of it.
+            let sums = match width {
+                ..=HALF => sums::<PIXELS, HALF>(layer, block, input, starts),
+                _ => sums::<PIXELS, LANES>(layer, block, input, starts),
+            };
             for (pixel, sums) in group.iter().zip(sums) {
                 let values = rectify(sums, layer.rectifier);
                 output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
@@ -30,10 +34,14 @@ pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output
     }
 }
 
-/// The sums of one block of outputs, for the windows that start at `starts` in `input`.
+/// Half of a block's outputs.
+const HALF: usize = LANES / 2;
+
+/// The sums of the first `WIDTH` outputs of a block, for the windows that start at `starts` in
+/// `input`.
 #[inline(always)]
 #[expect(clippy::needless_range_loop, reason = "iterators become scalar instructions here")]
-fn sums<const PIXELS: usize>(
+fn sums<const PIXELS: usize, const WIDTH: usize>(
     layer: &Packed,
     block: &[Lanes],
     input: &[f32],
@@ -49,7 +57,7 @@ fn sums<const PIXELS: usize>(
                 // An indexed loop of this length becomes vector instructions that keep the sums in
                 // registers. A zip or 16 lanes became scalar ones, up to nine times slower: run
                 // examples/speed.rs after a change.
-                for lane in 0..LANES {
+                for lane in 0..WIDTH {
                     sums[pixel][lane] += value * weights.0[lane];
                 }
             }

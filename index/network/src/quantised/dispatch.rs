@@ -75,23 +75,27 @@ pub(super) fn to_words(path: Path, values: &[f32], words: &mut [i16]) -> f32 {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vnni")]
 fn avx512_vnni(layer: &PackedIntegers, input: &[u8], unit: f32, output: &mut [f32]) {
-    compute::<8>(layer, unit, output, |quads, starts| kernel::vnni(layer, quads, input, starts));
+    compute::<8>(layer, unit, output, |quads, _, starts| kernel::vnni(layer, quads, input, starts));
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,avxvnni")]
 fn avx_vnni(layer: &PackedIntegers, input: &[u8], unit: f32, output: &mut [f32]) {
-    compute::<3>(layer, unit, output, |quads, starts| kernel::vnni_256(layer, quads, input, starts));
+    compute::<3>(layer, unit, output, |quads, _, starts| kernel::vnni_256(layer, quads, input, starts));
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2_words(layer: &PackedIntegers, input: &[i16], unit: f32, output: &mut [f32]) {
-    compute::<2>(layer, unit, output, |quads, starts| kernel::words_256(layer, quads, input, starts));
+    compute::<2>(layer, unit, output, |quads, width, starts| {
+        kernel::words_256(layer, quads, width, input, starts)
+    });
 }
 
 fn portable_words(layer: &PackedIntegers, input: &[i16], unit: f32, output: &mut [f32]) {
-    compute::<2>(layer, unit, output, |quads, starts| kernel::words(layer, quads, input, starts));
+    compute::<2>(layer, unit, output, |quads, width, starts| {
+        kernel::words(layer, quads, width, input, starts)
+    });
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -24,7 +24,8 @@ const AT_ONCE: usize = 4;
 const PART: usize = AT_ONCE * OF_VECTOR;
 
 /// Computes a layer, `PIXELS` of its pixels at a time; `sums` takes the weights of a block of
-/// outputs and the places where windows start, and returns the sums of products.
+/// outputs, how many of them there are and the places where windows start, and returns the sums of
+/// products, of which so many are used.
 ///
 /// `output` has the border that the layer was packed for; only the pixels inside it are written.
 /// `unit` is what the input's integers count.
@@ -33,7 +34,7 @@ pub(super) fn compute<const PIXELS: usize>(
     layer: &PackedIntegers,
     unit: f32,
     output: &mut [f32],
-    sums: impl Fn(&[Quads], [usize; PIXELS]) -> [[i32; LANES]; PIXELS],
+    sums: impl Fn(&[Quads], usize, [usize; PIXELS]) -> [[i32; LANES]; PIXELS],
 ) {
     // A layer has an output at least, and an output an input.
     let blocks = layer.weights.chunks_exact(layer.weights.len() / layer.scales.len());
@@ -43,7 +44,7 @@ pub(super) fn compute<const PIXELS: usize>(
         for group in layer.pixels.chunks(PIXELS) {
             // A last group that is smaller computes its last pixel several times.
             let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
-            for (pixel, sums) in group.iter().zip(sums(weights, starts)) {
+            for (pixel, sums) in group.iter().zip(sums(weights, width, starts)) {
                 let values = rectify(scaled(sums, &units, &scales.biases), layer.rectifier);
                 output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
             }
@@ -82,17 +83,18 @@ fn vector_of(quads: &Quads, first: usize) -> [[i8; TOGETHER]; OF_VECTOR] {
     std::array::from_fn(|lane| quads.0[first + lane])
 }
 
-/// The sums by products of words, in pairs, on any processor. An output has two sums: of its first
-/// two and of its last two inputs of each four.
+/// The sums of the first `width` outputs by products of words, in pairs, on any processor. An output
+/// has two sums: of its first two and of its last two inputs of each four.
 #[inline(always)]
 pub(super) fn words<const PIXELS: usize>(
     layer: &PackedIntegers,
     quads: &[Quads],
+    width: usize,
     input: &[i16],
     starts: [usize; PIXELS],
 ) -> [[i32; LANES]; PIXELS] {
     let mut all = [[0; LANES]; PIXELS];
-    for first in (0..LANES).step_by(PART) {
+    for first in (0..width).step_by(PART) {
         let mut sums = [[i32x8::ZERO; AT_ONCE]; PIXELS];
         for (quads, windows) in fours(layer, quads, input, starts) {
             for (at, quads) in quads.iter().enumerate() {
@@ -120,11 +122,12 @@ pub(super) fn words<const PIXELS: usize>(
 pub(super) fn words_256<const PIXELS: usize>(
     layer: &PackedIntegers,
     quads: &[Quads],
+    width: usize,
     input: &[i16],
     starts: [usize; PIXELS],
 ) -> [[i32; LANES]; PIXELS] {
     let mut all = [[0; LANES]; PIXELS];
-    for first in (0..LANES).step_by(PART) {
+    for first in (0..width).step_by(PART) {
         let mut sums = [[_mm256_setzero_si256(); AT_ONCE]; PIXELS];
         for (quads, windows) in fours(layer, quads, input, starts) {
             for (at, quads) in quads.iter().enumerate() {
