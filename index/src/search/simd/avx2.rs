@@ -1,52 +1,41 @@
-//! AVX2: codes are widened to 16 bits, so that products of two axes can be added in one instruction
-//! without loss.
+//! AVX2. Codes of half a byte are multiplied as bytes, and products are summed in 16 bits for as long
+//! as they fit; codes of a byte are widened to 16 bits, so that products of two axes can be added in
+//! one instruction without loss.
 
 use super::portable;
-use crate::search::blocks::{Blocks, CodeBits, LANES, QuantisedQuery};
+use crate::search::blocks::{Blocks, CodeBits, LANES, Precision, QuantisedQuery};
 use crate::search::distance;
+use half::f16;
+use half::slice::HalfFloatSliceExt as _;
 use std::arch::x86_64::{
-    __m128i, __m256, __m256i, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_and_si128, _mm_cvtss_f32, _mm_loadu_ps,
-    _mm_loadu_si128, _mm_movehl_ps, _mm_mul_ps, _mm_set1_epi8, _mm_setzero_ps, _mm_shuffle_ps,
-    _mm_srli_epi16, _mm_sub_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_castps256_ps128, _mm256_cmp_ps,
-    _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_extractf128_ps, _mm256_hadd_epi32, _mm256_loadu_ps,
-    _mm256_madd_epi16, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute4x64_epi64, _mm256_set1_epi32,
-    _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256, _mm256_storeu_ps,
-    _mm256_sub_epi32, _mm256_sub_ps,
+    __m128i, __m256, __m256i, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32, _mm_loadl_epi64,
+    _mm_loadu_ps, _mm_loadu_si128, _mm_movehl_ps, _mm_mul_ps, _mm_setzero_ps, _mm_shuffle_ps, _mm_sub_ps,
+    _mm256_add_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256, _mm256_castps256_ps128,
+    _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_cvtepu8_epi32, _mm256_cvtph_ps,
+    _mm256_extractf128_ps, _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16,
+    _mm256_maddubs_epi16, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute4x64_epi64, _mm256_set1_epi8,
+    _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps,
+    _mm256_setzero_si256, _mm256_srli_epi16, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32,
+    _mm256_sub_ps,
 };
 
-#[target_feature(enable = "avx2")]
+/// Groups whose products are summed in 16 bits: two pairs of products each, of which one is at most
+/// 15 * 128.
+const GROUPS_IN_WORDS: usize = 4;
+const _: () = assert!(GROUPS_IN_WORDS * 2 * 2 * 15 * 128 <= i16::MAX as usize);
+
+#[target_feature(enable = "avx2,f16c,popcnt")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let (factor, base) = (_mm256_set1_ps(factor), _mm256_set1_ps(base));
     let bias = _mm256_set1_epi32(query.bias(run.bits()));
     for (block, into) in run.iter().zip(into.as_chunks_mut::<LANES>().0) {
-        // Each register holds four vectors, two sums of two axes each.
-        let mut sums = [_mm256_setzero_si256(); 4];
-        let groups = block.codes.as_chunks::<{ 4 * LANES }>().0.iter();
-        let values = query.values.as_chunks::<4>().0;
-        match run.bits() {
-            CodeBits::Four => {
-                let lower = _mm_set1_epi8(15);
-                for (codes, &[low, high]) in groups.zip(values.as_chunks::<2>().0) {
-                    for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
-                        let codes = load(codes);
-                        let upper = _mm_srli_epi16::<4>(codes);
-                        *sum = add_products(*sum, _mm_and_si128(codes, lower), low);
-                        *sum = add_products(*sum, _mm_and_si128(upper, lower), high);
-                    }
-                }
-            }
-            CodeBits::Eight => {
-                for (codes, &four) in groups.zip(values) {
-                    for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
-                        *sum = add_products(*sum, load(codes), four);
-                    }
-                }
-            }
-        }
+        let dots = match (run.bits(), query.precision) {
+            (CodeBits::Four, Precision::Fine) => dots_of_halves::<true>(block.codes, query),
+            (CodeBits::Four, Precision::Coarse) => dots_of_halves::<false>(block.codes, query),
+            (CodeBits::Eight, _) => dots_of_bytes(block.codes, query),
+        };
         let halves = into.as_chunks_mut::<8>().0.iter_mut().zip(block.scalars.as_chunks::<8>().0);
-        for ((scores, scalars), pair) in halves.zip(sums.as_chunks::<2>().0) {
-            // Adding neighbours leaves vectors 0 1 4 5 2 3 6 7: put them in order.
-            let dots = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_hadd_epi32(pair[0], pair[1]));
+        for ((scores, scalars), dots) in halves.zip(dots) {
             let dots = _mm256_cvtepi32_ps(_mm256_sub_epi32(dots, bias));
             // SAFETY: the scalars are an array of eight f32; an unaligned load takes any address.
             let scalars = unsafe { _mm256_loadu_ps(scalars.as_ptr()) };
@@ -57,37 +46,124 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
     }
 }
 
+/// Dot products of the sixteen vectors of a block, whose codes are half a byte: as in AVX-512, by
+/// the high and, of a fine query, the `LOW` bytes of the query's values.
+#[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn near(scores: &[f32], bound: f32, into: &mut Vec<u32>) {
-    let bound = _mm256_set1_ps(bound);
-    into.clear();
-    for (start, scores) in (0u32..).step_by(8).zip(scores.as_chunks::<8>().0) {
-        // SAFETY: the scores are an array of eight f32; an unaligned load takes any address.
-        let scores = unsafe { _mm256_loadu_ps(scores.as_ptr()) };
-        let mut mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(scores, bound)) as u8;
-        while mask != 0 {
-            into.push(start + mask.trailing_zeros());
-            mask &= mask - 1;
+fn dots_of_halves<const LOW: bool>(codes: &[u8], query: &QuantisedQuery) -> [__m256i; 2] {
+    let lower = _mm256_set1_epi8(15);
+    let (high_unit, low_unit) = (_mm256_set1_epi16(128), _mm256_set1_epi16(1));
+    // The first eight vectors, and the others.
+    let mut dots = [_mm256_setzero_si256(); 2];
+    let codes = codes.as_chunks::<{ 4 * LANES }>().0.chunks(GROUPS_IN_WORDS);
+    let high = query.high.as_chunks::<8>().0.chunks(GROUPS_IN_WORDS);
+    let low = query.low.as_chunks::<8>().0.chunks(GROUPS_IN_WORDS);
+    for ((codes, high), low) in codes.zip(high).zip(low) {
+        // Of each vector the sums of its first two and of its last two axes of four.
+        let mut sums = [[_mm256_setzero_si256(); 2]; 2];
+        for ((codes, high), low) in codes.iter().zip(high).zip(low) {
+            let (high, low) = (fours(*high), fours(*low));
+            for (sums, codes) in sums.iter_mut().zip(codes.as_chunks::<32>().0) {
+                let codes = load(codes);
+                let upper = _mm256_and_si256(_mm256_srli_epi16::<4>(codes), lower);
+                for (half, codes) in [_mm256_and_si256(codes, lower), upper].into_iter().enumerate() {
+                    sums[0] = _mm256_add_epi16(sums[0], _mm256_maddubs_epi16(codes, high[half]));
+                    if LOW {
+                        sums[1] = _mm256_add_epi16(sums[1], _mm256_maddubs_epi16(codes, low[half]));
+                    }
+                }
+            }
+        }
+        for (dots, [high, low]) in dots.iter_mut().zip(sums) {
+            *dots = _mm256_add_epi32(*dots, _mm256_madd_epi16(high, high_unit));
+            if LOW {
+                *dots = _mm256_add_epi32(*dots, _mm256_madd_epi16(low, low_unit));
+            }
         }
     }
+    dots
 }
 
-/// Adds the products of four axes of four vectors and the query's four values.
+/// The same of codes that are bytes.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn add_products(sums: __m256i, codes: __m128i, values: [i16; 4]) -> __m256i {
-    let values = _mm256_set1_epi64x(bytemuck::cast(values));
-    _mm256_add_epi32(sums, _mm256_madd_epi16(_mm256_cvtepu8_epi16(codes), values))
+fn dots_of_bytes(codes: &[u8], query: &QuantisedQuery) -> [__m256i; 2] {
+    // Each register holds four vectors, two sums of two axes each.
+    let mut sums = [_mm256_setzero_si256(); 4];
+    for (codes, &four) in codes.as_chunks::<{ 4 * LANES }>().0.iter().zip(query.values.as_chunks::<4>().0) {
+        let values = _mm256_set1_epi64x(bytemuck::cast(four));
+        for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<16>().0) {
+            // SAFETY: the array has the register's 16 bytes; an unaligned load takes any address.
+            let codes = unsafe { _mm_loadu_si128(codes.as_ptr().cast::<__m128i>()) };
+            *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(_mm256_cvtepu8_epi16(codes), values));
+        }
+    }
+    // Adding neighbours leaves vectors 0 1 4 5 2 3 6 7: put them in order.
+    let [first, second, third, fourth] = sums;
+    [[first, second], [third, fourth]]
+        .map(|[low, high]| _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_hadd_epi32(low, high)))
+}
+
+/// Twice four values of a query, for each of eight vectors.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn fours(values: [u8; 8]) -> [__m256i; 2] {
+    let [first, second]: [i32; 2] = bytemuck::cast(values);
+    [_mm256_set1_epi32(first), _mm256_set1_epi32(second)]
 }
 
 #[inline]
 #[target_feature(enable = "avx2")]
-fn load(codes: &[u8; 16]) -> __m128i {
-    // SAFETY: the array has the register's 16 bytes; an unaligned load takes any address.
-    unsafe { _mm_loadu_si128(codes.as_ptr().cast::<__m128i>()) }
+fn load(codes: &[u8; 32]) -> __m256i {
+    // SAFETY: the array has the register's 32 bytes; an unaligned load takes any address.
+    unsafe { _mm256_loadu_si256(codes.as_ptr().cast::<__m256i>()) }
 }
 
-#[target_feature(enable = "avx2")]
+/// Without a branch: which scores are near cannot be foreseen.
+#[target_feature(enable = "avx2,f16c,popcnt")]
+pub(super) fn near(scores: &[f32], bound: f32, into: &mut Vec<u32>) {
+    let bound = _mm256_set1_ps(bound);
+    let mut count = 0;
+    into.resize(scores.len(), 0);
+    for (start, scores) in (0i32..).step_by(8).zip(scores.as_chunks::<8>().0) {
+        // SAFETY: the scores are an array of eight f32; an unaligned load takes any address.
+        let scores = unsafe { _mm256_loadu_ps(scores.as_ptr()) };
+        let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(scores, bound)) as u8;
+        let lanes = &SET_BITS[usize::from(mask)];
+        // There is room for eight: before these there were no more than eight for each.
+        if let Some(into) = into.get_mut(count..).and_then(|into| into.first_chunk_mut::<8>()) {
+            // SAFETY: the array has eight bytes, which the load reads; an unaligned store takes any
+            // address, and has room for eight u32.
+            unsafe {
+                let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(lanes.as_ptr().cast::<__m128i>()));
+                let near = _mm256_add_epi32(lanes, _mm256_set1_epi32(start));
+                _mm256_storeu_si256(into.as_mut_ptr().cast::<__m256i>(), near);
+            }
+        }
+        count += mask.count_ones() as usize;
+    }
+    into.truncate(count);
+}
+
+/// Of each byte, which of its bits are set, in order, and zeros.
+static SET_BITS: [[u8; 8]; 256] = {
+    let mut all = [[0; 8]; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < 8 {
+            if byte >> bit & 1 == 1 {
+                all[byte][count] = bit;
+                count += 1;
+            }
+            bit += 1;
+        }
+        byte += 1;
+    }
+    all
+};
+
+#[target_feature(enable = "avx2,f16c,popcnt")]
 pub(super) fn distances<'a>(
     query: &[f32],
     rows: impl Iterator<Item = &'a [f32]>,
@@ -117,6 +193,37 @@ fn squared(a: &[f32], b: &[f32]) -> f32 {
     sum_up(_mm256_add_ps(lanes[0], lanes[1]), rest_a, rest_b)
 }
 
+/// As [`distances`], of rows of 16 bits a value: what they widen to is exact.
+#[target_feature(enable = "avx2,f16c,popcnt")]
+pub(super) fn distances_of_halves<'a>(
+    query: &[f32],
+    rows: impl Iterator<Item = &'a [f16]>,
+    mut each: impl FnMut(usize, f32),
+) {
+    for (at, row) in rows.enumerate() {
+        let length = query.len().min(row.len());
+        let (whole, rest) = query[..length].as_chunks::<LANES>();
+        let (whole_row, rest_row) = row[..length].as_chunks::<LANES>();
+        let mut lanes = [_mm256_setzero_ps(); 2];
+        for (query, row) in whole.iter().zip(whole_row) {
+            let eights = query.as_chunks::<8>().0.iter().zip(row.as_chunks::<8>().0);
+            for (sum, (query, row)) in lanes.iter_mut().zip(eights) {
+                // SAFETY: the arrays have eight values of 32 and of 16 bits; unaligned loads take any
+                // address.
+                let (query, row) = unsafe {
+                    (_mm256_loadu_ps(query.as_ptr()), _mm_loadu_si128(row.as_ptr().cast::<__m128i>()))
+                };
+                let step = _mm256_sub_ps(query, _mm256_cvtph_ps(row));
+                *sum = _mm256_add_ps(*sum, _mm256_mul_ps(step, step));
+            }
+        }
+        let mut widened = [0.0; LANES];
+        let widened = &mut widened[..rest_row.len()];
+        rest_row.convert_to_f32_slice(widened);
+        each(at, sum_up(_mm256_add_ps(lanes[0], lanes[1]), rest, widened));
+    }
+}
+
 /// The sum of eight lanes, and of the squared differences of what is left, fewer than sixteen
 /// values.
 #[inline]
@@ -137,7 +244,7 @@ pub(super) fn sum_up(eight: __m256, a: &[f32], b: &[f32]) -> f32 {
     _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps::<1>(two, two))) + tail
 }
 
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,f16c,popcnt")]
 pub(super) fn project(matrix: &[f32], offset: &[f32], vector: &[f32], out: &mut [f32]) {
     portable::project(matrix, offset, vector, out);
 }

@@ -26,7 +26,7 @@ enum Level {
     /// AVX-512 with VNNI: sixteen vectors, four axes at a time.
     #[cfg(target_arch = "x86_64")]
     Avx512,
-    /// AVX2.
+    /// AVX2, and what else its processors have: F16C and POPCNT.
     #[cfg(target_arch = "x86_64")]
     Avx2,
     /// Vectors of the crate `wide` and what the compiler makes of plain loops; on aarch64 both are
@@ -51,7 +51,10 @@ impl Simd {
             {
                 levels.push(Self(Level::Avx512));
             }
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("f16c")
+                && is_x86_feature_detected!("popcnt")
+            {
                 levels.push(Self(Level::Avx2));
             }
         }
@@ -137,9 +140,12 @@ impl Simd {
         mut each: impl FnMut(usize, f32),
     ) {
         #[cfg(target_arch = "x86_64")]
-        if self.0 == Level::Avx512 {
+        match self.0 {
             // SAFETY: as above.
-            return unsafe { avx512::distances_of_halves(query, rows, each) };
+            Level::Avx512 => return unsafe { avx512::distances_of_halves(query, rows, each) },
+            // SAFETY: as above.
+            Level::Avx2 => return unsafe { avx2::distances_of_halves(query, rows, each) },
+            Level::Portable => {}
         }
         for (at, halves) in rows.enumerate() {
             row.resize(halves.len(), 0.0);
