@@ -3,20 +3,20 @@
 //! one instruction without loss.
 
 use super::portable;
-use crate::search::blocks::{Blocks, CodeBits, LANES, Precision, QuantisedQuery};
+use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
 use crate::search::distance;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use std::arch::x86_64::{
     __m128i, __m256, __m256i, _CMP_LE_OQ, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32, _mm_loadl_epi64,
     _mm_loadu_ps, _mm_loadu_si128, _mm_movehl_ps, _mm_mul_ps, _mm_setzero_ps, _mm_shuffle_ps, _mm_sub_ps,
-    _mm256_add_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256, _mm256_castps256_ps128,
-    _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_cvtepu8_epi32, _mm256_cvtph_ps,
-    _mm256_extractf128_ps, _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_loadu_si256, _mm256_madd_epi16,
-    _mm256_maddubs_epi16, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute4x64_epi64, _mm256_set1_epi8,
-    _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps, _mm256_setzero_ps,
-    _mm256_setzero_si256, _mm256_srli_epi16, _mm256_storeu_ps, _mm256_storeu_si256, _mm256_sub_epi32,
-    _mm256_sub_ps,
+    _mm256_add_epi16, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256, _mm256_broadcastq_epi64,
+    _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtepu8_epi16, _mm256_cvtepu8_epi32,
+    _mm256_cvtph_ps, _mm256_extractf128_ps, _mm256_hadd_epi32, _mm256_loadu_ps, _mm256_loadu_si256,
+    _mm256_madd_epi16, _mm256_maddubs_epi16, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute4x64_epi64,
+    _mm256_set1_epi8, _mm256_set1_epi16, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps,
+    _mm256_setzero_ps, _mm256_setzero_si256, _mm256_shuffle_epi32, _mm256_srli_epi16, _mm256_storeu_ps,
+    _mm256_storeu_si256, _mm256_sub_epi32, _mm256_sub_ps,
 };
 
 /// Groups whose products are summed in 16 bits: two pairs of products each, of which one is at most
@@ -26,14 +26,31 @@ const _: () = assert!(GROUPS_IN_WORDS * 2 * 2 * 15 * 128 <= i16::MAX as usize);
 
 #[target_feature(enable = "avx2,f16c,popcnt")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
-    let (factor, base) = (_mm256_set1_ps(factor), _mm256_set1_ps(base));
-    let bias = _mm256_set1_epi32(query.bias(run.bits()));
-    for (block, into) in run.iter().zip(into.as_chunks_mut::<LANES>().0) {
-        let dots = match (run.bits(), query.precision) {
-            (CodeBits::Four, Precision::Fine) => dots_of_halves::<true>(block.codes, query),
-            (CodeBits::Four, Precision::Coarse) => dots_of_halves::<false>(block.codes, query),
-            (CodeBits::Eight, _) => dots_of_bytes(block.codes, query),
-        };
+    let score = Score { bias: query.bias(run.bits()), factor, base };
+    match (run.bits(), query.precision) {
+        (CodeBits::Four, Precision::Fine) => by_twos::<true>(run, query, &score, into),
+        (CodeBits::Four, Precision::Coarse) => by_twos::<false>(run, query, &score, into),
+        (CodeBits::Eight, _) => {
+            for (block, into) in run.iter().zip(into.as_chunks_mut().0) {
+                score.put(&block, dots_of_bytes(block.codes, query), into);
+            }
+        }
+    }
+}
+
+/// What makes scores of dot products.
+struct Score {
+    bias: i32,
+    factor: f32,
+    base: f32,
+}
+
+impl Score {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn put(&self, block: &Block<'_>, dots: [__m256i; 2], into: &mut [f32; LANES]) {
+        let (factor, base) = (_mm256_set1_ps(self.factor), _mm256_set1_ps(self.base));
+        let bias = _mm256_set1_epi32(self.bias);
         let halves = into.as_chunks_mut::<8>().0.iter_mut().zip(block.scalars.as_chunks::<8>().0);
         for ((scores, scalars), dots) in halves.zip(dots) {
             let dots = _mm256_cvtepi32_ps(_mm256_sub_epi32(dots, bias));
@@ -46,38 +63,72 @@ pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f
     }
 }
 
-/// Dot products of the sixteen vectors of a block, whose codes are half a byte: as in AVX-512, by
+/// Two blocks go together, for they share the query's values.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn by_twos<const LOW: bool>(run: Blocks<'_>, query: &QuantisedQuery, score: &Score, into: &mut [f32]) {
+    let mut blocks = run.iter().zip(into.as_chunks_mut().0);
+    while let Some((first, into)) = blocks.next() {
+        match blocks.next() {
+            Some((second, next)) => {
+                let [dots, next_dots] = dots_of_halves::<2, LOW>([first.codes, second.codes], query);
+                score.put(&first, dots, into);
+                score.put(&second, next_dots, next);
+            }
+            None => {
+                let [dots] = dots_of_halves::<1, LOW>([first.codes], query);
+                score.put(&first, dots, into);
+            }
+        }
+    }
+}
+
+/// Dot products of the sixteen vectors of each block, whose codes are half a byte: as in AVX-512, by
 /// the high and, of a fine query, the `LOW` bytes of the query's values.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn dots_of_halves<const LOW: bool>(codes: &[u8], query: &QuantisedQuery) -> [__m256i; 2] {
+fn dots_of_halves<const N: usize, const LOW: bool>(
+    blocks: [&[u8]; N],
+    query: &QuantisedQuery,
+) -> [[__m256i; 2]; N] {
     let lower = _mm256_set1_epi8(15);
     let (high_unit, low_unit) = (_mm256_set1_epi16(128), _mm256_set1_epi16(1));
+    let (high, low) = (query.high.as_chunks::<8>().0, query.low.as_chunks::<8>().0);
+    let mut groups = high.len().min(low.len());
+    for codes in &blocks {
+        groups = groups.min(codes.as_chunks::<{ 4 * LANES }>().0.len());
+    }
     // The first eight vectors, and the others.
-    let mut dots = [_mm256_setzero_si256(); 2];
-    let codes = codes.as_chunks::<{ 4 * LANES }>().0.chunks(GROUPS_IN_WORDS);
-    let high = query.high.as_chunks::<8>().0.chunks(GROUPS_IN_WORDS);
-    let low = query.low.as_chunks::<8>().0.chunks(GROUPS_IN_WORDS);
-    for ((codes, high), low) in codes.zip(high).zip(low) {
+    let mut dots = [[_mm256_setzero_si256(); 2]; N];
+    for start in (0..groups).step_by(GROUPS_IN_WORDS) {
         // Of each vector the sums of its first two and of its last two axes of four.
-        let mut sums = [[_mm256_setzero_si256(); 2]; 2];
-        for ((codes, high), low) in codes.iter().zip(high).zip(low) {
-            let (high, low) = (fours(*high), fours(*low));
-            for (sums, codes) in sums.iter_mut().zip(codes.as_chunks::<32>().0) {
-                let codes = load(codes);
-                let upper = _mm256_and_si256(_mm256_srli_epi16::<4>(codes), lower);
-                for (half, codes) in [_mm256_and_si256(codes, lower), upper].into_iter().enumerate() {
-                    sums[0] = _mm256_add_epi16(sums[0], _mm256_maddubs_epi16(codes, high[half]));
-                    if LOW {
-                        sums[1] = _mm256_add_epi16(sums[1], _mm256_maddubs_epi16(codes, low[half]));
+        let (mut of_high, mut of_low) = ([[_mm256_setzero_si256(); 2]; N], [[_mm256_setzero_si256(); 2]; N]);
+        for group in start..groups.min(start + GROUPS_IN_WORDS) {
+            let (high, low) = (fours(&high[group]), fours(&low[group]));
+            for block in 0..N {
+                let codes = &blocks[block].as_chunks::<{ 4 * LANES }>().0[group];
+                for (half, codes) in codes.as_chunks::<32>().0.iter().enumerate() {
+                    let codes = load(codes);
+                    let upper = _mm256_and_si256(_mm256_srli_epi16::<4>(codes), lower);
+                    let codes = [_mm256_and_si256(codes, lower), upper];
+                    for odd in 0..2 {
+                        let products = _mm256_maddubs_epi16(codes[odd], high[odd]);
+                        of_high[block][half] = _mm256_add_epi16(of_high[block][half], products);
+                        if LOW {
+                            let products = _mm256_maddubs_epi16(codes[odd], low[odd]);
+                            of_low[block][half] = _mm256_add_epi16(of_low[block][half], products);
+                        }
                     }
                 }
             }
         }
-        for (dots, [high, low]) in dots.iter_mut().zip(sums) {
-            *dots = _mm256_add_epi32(*dots, _mm256_madd_epi16(high, high_unit));
-            if LOW {
-                *dots = _mm256_add_epi32(*dots, _mm256_madd_epi16(low, low_unit));
+        for block in 0..N {
+            for half in 0..2 {
+                let mut sum = _mm256_madd_epi16(of_high[block][half], high_unit);
+                if LOW {
+                    sum = _mm256_add_epi32(sum, _mm256_madd_epi16(of_low[block][half], low_unit));
+                }
+                dots[block][half] = _mm256_add_epi32(dots[block][half], sum);
             }
         }
     }
@@ -107,9 +158,11 @@ fn dots_of_bytes(codes: &[u8], query: &QuantisedQuery) -> [__m256i; 2] {
 /// Twice four values of a query, for each of eight vectors.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn fours(values: [u8; 8]) -> [__m256i; 2] {
-    let [first, second]: [i32; 2] = bytemuck::cast(values);
-    [_mm256_set1_epi32(first), _mm256_set1_epi32(second)]
+fn fours(values: &[u8; 8]) -> [__m256i; 2] {
+    // SAFETY: the array has the eight bytes that are read; an unaligned load takes any address.
+    let values = unsafe { _mm_loadl_epi64(values.as_ptr().cast::<__m128i>()) };
+    let values = _mm256_broadcastq_epi64(values);
+    [_mm256_shuffle_epi32::<0>(values), _mm256_shuffle_epi32::<0b01_01_01_01>(values)]
 }
 
 #[inline]
