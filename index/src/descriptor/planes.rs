@@ -23,9 +23,11 @@ const GREY_RANGE: f32 = 3.0;
 /// Added to the standard deviation of the grey, which lies in 0 to 1: a flat hand has only noise.
 const FLAT: f32 = 0.01;
 
-/// Where a pixel is sampled, in pixels from its centre: hands are up to twice as large as the
-/// square.
-const SAMPLES: [[f64; 2]; 4] = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
+/// Where a pixel is sampled along each axis, in pixels from its centre: hands are up to twice as
+/// large as the square.
+const SAMPLES: [f64; 2] = [-0.25, 0.25];
+/// Samples across the square.
+const ACROSS: usize = SAMPLES.len() * PLANES_SIDE;
 
 /// How a hand lies in the square: a linear map about the mask's centroid, then its box is centred
 /// and fills the square.
@@ -105,21 +107,37 @@ pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
     let framed = Framed::of(hand);
     let [[xx, xy], [yx, yy]] = placement.inverse();
     let half = (PLANES_SIDE as f64 - 1.0) / 2.0;
+    // What each place across adds to x and y.
+    let mut across = [[0.0; ACROSS]; 2];
+    for column in 0..PLANES_SIDE {
+        for (sample, du) in SAMPLES.iter().enumerate() {
+            let u = (column as f64 - half) * step + middle[0] + du * step;
+            across[0][SAMPLES.len() * column + sample] = xx * u;
+            across[1][SAMPLES.len() * column + sample] = yx * u;
+        }
+    }
     for (row, pixels) in out.chunks_exact_mut(2 * PLANES_SIDE).take(PLANES_SIDE).enumerate() {
-        let v = (row as f64 - half) * step + middle[1];
-        for (column, pixel) in pixels.chunks_exact_mut(2).enumerate() {
-            let u = (column as f64 - half) * step + middle[0];
-            let places = SAMPLES.map(|[du, dv]| {
-                let (u, v) = (u + du * step, v + dv * step);
-                [xx * u + xy * v + centroid[0], yx * u + yy * v + centroid[1]]
-            });
-            let (mut grey, mut share) = (0.0, 0.0);
-            for [inside, value] in framed.samples(places) {
-                share += inside;
-                grey += value;
+        // Of each pixel, the share that is hand, and the grey there, over all samples.
+        let mut sums = [[0.0f32; 2]; PLANES_SIDE];
+        for dv in SAMPLES {
+            let v = (row as f64 - half) * step + middle[1] + dv * step;
+            let (mut places, down) = (across, [xy * v, yy * v]);
+            for axis in 0..2 {
+                for place in &mut places[axis] {
+                    *place = *place + down[axis] + centroid[axis];
+                }
             }
+            let samples = framed.samples(places);
+            for (sum, samples) in sums.iter_mut().zip(samples.as_chunks::<{ SAMPLES.len() }>().0) {
+                for [inside, grey] in samples {
+                    sum[0] += inside;
+                    sum[1] += grey;
+                }
+            }
+        }
+        for (pixel, [share, grey]) in pixels.as_chunks_mut().0.iter_mut().zip(sums) {
             let mean = if share > 1e-3 { grey / share / 255.0 } else { 0.0 };
-            pixel.copy_from_slice(&[mean, share / SAMPLES.len() as f32]);
+            *pixel = [mean, share / SAMPLES.len().pow(2) as f32];
         }
     }
     normalise(out);
@@ -150,37 +168,48 @@ impl Framed {
         Self { pixels, width, height }
     }
 
-    /// Linear interpolation around places: the share that is hand, and the grey there, what is no
-    /// hand being 0. Each step is done for all places, which a processor does at a time.
+    /// Linear interpolation around places, given by their x and their y: the share that is hand, and
+    /// the grey there, what is no hand being 0. Each step is done for all places, which a processor
+    /// does at a time.
+    ///
+    /// Loops in place of `map` and `from_fn`: these are compiled for any processor, and are not
+    /// inlined into what is for this one.
     #[inline(always)]
-    fn samples<const N: usize>(&self, places: [[f64; 2]; N]) -> [[f32; 2]; N] {
-        let [x, y] = [0, 1].map(|axis| {
+    fn samples<const N: usize>(&self, mut places: [[f64; N]; 2]) -> [[f32; 2]; N] {
+        let (mut low, mut shares) = ([[0; N]; 2], [[0.0f32; N]; 2]);
+        for (axis, length) in [self.width, self.height].into_iter().enumerate() {
             // Places beyond the frame are moved into it: there is as little.
-            let most = [self.width, self.height][axis] - Self::FRAME - 2;
-            places.map(|place| place[axis].max(-(Self::FRAME as f64)).min(most as f64))
-        });
-        let [left, top] = [x, y].map(|at| at.map(floor));
-        let framed = |at: i32| (at + Self::FRAME as i32) as usize;
-        let at: [usize; N] = std::array::from_fn(|n| framed(top[n].0) * self.width + framed(left[n].0));
-        let [fx, fy] = [(x, left), (y, top)]
-            .map(|(at, low)| std::array::from_fn::<f32, N, _>(|n| (at[n] - low[n].1) as f32));
-        std::array::from_fn(|n| {
-            let (fx, fy, at) = (fx[n], fy[n], at[n]);
+            let most = (length - Self::FRAME - 2) as f64;
+            for n in 0..N {
+                places[axis][n] = places[axis][n].max(-(Self::FRAME as f64)).min(most);
+            }
+            for n in 0..N {
+                let (integer, float) = floor(places[axis][n]);
+                low[axis][n] = integer + Self::FRAME as i32;
+                shares[axis][n] = (places[axis][n] - float) as f32;
+            }
+        }
+        let mut samples = [[0.0; 2]; N];
+        for n in 0..N {
+            let (fx, fy) = (shares[0][n], shares[1][n]);
             let (gx, gy) = (1.0 - fx, 1.0 - fy);
+            let at = low[1][n] as usize * self.width + low[0][n] as usize;
             let (above, below) =
                 (&self.pixels[at..at + 2], &self.pixels[at + self.width..at + self.width + 2]);
-            std::array::from_fn(|of| {
-                gx * gy * above[0][of]
+            for of in 0..2 {
+                samples[n][of] = gx * gy * above[0][of]
                     + fx * gy * above[1][of]
                     + gx * fy * below[0][of]
-                    + fx * fy * below[1][of]
-            })
-        })
+                    + fx * fy * below[1][of];
+            }
+        }
+        samples
     }
 }
 
 /// The largest integer that is not above a value within 2^31, as an integer and as a float: by sums
 /// alone, of which a processor does several at a time, and casts one by one.
+#[inline(always)]
 fn floor(value: f64) -> (i32, f64) {
     /// Around this, floats are 1 apart, and their last bits count them.
     const INTEGERS: f64 = 1.5 * (1u64 << 52) as f64;
@@ -242,9 +271,9 @@ mod tests {
             let hand = HandImage::from_mask(width, height, &grey, &mask).unwrap();
             let place = if is_exact { [place.0.round(), place.1.round()] } else { [place.0, place.1] };
             let framed = Framed::of(&hand);
-            prop_assert_eq!(framed.samples([place]), [naive(&hand, place)]);
+            prop_assert_eq!(framed.samples([[place[0]], [place[1]]]), [naive(&hand, place)]);
             // Far away there is nothing; what is no place is no reason to panic.
-            let far = [[f64::MAX, 0.0], [0.0, f64::NEG_INFINITY], [f64::NAN, 1e300]];
+            let far = [[f64::MAX, 0.0, f64::NAN], [0.0, f64::NEG_INFINITY, 1e300]];
             prop_assert!(framed.samples(far)[..2] == [[0.0; 2]; 2]);
         }
     }
