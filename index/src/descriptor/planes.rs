@@ -69,7 +69,7 @@ pub fn shown(hand: &HandImage) -> HandImage {
 /// Writes [`PLANES_SIDE`] x [`PLANES_SIDE`] pixels of two values each into `out`: the grey less its
 /// mean, in standard deviations of the grey inside the hand and 0 outside, and the share of the
 /// pixel that is hand. What `out` has no room for is dropped.
-// With AVX2, where a processor has it, to the same bits in three quarters of the time.
+// With AVX2, where a processor has it, to the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
     let rows = || hand.mask().chunks_exact(hand.width()).enumerate();
@@ -175,18 +175,17 @@ impl Framed {
     /// Loops in place of `map` and `from_fn`: these are compiled for any processor, and are not
     /// inlined into what is for this one.
     #[inline(always)]
-    fn samples<const N: usize>(&self, mut places: [[f64; N]; 2]) -> [[f32; 2]; N] {
+    fn samples<const N: usize>(&self, places: [[f64; N]; 2]) -> [[f32; 2]; N] {
         let (mut low, mut shares) = ([[0; N]; 2], [[0.0f32; N]; 2]);
-        for (axis, length) in [self.width, self.height].into_iter().enumerate() {
+        let axes = places.iter().zip([self.width, self.height]);
+        for (((places, length), low), shares) in axes.zip(&mut low).zip(&mut shares) {
             // Places beyond the frame are moved into it: there is as little.
             let most = (length - Self::FRAME - 2) as f64;
-            for n in 0..N {
-                places[axis][n] = places[axis][n].max(-(Self::FRAME as f64)).min(most);
-            }
-            for n in 0..N {
-                let (integer, float) = floor(places[axis][n]);
-                low[axis][n] = integer + Self::FRAME as i32;
-                shares[axis][n] = (places[axis][n] - float) as f32;
+            for ((place, low), share) in places.iter().zip(low).zip(shares) {
+                let place = place.max(-(Self::FRAME as f64)).min(most);
+                let (integer, float) = floor(place);
+                *low = integer + Self::FRAME as i32;
+                *share = (place - float) as f32;
             }
         }
         let mut samples = [[0.0; 2]; N];

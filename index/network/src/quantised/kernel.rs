@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 #[cfg(target_arch = "x86_64")]
 use std::mem::transmute;
 
-use wide::{i8x16, i16x16, i32x8};
+use wide::{i16x16, i32x8};
 
 use super::packed::{PackedIntegers, Quads, TOGETHER};
 use super::rounding::{nearest_byte, nearest_word};
@@ -95,21 +95,20 @@ pub(super) fn words<const PIXELS: usize>(
 ) -> [[i32; LANES]; PIXELS] {
     let mut all = [[0; LANES]; PIXELS];
     for first in (0..width).step_by(PART) {
-        let mut sums = [[i32x8::ZERO; AT_ONCE]; PIXELS];
+        let mut sums = [[i32x8::ZERO; PIXELS]; AT_ONCE];
         for (quads, windows) in fours(layer, quads, input, starts) {
             for (at, quads) in quads.iter().enumerate() {
                 let values = windows.map(|window| i16x16::from(repeated(window[at])));
-                for vector in 0..AT_ONCE {
-                    let weights: i8x16 = bytemuck::cast(vector_of(quads, first + vector * OF_VECTOR));
-                    let weights = i16x16::from_i8x16(weights);
-                    for pixel in 0..PIXELS {
-                        sums[pixel][vector] += values[pixel].dot(weights);
+                for (sums, outputs) in sums.iter_mut().zip((first..).step_by(OF_VECTOR)) {
+                    let weights = i16x16::from_i8x16(bytemuck::cast(vector_of(quads, outputs)));
+                    for (sum, values) in sums.iter_mut().zip(values) {
+                        *sum += values.dot(weights);
                     }
                 }
             }
         }
-        for (all, sums) in all.iter_mut().zip(sums) {
-            add_pairs(bytemuck::cast(sums), &mut all[first..]);
+        for (pixel, all) in all.iter_mut().enumerate() {
+            add_pairs(bytemuck::cast(sums.map(|sums| sums[pixel])), &mut all[first..]);
         }
     }
     all
@@ -128,25 +127,23 @@ pub(super) fn words_256<const PIXELS: usize>(
 ) -> [[i32; LANES]; PIXELS] {
     let mut all = [[0; LANES]; PIXELS];
     for first in (0..width).step_by(PART) {
-        let mut sums = [[_mm256_setzero_si256(); AT_ONCE]; PIXELS];
+        let mut sums = [[_mm256_setzero_si256(); PIXELS]; AT_ONCE];
         for (quads, windows) in fours(layer, quads, input, starts) {
             for (at, quads) in quads.iter().enumerate() {
                 let mut values = [_mm256_setzero_si256(); PIXELS];
-                for pixel in 0..PIXELS {
-                    values[pixel] = _mm256_set1_epi64x(bytemuck::cast(windows[pixel][at]));
+                for (values, window) in values.iter_mut().zip(windows) {
+                    *values = _mm256_set1_epi64x(bytemuck::cast(window[at]));
                 }
-                for vector in 0..AT_ONCE {
-                    let weights: __m128i = bytemuck::cast(vector_of(quads, first + vector * OF_VECTOR));
-                    let weights = _mm256_cvtepi8_epi16(weights);
-                    for pixel in 0..PIXELS {
-                        let products = _mm256_madd_epi16(values[pixel], weights);
-                        sums[pixel][vector] = _mm256_add_epi32(sums[pixel][vector], products);
+                for (sums, outputs) in sums.iter_mut().zip((first..).step_by(OF_VECTOR)) {
+                    let weights = _mm256_cvtepi8_epi16(bytemuck::cast(vector_of(quads, outputs)));
+                    for (sum, values) in sums.iter_mut().zip(values) {
+                        *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(values, weights));
                     }
                 }
             }
         }
-        for (all, sums) in all.iter_mut().zip(sums) {
-            add_pairs(bytemuck::cast(sums), &mut all[first..]);
+        for (pixel, all) in all.iter_mut().enumerate() {
+            add_pairs(bytemuck::cast(sums.map(|sums| sums[pixel])), &mut all[first..]);
         }
     }
     all
