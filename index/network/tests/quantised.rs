@@ -133,7 +133,7 @@ fn outputs() -> impl Strategy<Value = u32> {
     prop_oneof![(1..=18u32).prop_map(|fours| 4 * fours), 1..=70u32]
 }
 
-/// Layers of 16, 40 and 64 planes, the last of which is more than is summed exactly in floats.
+/// Layers of 16, 40 and 64 planes: half a block of outputs, one and a part of another, and two.
 fn wide() -> Architecture {
     Architecture {
         side: 9,

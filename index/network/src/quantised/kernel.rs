@@ -204,8 +204,7 @@ pub(super) fn vnni_256<const PIXELS: usize>(
     let mut sums = [[_mm256_setzero_si256(); VECTORS]; PIXELS];
     for (quads, windows) in fours(layer, quads, input, starts) {
         for (at, quads) in quads.iter().enumerate() {
-            // SAFETY: both are 128 bytes, and any bytes are values of either.
-            let weights = unsafe { transmute::<[[i8; TOGETHER]; LANES], [__m256i; VECTORS]>(quads.0) };
+            let weights: [__m256i; VECTORS] = bytemuck::cast(quads.0);
             for pixel in 0..PIXELS {
                 let values = _mm256_set1_epi32(i32::from_le_bytes(windows[pixel][at]));
                 for vector in 0..VECTORS {
@@ -215,8 +214,7 @@ pub(super) fn vnni_256<const PIXELS: usize>(
             }
         }
     }
-    // SAFETY: as above.
-    sums.map(|sums| unsafe { transmute::<[__m256i; VECTORS], [i32; LANES]>(sums) })
+    sums.map(bytemuck::cast)
 }
 
 /// How integers stand for some values that are not below 0.
