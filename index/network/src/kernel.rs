@@ -21,7 +21,7 @@ pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output
         for group in layer.pixels.chunks(PIXELS) {
             // A last group that is smaller computes its last pixel several times.
             let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
-            // What fills the last block is computed where the outputs fill more than half of it.
+            // Of a block that is filled to no more than a half, the other half is not computed.
             let sums = match width {
                 ..=HALF => sums::<PIXELS, HALF>(layer, block, input, starts),
                 _ => sums::<PIXELS, LANES>(layer, block, input, starts),
@@ -54,9 +54,9 @@ fn sums<const PIXELS: usize, const WIDTH: usize>(
         for (at, weights) in weights.iter().enumerate() {
             for pixel in 0..PIXELS {
                 let value = windows[pixel][at];
-                // An indexed loop of this length becomes vector instructions that keep the sums in
-                // registers. A zip or 16 lanes became scalar ones, up to nine times slower: run
-                // examples/speed.rs after a change.
+                // An indexed loop of these lengths becomes vector instructions that keep the sums
+                // in registers. A zip became scalar ones, up to nine times slower: run
+                // examples/network_speed.rs after a change.
                 for lane in 0..WIDTH {
                     sums[pixel][lane] += value * weights.0[lane];
                 }

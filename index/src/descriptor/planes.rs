@@ -168,9 +168,9 @@ impl Framed {
         Self { pixels, width, height }
     }
 
-    /// Linear interpolation around places, given by their x and their y: the share that is hand, and
-    /// the grey there, what is no hand being 0. Each step is done for all places, which a processor
-    /// does at a time.
+    /// Linear interpolation around places, given by their x and their y: the share that is hand,
+    /// and the grey there, what is no hand being 0. Each step is done for all places, several of
+    /// which a processor takes at a time.
     ///
     /// Loops in place of `map` and `from_fn`: these are compiled for any processor, and are not
     /// inlined into what is for this one.

@@ -6,6 +6,7 @@ use std::arch::x86_64::*;
 #[cfg(target_arch = "x86_64")]
 use std::mem::transmute;
 
+use bytemuck::NoUninit;
 use wide::{i16x16, i32x8};
 
 use super::packed::{PackedIntegers, Quads, TOGETHER};
@@ -83,8 +84,8 @@ fn vector_of(quads: &Quads, first: usize) -> [[i8; TOGETHER]; OF_VECTOR] {
     std::array::from_fn(|lane| quads.0[first + lane])
 }
 
-/// The sums of the first `width` outputs by products of words, in pairs, on any processor. An output
-/// has two sums: of its first two and of its last two inputs of each four.
+/// The sums of the first `width` outputs by products of words, in pairs, on any processor. An
+/// output has two sums: of its first two and of its last two inputs of each four.
 #[inline(always)]
 pub(super) fn words<const PIXELS: usize>(
     layer: &PackedIntegers,
@@ -107,9 +108,7 @@ pub(super) fn words<const PIXELS: usize>(
                 }
             }
         }
-        for (pixel, all) in all.iter_mut().enumerate() {
-            add_pairs(bytemuck::cast(sums.map(|sums| sums[pixel])), &mut all[first..]);
-        }
+        add_pairs(sums, &mut all, first);
     }
     all
 }
@@ -142,9 +141,7 @@ pub(super) fn words_256<const PIXELS: usize>(
                 }
             }
         }
-        for (pixel, all) in all.iter_mut().enumerate() {
-            add_pairs(bytemuck::cast(sums.map(|sums| sums[pixel])), &mut all[first..]);
-        }
+        add_pairs(sums, &mut all, first);
     }
     all
 }
@@ -155,10 +152,19 @@ fn repeated(values: [i16; TOGETHER]) -> [i16; 16] {
     std::array::from_fn(|at| values[at % TOGETHER])
 }
 
-/// Adds the two sums of each output.
+/// Adds the two sums of each output, from output `first` of the block on. `V` are vectors of 32
+/// bytes.
 #[inline(always)]
-fn add_pairs(sums: [[i32; 2]; PART], to: &mut [i32]) {
-    to.iter_mut().zip(sums).for_each(|(to, [first, last])| *to = first + last);
+fn add_pairs<V: NoUninit, const PIXELS: usize>(
+    sums: [[V; PIXELS]; AT_ONCE],
+    all: &mut [[i32; LANES]; PIXELS],
+    first: usize,
+) {
+    for (pixel, all) in all.iter_mut().enumerate() {
+        let pairs: [[[i32; 2]; OF_VECTOR]; AT_ONCE] = sums.map(|sums| bytemuck::cast(sums[pixel]));
+        let pairs = pairs.as_flattened();
+        all[first..].iter_mut().zip(pairs).for_each(|(sum, [one, other])| *sum = one + other);
+    }
 }
 
 /// The sums by instructions that multiply four bytes by four others and add all to a sum.

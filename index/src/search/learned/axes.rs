@@ -194,7 +194,7 @@ mod tests {
     fn axes_hold_what_is_not_measured_again_and_no_more_than_up_to_a_block() {
         const DIM: usize = 160;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        // Of value `at`, the spread is 0.98 to the power of its number, and the variance its square.
+        // Of value `at`, the spread is 0.98 to the power of its number, the variance its square.
         let spread = |at: usize| 0.98f32.powi(at as i32);
         let values: Vec<f32> =
             (0..4_000 * DIM).map(|at| spread(at % DIM) * rng.random_range(-1.0..1.0f32)).collect();

@@ -1,6 +1,6 @@
-//! AVX2. Codes of half a byte are multiplied as bytes, and products are summed in 16 bits for as long
-//! as they fit; codes of a byte are widened to 16 bits, so that products of two axes can be added in
-//! one instruction without loss.
+//! AVX2. Codes of half a byte are multiplied as bytes, and products are summed in 16 bits for as
+//! long as they fit; codes of a byte are widened to 16 bits, so that products of two axes can be
+//! added in one instruction without loss.
 
 use super::portable;
 use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
@@ -83,8 +83,8 @@ fn by_twos<const LOW: bool>(run: Blocks<'_>, query: &QuantisedQuery, score: &Sco
     }
 }
 
-/// Dot products of the sixteen vectors of each block, whose codes are half a byte: as in AVX-512, by
-/// the high and, of a fine query, the `LOW` bytes of the query's values.
+/// Dot products of the sixteen vectors of each block, whose codes are half a byte: as in AVX-512,
+/// by the high and, of a fine query, the `LOW` bytes of the query's values.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn dots_of_halves<const N: usize, const LOW: bool>(
@@ -261,8 +261,8 @@ pub(super) fn distances_of_halves<'a>(
         for (query, row) in whole.iter().zip(whole_row) {
             let eights = query.as_chunks::<8>().0.iter().zip(row.as_chunks::<8>().0);
             for (sum, (query, row)) in lanes.iter_mut().zip(eights) {
-                // SAFETY: the arrays have eight values of 32 and of 16 bits; unaligned loads take any
-                // address.
+                // SAFETY: the arrays have eight values of 32 and of 16 bits; unaligned loads take
+                // any address.
                 let (query, row) = unsafe {
                     (_mm256_loadu_ps(query.as_ptr()), _mm_loadu_si128(row.as_ptr().cast::<__m128i>()))
                 };
