@@ -12,10 +12,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// The two programs that the tests run.
+/// The two programs that the tests run; each is of the package of its name.
 const PACKAGES: [&str; 2] = ["grasp-builder", "grasp-query"];
 /// The folders of the profiles that this package itself is built in.
 const PROFILES: [&str; 3] = ["debug", "release", "trial"];
+
+/// All packages and a test: so dependencies have the features that `cargo test --workspace` has built
+/// them with, and are not compiled once more without those that tests and benchmarks add.
+const OF_THE_TESTS: &[&str] = &["--workspace", "--test", "circles"];
 
 /// How the programs are built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +37,7 @@ impl Build {
     /// The folder of what is built so, and what cargo is asked for.
     fn settings(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::Debug => ("debug", &[]),
+            Self::Debug => ("debug", OF_THE_TESTS),
             Self::Release => ("release", &["--release"]),
             Self::Trial => ("trial", &["--profile", "trial", "--no-default-features"]),
         }
@@ -53,7 +57,10 @@ pub fn programs(build: Build) -> &'static Path {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         cargo.current_dir(workspace()).args(["build", "--quiet", "--locked"]).args(arguments);
         for package in PACKAGES {
-            cargo.args(["--package", package, "--bin", package]);
+            cargo.args(["--bin", package]);
+            if build != Build::Debug {
+                cargo.args(["--package", package]);
+            }
         }
         let status = cargo.status().expect("cargo runs");
         assert!(status.success(), "cargo could not build {PACKAGES:?}: {status}");

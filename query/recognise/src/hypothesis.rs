@@ -7,10 +7,11 @@
 
 use grasp_index::{
     Describer, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost, SearchOptions, Vote,
-    euler_deg, mirror_orientation,
+    euler_deg,
 };
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 
+use super::orientation::in_picture;
 use super::{RecogniseError, RecogniseOptions, Side, Timings};
 use crate::scene::Prediction;
 
@@ -96,14 +97,6 @@ const MIRROR_PENALTY: f64 = 3.0;
 /// How much larger the distance of a picture counts that was turned the other way up: cameras are
 /// mostly level, and an upright hand is mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
-
-fn in_picture(side: Side, roll_deg: f64, entry: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    let level = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -roll_deg.to_radians()) * entry;
-    match side {
-        Side::Right => level,
-        Side::Left => mirror_orientation(&level),
-    }
-}
 
 /// Tries every hand and roll of the options and returns the hypothesis whose neighbours are
 /// nearest.
@@ -208,20 +201,4 @@ fn look_again(
 fn mean_distance(neighbours: &[Neighbour]) -> f64 {
     let sum: f64 = neighbours.iter().map(|neighbour| f64::from(neighbour.distance)).sum();
     sum / neighbours.len().max(1) as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::TAU;
-
-    #[test]
-    fn turning_the_picture_turns_the_answer_back() {
-        let seen = UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0);
-        // The hand as it was given, turned clockwise by 90 degrees, is what was recognised.
-        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TAU / 4.0) * seen;
-        assert!(in_picture(Side::Right, 90.0, &turned).angle_to(&seen) < 1e-9);
-        let left = mirror_orientation(&seen);
-        assert!(in_picture(Side::Left, 90.0, &turned).angle_to(&left) < 1e-9);
-    }
 }

@@ -1,5 +1,6 @@
 //! The rotation `camera_from_hand` as four numbers and in words.
 
+use grasp_index::{mirror_orientation, turned_orientation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::Side;
@@ -10,6 +11,16 @@ pub fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
     let q = rotation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
     [q.i * sign, q.j * sign, q.k * sign, q.w * sign]
+}
+
+/// The orientation in a picture of a hand that was seen as `seen` after the picture was flipped for a
+/// left hand and turned clockwise by `roll_deg` degrees.
+pub(crate) fn in_picture(side: Side, roll_deg: f64, seen: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let level = turned_orientation(-roll_deg, seen);
+    match side {
+        Side::Right => level,
+        Side::Left => mirror_orientation(&level),
+    }
 }
 
 /// Which side of the hand the camera sees, such as `the thumb side`.
@@ -57,13 +68,22 @@ pub fn fingers_point(camera_from_hand: &UnitQuaternion<f64>) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grasp_index::mirror_orientation;
     use nalgebra::{Matrix3, Rotation3};
 
     /// The rotation whose columns are the hand's axes as the camera sees them.
     fn seen(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> UnitQuaternion<f64> {
         let columns = [x.into(), y.into(), z.into()];
         UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&Matrix3::from_columns(&columns)))
+    }
+
+    #[test]
+    fn turning_the_picture_turns_the_answer_back() {
+        let seen = UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0);
+        // The hand as it was given, turned clockwise by 90 degrees, is what was recognised.
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2) * seen;
+        assert!(in_picture(Side::Right, 90.0, &turned).angle_to(&seen) < 1e-9);
+        let left = mirror_orientation(&seen);
+        assert!(in_picture(Side::Left, 90.0, &turned).angle_to(&left) < 1e-9);
     }
 
     #[test]

@@ -92,6 +92,10 @@ impl<'a> Recogniser<'a> {
         let mut best =
             hypothesis::best(self.index, &hand_image, seen.as_deref(), &self.options, &mut timings)?;
         let side = best.side;
+        // Equation 4 as printed is the neighbours' alone.
+        if let Some(seen) = seen.as_deref().filter(|_| !self.options.vote.euler_mean) {
+            seen.join_orientation(side, &mut best.vote.orientation);
+        }
         let none = seen.map(|seen| seen.join(self.index, side, self.options.hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let none = none.filter(|_| prepared.scene.is_some());

@@ -1,6 +1,7 @@
 //! What the networks of scenes say, together with what the neighbours say.
 
-use grasp_index::{Index, Vote};
+use grasp_index::{Index, OrientationEstimate, Vote, euler_deg, mean_rotation};
+use nalgebra::UnitQuaternion;
 
 use super::prediction::Powers;
 use super::{Opening, Prediction};
@@ -9,6 +10,12 @@ use crate::side::{HandChoice, Side};
 
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
+
+/// How much of an orientation is what networks see of it, and how far from the neighbours' it may
+/// be to count: who sees a hand from behind that the others see from before is not half right.
+/// Chosen on pictures of two hands (docs/trials.md).
+const SEEN: f64 = 0.4;
+const NEAR_DEG: f64 = 40.0;
 
 impl Prediction {
     /// Weighs the neighbours' classes and stages by what the networks make of hand and object.
@@ -43,6 +50,25 @@ impl Prediction {
         vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         none
     }
+
+    /// Moves the orientation of a hand in the picture towards where networks see it near that.
+    pub(crate) fn join_orientation(&self, side: Side, orientation: &mut OrientationEstimate) {
+        orientation.rotation = joined_rotation(orientation.rotation, self.rotations(side));
+        orientation.euler_deg = euler_deg(&orientation.rotation);
+    }
+}
+
+/// The mean of a rotation and of those that are seen near it.
+fn joined_rotation(own: UnitQuaternion<f64>, seen: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
+    let is_near = |seen: &&UnitQuaternion<f64>| seen.angle_to(&own) < NEAR_DEG.to_radians();
+    let near: Vec<_> = seen.iter().filter(is_near).collect();
+    if near.is_empty() {
+        return own;
+    }
+    let each = SEEN / near.len() as f64;
+    let near = near.into_iter().map(|rotation| (*rotation, each));
+    let all: Vec<_> = std::iter::once((own, 1.0 - SEEN)).chain(near).collect();
+    mean_rotation(&all).unwrap_or(own)
 }
 
 /// The probability of each stage by neighbours and networks.
@@ -73,6 +99,19 @@ mod tests {
     use super::*;
 
     const POWERS: Powers = Powers { neighbours: 0.7, networks: 1.2, opening: 0.0 };
+
+    #[test]
+    fn what_is_seen_near_an_orientation_moves_it_and_what_is_far_does_not() {
+        let about_z = |degrees: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians());
+        let moved = |seen: &[f64]| {
+            let seen: Vec<_> = seen.iter().map(|degrees| about_z(*degrees)).collect();
+            joined_rotation(about_z(10.0), &seen).angle_to(&about_z(10.0)).to_degrees()
+        };
+        assert!(moved(&[]).abs() < 1e-9 && moved(&[60.0, 190.0]).abs() < 1e-9);
+        assert!((moved(&[20.0]) - 10.0 * SEEN).abs() < 0.1, "{}", moved(&[20.0]));
+        assert!((moved(&[20.0, 190.0]) - moved(&[20.0])).abs() < 1e-9);
+        assert!((moved(&[0.0, 20.0])).abs() < 1e-9);
+    }
 
     #[test]
     fn both_are_multiplied() {

@@ -1,8 +1,12 @@
 //! Which hand it is and what it does, by looks of networks at it.
 
+use grasp_index::from_columns;
+use nalgebra::UnitQuaternion;
+
 use super::look::Eye;
 use super::square::Square;
 use crate::networks::{GRASP, Heads, Networks, STAGES, SceneNetwork, normalised};
+use crate::orientation::in_picture;
 use crate::side::Side;
 
 /// Looks at a hand: turned and enlarged by so much.
@@ -40,6 +44,8 @@ pub struct Prediction {
     by_side: [Vec<f64>; 2],
     /// For each hand, the logarithm of the probability of each stage, up to a constant.
     stages_by_side: [[f64; STAGES]; 2],
+    /// For each hand, its `camera_from_hand` in the picture by each look of the naming network.
+    rotations_by_side: [Vec<UnitQuaternion<f64>>; 2],
 }
 
 /// The powers of the neighbours' and of the networks' probabilities (all see the same hand, and are
@@ -63,12 +69,13 @@ impl Prediction {
         sides: &[Side],
         powers: Powers,
     ) -> Self {
-        let named = looks(eye, &[*square], &LOOKS, sides, &voices(networks));
+        let mut named = looks(eye, &[*square], &LOOKS, sides, &voices(networks));
         let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| named[side].stages);
+        let rotations_by_side = [0, 1].map(|side| std::mem::take(&mut named[side].rotations));
         let by_side = named.map(|named| normalised(&named.grasps));
         let grasps = networks.naming().grasps.clone();
-        Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side }
+        Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side, rotations_by_side }
     }
 
     /// Joins what the scene and the naming network see of the grasp in the same square through an
@@ -98,7 +105,8 @@ impl Prediction {
         squares: &[Square],
         sides: &[Side],
     ) {
-        let seen = looks(eye, squares, &LOOKS, sides, &[(networks.things(), 1.0)]);
+        let things = Voice { network: networks.things(), share: 1.0, is_asked_for_rotations: false };
+        let seen = looks(eye, squares, &LOOKS, sides, &[things]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -119,6 +127,12 @@ impl Prediction {
         std::array::from_fn(|stage| libm::exp(logs[stage]))
     }
 
+    /// How the hand is turned in the picture if it is this one, `camera_from_hand`: what each look
+    /// says.
+    pub(super) fn rotations(&self, side: Side) -> &[UnitQuaternion<f64>] {
+        &self.rotations_by_side[usize::from(side == Side::Left)]
+    }
+
     /// How likely each grasp is if the hand is this one, in the order of the network's names; then
     /// how likely it is in none of them. The probabilities sum to 1.
     pub fn probabilities(&self, side: Side) -> Vec<f64> {
@@ -136,38 +150,64 @@ impl Prediction {
     }
 }
 
-/// The networks that name the grasp of a hand, and how much each counts.
-fn voices(networks: &Networks) -> [(&SceneNetwork, f64); 2] {
-    [(networks.finding(), FINDING), (networks.naming(), 1.0 - FINDING)]
+/// A network that looks at a hand.
+struct Voice<'n> {
+    network: &'n SceneNetwork,
+    /// How much it counts.
+    share: f64,
+    /// Whether it is asked how the hand is turned.
+    is_asked_for_rotations: bool,
 }
 
-/// What networks, each of which counts so much, see in squares of a right and of a left hand, where
+/// The networks that name the grasp of a hand. How it is turned the naming network alone is asked:
+/// the other one's word makes the answer's orientation no better.
+fn voices(networks: &Networks) -> [Voice<'_>; 2] {
+    [
+        Voice { network: networks.finding(), share: FINDING, is_asked_for_rotations: false },
+        Voice { network: networks.naming(), share: 1.0 - FINDING, is_asked_for_rotations: true },
+    ]
+}
+
+/// What networks see in squares of a right and of a left hand, where
 /// these are asked about, each square turned and enlarged in some ways: the mean of all looks.
 fn looks(
     eye: &mut Eye<'_>,
     squares: &[Square],
     ways: &[(f64, f64)],
     sides: &[Side],
-    voices: &[(&SceneNetwork, f64)],
+    voices: &[Voice<'_>],
 ) -> [Named; 2] {
-    let grasps = voices.first().map_or(0, |(network, _)| network.grasps.len());
+    let grasps = voices.first().map_or(0, |voice| voice.network.grasps.len());
     let mut named = [Named::new(grasps), Named::new(grasps)];
     let looks = squares.iter().flat_map(|square| ways.iter().map(move |way| (square, way)));
     let share_of_look = 1.0 / (squares.len() * ways.len()) as f64;
     for (square, &(turn, size)) in looks {
-        eye.turn_to(&Square { turn: square.turn + turn, side: square.side * size, ..*square });
+        let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
+        eye.turn_to(&square);
         for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
             if side == Side::Left {
                 eye.mirror();
             }
-            if sides.contains(&side) {
-                for (network, share) in voices {
-                    named.add(&eye.see(network), share * share_of_look);
+            if !sides.contains(&side) {
+                continue;
+            }
+            for voice in voices {
+                let heads = eye.see(voice.network);
+                named.add(&heads, voice.share * share_of_look);
+                if voice.is_asked_for_rotations {
+                    named.rotations.extend(rotation(&heads, &square, side));
                 }
             }
         }
     }
     named
+}
+
+/// How a hand is turned in the picture, by what is seen of it in a square, flipped for a left hand.
+fn rotation(heads: &Heads, square: &Square, side: Side) -> Option<UnitQuaternion<f64>> {
+    let seen = from_columns(heads.rotation.map(|value| value as f32))?;
+    let turned_deg = square.turn.to_degrees();
+    Some(in_picture(side, if side == Side::Left { -turned_deg } else { turned_deg }, &seen))
 }
 
 /// The mean of what several looks at one of both hands say; without any, all is as likely.
@@ -178,11 +218,13 @@ struct Named {
     grasps: Vec<f64>,
     /// The same of each stage.
     stages: [f64; STAGES],
+    /// What each look of those that are asked says of how the hand is turned in the picture.
+    rotations: Vec<UnitQuaternion<f64>>,
 }
 
 impl Named {
     fn new(grasps: usize) -> Self {
-        Self { odds: 0.0, grasps: vec![0.0; grasps + 1], stages: [0.0; STAGES] }
+        Self { odds: 0.0, grasps: vec![0.0; grasps + 1], stages: [0.0; STAGES], rotations: Vec::new() }
     }
 
     /// Counts one look more.
@@ -255,6 +297,7 @@ mod tests {
             powers: POWERS,
             by_side: [[0.8, 0.1, 0.1], [0.2, 0.7, 0.1]].map(|of| of.map(libm::log).to_vec()),
             stages_by_side: [[0.0; STAGES]; 2],
+            rotations_by_side: Default::default(),
         }
     }
 
