@@ -170,8 +170,8 @@ fn numbers_are_written_as_people_write_them() {
         (
             "grasp-builder",
             vec![
-                "build", "--views", "2", "--hash", "random", "--planes", "1", "--tables", "1", "--out",
-                "s.idx",
+                "build", "--hands", "2", "--views", "2", "--hash", "random", "--planes", "1", "--tables",
+                "1", "--out", "s.idx",
             ],
         ),
         ("grasp-builder", vec!["queries", "--count", "9", "--out", "q.npy"]),

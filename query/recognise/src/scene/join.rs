@@ -11,9 +11,9 @@ use crate::side::{HandChoice, Side};
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
-/// How much of an orientation is what networks see of it, and how far from the neighbours' it may
-/// be to count: who sees a hand from behind that the others see from before is not half right.
-/// Chosen on pictures of two hands (docs/trials.md).
+/// How much of an orientation is what networks see of it, and how far from that of the vote it may
+/// lie to count: of a hand that one sees from before and the other from behind, the mean is
+/// nobody's. Chosen on pictures of two hands (docs/trials.md).
 const SEEN: f64 = 0.4;
 const NEAR_DEG: f64 = 40.0;
 

@@ -168,8 +168,8 @@ fn voices(networks: &Networks) -> [Voice<'_>; 2] {
     ]
 }
 
-/// What networks see in squares of a right and of a left hand, where
-/// these are asked about, each square turned and enlarged in some ways: the mean of all looks.
+/// What networks see in squares of a right and of a left hand, where these are asked about, each
+/// square turned and enlarged in some ways: the mean of all looks.
 fn looks(
     eye: &mut Eye<'_>,
     squares: &[Square],
@@ -241,6 +241,7 @@ mod tests {
     use super::*;
     use crate::picture::Picture;
     use crate::segment::Mask;
+    use grasp_index::{mirror_orientation, turned_orientation};
 
     const SQUARE: Square = Square { centre: [32.0, 32.0], side: 60.0, turn: 0.2 };
     const POWERS: Powers = Powers { neighbours: 1.0, networks: 1.0, opening: 0.0 };
@@ -268,6 +269,34 @@ mod tests {
         for side in [Side::Right, Side::Left] {
             assert!((with.probabilities(side).iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_hand_is_turned_with_its_picture_and_a_left_one_as_its_mirror_image() {
+        let networks = Networks::default();
+        // How it is turned in the picture whose pixel (x, y) is the shaded one's at `of(x, y)`. The
+        // looks beside the first are not each other's mirror images.
+        let seen = |of: fn(usize, usize) -> (usize, usize), square: Square, side: Side| {
+            let shaded = shaded();
+            let pixel = |at: usize| of(at % 64, at / 64);
+            let pixels = (0..64 * 64).map(pixel).map(|(x, y)| shaded.rgb()[64 * y + x]).collect();
+            let picture = Picture::new(64, 64, pixels).unwrap();
+            let seen = Prediction::of_square(&networks, &mut Eye::new(&picture), &square, &[side], POWERS);
+            assert_eq!([side, side.other()].map(|side| seen.rotations(side).len()), [LOOKS.len(), 0]);
+            seen.rotations(side)[0]
+        };
+        let square = Square { centre: [30.0, 36.0], ..SQUARE };
+        let own = seen(|x, y| (x, y), square, Side::Right);
+        let apart = |a: UnitQuaternion<f64>, b: UnitQuaternion<f64>| a.angle_to(&b).to_degrees();
+        let mirrored = Square { centre: [64.0 - 30.0, 36.0], turn: -square.turn, ..square };
+        let left = seen(|x, y| (63 - x, y), mirrored, Side::Left);
+        assert!(apart(left, mirror_orientation(&own)) < 1.0, "{}", apart(left, mirror_orientation(&own)));
+        // A quarter turn clockwise.
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let turned = Square { centre: [64.0 - 36.0, 30.0], turn: square.turn - quarter, ..square };
+        let turned = seen(|x, y| (y, 63 - x), turned, Side::Right);
+        let expected = turned_orientation(90.0, &own);
+        assert!(apart(turned, expected) < 1.0, "{}", apart(turned, expected));
     }
 
     #[test]
