@@ -17,8 +17,8 @@ const PACKAGES: [&str; 2] = ["grasp-builder", "grasp-query"];
 /// The folders of the profiles that this package itself is built in.
 const PROFILES: [&str; 3] = ["debug", "release", "trial"];
 
-/// All packages and a test: so dependencies have the features that `cargo test --workspace` has built
-/// them with, and are not compiled once more without those that tests and benchmarks add.
+/// All packages and a test: so dependencies have the features that `cargo test --workspace` has
+/// built them with, and are not compiled once more without those that tests and benchmarks add.
 const OF_THE_TESTS: &[&str] = &["--workspace", "--test", "circles"];
 
 /// How the programs are built.

@@ -64,8 +64,8 @@ fn written(folder: &Path) -> [Vec<u8>; 2] {
 #[test]
 fn threads_and_interruptions_change_no_byte() {
     // Scenes to measure by, the first part, the next one, and a few steps take so many pieces: each
-    // try gets on, whichever of rendering and steps is the faster. The scene network's training is the
-    // next test's.
+    // try gets on, whichever of rendering and steps is the faster. The scene network's training is
+    // stopped in the next test.
     for (kind, pieces) in [(Kind::Hand, 46), (Kind::Naming, 26), (Kind::Thing, 26), (Kind::Mask, 26)] {
         changes_no_byte(&Options { kind, ..OPTIONS }, pieces);
     }

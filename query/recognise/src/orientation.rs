@@ -13,8 +13,8 @@ pub fn xyzw(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
     [q.i * sign, q.j * sign, q.k * sign, q.w * sign]
 }
 
-/// The orientation in a picture of a hand that was seen as `seen` after the picture was flipped for a
-/// left hand and turned clockwise by `roll_deg` degrees.
+/// The orientation in a picture of a hand that was seen as `seen` after the picture was flipped for
+/// a left hand and turned clockwise by `roll_deg` degrees.
 pub(crate) fn in_picture(side: Side, roll_deg: f64, seen: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let level = turned_orientation(-roll_deg, seen);
     match side {

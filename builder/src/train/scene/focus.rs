@@ -29,7 +29,7 @@ pub(super) struct Focus {
 
 impl Focus {
     pub(super) fn of(kind: Kind) -> Self {
-        // What a network that names makes of masks and of how the hand is turned nobody asks.
+        // The masks of a network that names are not used, and its rotation only joins the vote's.
         let naming = Self {
             form: Form::Naming,
             far: 0.02,

@@ -51,7 +51,8 @@ impl Prediction {
         none
     }
 
-    /// Moves the orientation of a hand in the picture towards where networks see it near that.
+    /// Moves the orientation of a hand in the picture towards the rotations near it that networks
+    /// see. Its spread stays that of the neighbours about their own mean.
     pub(crate) fn join_orientation(&self, side: Side, orientation: &mut OrientationEstimate) {
         orientation.rotation = joined_rotation(orientation.rotation, self.rotations(side));
         orientation.euler_deg = euler_deg(&orientation.rotation);

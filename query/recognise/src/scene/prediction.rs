@@ -127,8 +127,7 @@ impl Prediction {
         std::array::from_fn(|stage| libm::exp(logs[stage]))
     }
 
-    /// How the hand is turned in the picture if it is this one, `camera_from_hand`: what each look
-    /// says.
+    /// `camera_from_hand` in the picture if the hand is this one, by each look of the naming network.
     pub(super) fn rotations(&self, side: Side) -> &[UnitQuaternion<f64>] {
         &self.rotations_by_side[usize::from(side == Side::Left)]
     }
@@ -159,8 +158,8 @@ struct Voice<'n> {
     is_asked_for_rotations: bool,
 }
 
-/// The networks that name the grasp of a hand. How it is turned the naming network alone is asked:
-/// the other one's word makes the answer's orientation no better.
+/// The networks that name the grasp of a hand. The naming network alone is asked how it is turned:
+/// the scene network's rotation makes the answer's orientation no better (docs/trials.md).
 fn voices(networks: &Networks) -> [Voice<'_>; 2] {
     [
         Voice { network: networks.finding(), share: FINDING, is_asked_for_rotations: false },
@@ -218,7 +217,7 @@ struct Named {
     grasps: Vec<f64>,
     /// The same of each stage.
     stages: [f64; STAGES],
-    /// What each look of those that are asked says of how the hand is turned in the picture.
+    /// `camera_from_hand` in the picture, by each look of a network that is asked for it.
     rotations: Vec<UnitQuaternion<f64>>,
 }
 
