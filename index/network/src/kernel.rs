@@ -10,26 +10,41 @@ use crate::layer::{LANES, Rectifier};
 use crate::packed::Packed;
 
 /// Computes a layer, `PIXELS` of its pixels at a time: their sums, [`LANES`] a pixel, should fit
-/// into the registers of the path.
+/// into the registers of the path. Of outputs that fill no more than half of a block, the sums of
+/// `MORE` pixels fit.
 ///
 /// `input` and `output` have the borders that the layer was packed for; only the pixels inside the
 /// output's are written.
 #[inline(always)]
-pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output: &mut [f32]) {
+pub(crate) fn compute<const PIXELS: usize, const MORE: usize>(
+    layer: &Packed,
+    input: &[f32],
+    output: &mut [f32],
+) {
     for (block, first) in layer.blocks().zip((0..).step_by(LANES)) {
-        let width = LANES.min(layer.outputs - first);
-        for group in layer.pixels.chunks(PIXELS) {
-            // A last group that is smaller computes its last pixel several times.
-            let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
-            // Of a block that is filled to no more than a half, the other half is not computed.
-            let sums = match width {
-                ..=HALF => sums::<PIXELS, HALF>(layer, block, input, starts),
-                _ => sums::<PIXELS, LANES>(layer, block, input, starts),
-            };
-            for (pixel, sums) in group.iter().zip(sums) {
-                let values = rectify(sums, layer.rectifier);
-                output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
-            }
+        match LANES.min(layer.outputs - first) {
+            width @ ..=HALF => compute_block::<MORE, HALF>(layer, block, input, output, first, width),
+            width => compute_block::<PIXELS, LANES>(layer, block, input, output, first, width),
+        }
+    }
+}
+
+/// Computes a block of outputs, which is filled to `width`: its first `WIDTH`.
+#[inline(always)]
+fn compute_block<const PIXELS: usize, const WIDTH: usize>(
+    layer: &Packed,
+    block: &[Lanes],
+    input: &[f32],
+    output: &mut [f32],
+    first: usize,
+    width: usize,
+) {
+    for group in layer.pixels.chunks(PIXELS) {
+        // A last group that is smaller computes its last pixel several times.
+        let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
+        for (pixel, sums) in group.iter().zip(sums::<PIXELS, WIDTH>(layer, block, input, starts)) {
+            let values = rectify(sums, layer.rectifier);
+            output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
         }
     }
 }
@@ -68,7 +83,7 @@ fn sums<const PIXELS: usize, const WIDTH: usize>(
 
 /// What follows the sums. Comparisons, because the sign of a zero from `max` is unspecified.
 #[inline(always)]
-pub(crate) fn rectify(sums: [f32; LANES], rectifier: Rectifier) -> [f32; LANES] {
+pub(crate) fn rectify<const N: usize>(sums: [f32; N], rectifier: Rectifier) -> [f32; N] {
     match rectifier {
         Rectifier::Zero => sums.map(|sum| if sum > 0.0 { sum } else { 0.0 }),
         Rectifier::Leaky => sums.map(|sum| if sum > 0.0 { sum } else { sum * Architecture::LEAK }),

@@ -150,23 +150,101 @@ fn wide() -> Architecture {
     }
 }
 
+/// Networks whose layers are computed in tiles of 2 x 2 outputs where products of words are summed,
+/// and others: of an odd side, or of planes that fill no vector.
+fn tiled() -> impl Strategy<Value = Architecture> {
+    let planes = (3..=18u32).prop_map(|fours| 4 * fours);
+    (1..=14u32, planes, outputs(), outputs(), 0..=1u32).prop_map(|(side, planes, then, last, masked)| {
+        let convolution = |kernel, outputs| Convolution { kernel, stride: 1, outputs };
+        Architecture {
+            side,
+            planes: 3,
+            convolutions: vec![convolution(1, planes), convolution(3, then), convolution(3, last)],
+            embedding: 6,
+            heads: 3,
+            masks: Some(Masks { convolution: 1 + masked, count: 1, cells: 2 }),
+        }
+    })
+}
+
+/// Compares all paths to the naive one, by two pictures in turn.
+fn check_bits(architecture: &Architecture, seed: u64) -> Result<(), TestCaseError> {
+    let weights = weights(architecture, seed);
+    let network = Network::from_weights(architecture.clone(), weights.clone()).unwrap();
+    // Used again: nothing of one picture may be left in the next one's.
+    let mut scratch = Scratch::default();
+    for picture in [picture(architecture, seed ^ 1), picture(architecture, seed ^ 2)] {
+        let naive = naive(architecture, &weights, &picture);
+        for path in Path::available() {
+            let [aligned, moved] = prepared(&network, path);
+            for network in [quantised(&network, path), aligned, moved] {
+                let output = network.run(&mut scratch, &picture);
+                let found = [output.embedding, output.heads, output.masks].map(bits);
+                prop_assert_eq!(found, naive.each_ref().map(|values| bits(values)), "{}", path.name());
+            }
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn every_path_returns_the_bits_of_the_naive_one(architecture in architectures([1, 3, 5], outputs()), seed: u64) {
-        let weights = weights(&architecture, seed);
-        let network = Network::from_weights(architecture.clone(), weights.clone()).unwrap();
-        // Used again: nothing of one picture may be left in the next one's.
-        let mut scratch = Scratch::default();
-        for picture in [picture(&architecture, seed ^ 1), picture(&architecture, seed ^ 2)] {
-            let naive = naive(&architecture, &weights, &picture);
-            for path in Path::available() {
-                let [aligned, moved] = prepared(&network, path);
-                for network in [quantised(&network, path), aligned, moved] {
+        check_bits(&architecture, seed)?;
+    }
+
+    #[test]
+    fn so_it_does_by_tiles(architecture in tiled(), seed: u64) {
+        check_bits(&architecture, seed)?;
+    }
+}
+
+/// A layer of 3 x 3 whose inputs are all as large as can be where `is_large`, 0 elsewhere, and whose
+/// weights are as large as can be, with the signs of `sign`.
+fn extreme(
+    planes: u32,
+    is_large: fn(usize, usize) -> bool,
+    sign: fn(usize) -> f32,
+) -> (Architecture, Vec<f32>, Vec<f32>) {
+    let architecture = Architecture {
+        side: 6,
+        planes: 1,
+        convolutions: vec![
+            Convolution { kernel: 1, stride: 1, outputs: planes },
+            Convolution { kernel: 3, stride: 1, outputs: 4 },
+        ],
+        embedding: 1,
+        heads: 1,
+        masks: Some(Masks { convolution: 1, count: 1, cells: 1 }),
+    };
+    let layers = architecture.layers().unwrap();
+    let mut weights = vec![1.0; architecture.parameters().unwrap()];
+    weights[planes as usize..][..planes as usize].fill(0.0);
+    let kernel = &mut weights[layers[0].parameters()..][..9 * planes as usize * 4];
+    for (at, weight) in kernel.iter_mut().enumerate() {
+        *weight = sign(at / 4 / planes as usize);
+    }
+    let picture = (0..36).map(|at| f32::from(u8::from(is_large(at / 6, at % 6)))).collect();
+    (architecture, weights, picture)
+}
+
+#[test]
+fn sums_do_not_overflow_where_all_is_as_large_as_can_be() {
+    // 204 planes are the most that are computed in tiles.
+    for planes in [204, 208] {
+        for is_large in [|_, _| true, |y: usize, x: usize| y / 2 % 2 == x / 2 % 2, |y, x| y % 2 == x % 2] {
+            for sign in [|_| 1.0, |tap: usize| if tap.is_multiple_of(2) { 1.0 } else { -1.0 }] {
+                let (architecture, weights, picture) = extreme(planes, is_large, sign);
+                let naive = naive(&architecture, &weights, &picture);
+                let network = Network::from_weights(architecture, weights).unwrap();
+                for path in Path::available() {
+                    let network = quantised(&network, path);
+                    let mut scratch = Scratch::default();
                     let output = network.run(&mut scratch, &picture);
                     let found = [output.embedding, output.heads, output.masks].map(bits);
-                    prop_assert_eq!(found, naive.each_ref().map(|values| bits(values)), "{}", path.name());
+                    assert_eq!(found, naive.each_ref().map(|values| bits(values)), "{}", path.name());
                 }
             }
         }

@@ -12,7 +12,7 @@ use wide::{i16x16, i32x8};
 use super::packed::{PackedIntegers, Quads, TOGETHER};
 use super::rounding::{nearest_byte, nearest_word};
 use crate::kernel::rectify;
-use crate::layer::LANES;
+use crate::layer::{LANES, Rectifier};
 
 /// The largest integer that stands for a value.
 const LARGEST_VALUE: f32 = 255.0;
@@ -46,21 +46,26 @@ pub(super) fn compute<const PIXELS: usize>(
             // A last group that is smaller computes its last pixel several times.
             let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
             for (pixel, sums) in group.iter().zip(sums(weights, width, starts)) {
-                let values = rectify(scaled(sums, &units, &scales.biases), layer.rectifier);
+                let values = finished(sums, &units, &scales.biases, layer.rectifier);
                 output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
             }
         }
     }
 }
 
-/// What sums of integers stand for, and the biases.
+/// The outputs: what sums of integers stand for, with the biases, and what follows those.
 #[inline(always)]
-fn scaled(sums: [i32; LANES], units: &[f32; LANES], biases: &[f32; LANES]) -> [f32; LANES] {
-    let mut values = [0.0; LANES];
-    for lane in 0..LANES {
+pub(super) fn finished<const N: usize>(
+    sums: [i32; N],
+    units: &[f32; N],
+    biases: &[f32; N],
+    rectifier: Rectifier,
+) -> [f32; N] {
+    let mut values = [0.0; N];
+    for lane in 0..N {
         values[lane] = sums[lane] as f32 * units[lane] + biases[lane];
     }
-    values
+    rectify(values, rectifier)
 }
 
 /// The rows of the windows that start at `starts`, in fours of values, with the weights of each.

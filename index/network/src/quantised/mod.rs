@@ -5,6 +5,7 @@ mod kernel;
 mod packed;
 mod prepared;
 mod rounding;
+mod winograd;
 
 use std::fmt;
 
@@ -18,6 +19,8 @@ use crate::weights::WeightsError;
 use crate::{Architecture, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
+pub(crate) use winograd::Room;
+use winograd::Winograd;
 
 /// A network whose convolutions are computed in integers of 8 bits: up to four times as fast
 /// where a processor has instructions for that, with nearly the same outputs.
@@ -40,11 +43,20 @@ pub struct QuantisedNetwork {
     path: Path,
 }
 
+/// A layer's weights, for any instructions.
+enum Weights {
+    Floats(Packed),
+    Integers(PackedIntegers),
+}
+
 /// How a layer is computed.
 #[derive(Clone, Debug)]
 enum Step {
     Floats(Packed),
-    Integers(PackedIntegers),
+    /// In integers, window by window.
+    Windows(PackedIntegers),
+    /// In integers, tile by tile.
+    Tiles(Winograd),
 }
 
 /// For the picture, then for each layer's output: whether it is read as integers.
@@ -57,11 +69,24 @@ fn is_rounded(architecture: &Architecture, layers: &[Layer]) -> Vec<bool> {
     is_rounded
 }
 
-/// How a layer is computed.
-fn step(layer: &mut Unpacked<'_>, is_rounded: &[bool]) -> Step {
+impl Step {
+    /// The fastest by these instructions.
+    fn new(layer: &Layer, weights: Weights, path: Path) -> Self {
+        match weights {
+            Weights::Floats(weights) => Self::Floats(weights),
+            Weights::Integers(weights) if !dispatch::sums_bytes(path) && Winograd::is_supported(layer) => {
+                Self::Tiles(Winograd::new(&weights, layer))
+            }
+            Weights::Integers(weights) => Self::Windows(weights),
+        }
+    }
+}
+
+/// Rounds the weights of a layer that is computed in integers.
+fn rounded(layer: &mut Unpacked<'_>, is_rounded: &[bool]) -> Weights {
     match reads_integers(layer.source, is_rounded) {
-        true => Step::Integers(PackedIntegers::new(layer)),
-        false => Step::Floats(Packed::new(layer)),
+        true => Weights::Integers(PackedIntegers::new(layer)),
+        false => Weights::Floats(Packed::new(layer)),
     }
 }
 
@@ -95,7 +120,9 @@ impl QuantisedNetwork {
         path: Path,
     ) -> Result<Self, WeightsError> {
         let is_rounded = is_rounded(&architecture, &layers);
-        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded))?;
+        let steps = pack_layers(&architecture, &layers, weights, |layer| {
+            Step::new(layer.layer, rounded(layer, &is_rounded), path)
+        })?;
         Ok(Self { architecture, layers, steps, is_rounded, path })
     }
 
@@ -112,7 +139,7 @@ impl QuantisedNetwork {
     pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
         let in_bytes = dispatch::sums_bytes(self.path);
         scratch.fit(&self.layers, &self.is_rounded, in_bytes);
-        let Scratch { buffers, bytes, words, units, .. } = scratch;
+        let Scratch { buffers, bytes, words, units, room, .. } = scratch;
         buffers.set_input(input);
         for (at, step) in self.steps.iter().enumerate() {
             let source = self.architecture.source(at).map_or(0, |source| source + 1);
@@ -120,12 +147,15 @@ impl QuantisedNetwork {
             let Some(output) = from_here.first_mut() else { continue };
             match step {
                 Step::Floats(layer) => self.path.compute(layer, &before[source], output),
-                Step::Integers(layer) => {
+                Step::Windows(layer) => {
                     let input = match in_bytes {
                         true => Integers::Bytes(&bytes[source], units[source]),
                         false => Integers::Words(&words[source], units[source]),
                     };
                     dispatch::run(self.path, layer, input, output);
+                }
+                Step::Tiles(layer) => {
+                    dispatch::run_tiles(self.path, layer, (&words[source], units[source]), output, room);
                 }
             }
             if self.is_rounded[at + 1] {

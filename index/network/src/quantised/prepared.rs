@@ -13,7 +13,7 @@
 use std::borrow::Cow;
 
 use super::packed::{PackedIntegers, Quads, Scales, TOGETHER};
-use super::{QuantisedNetwork, Step, is_rounded, reads_integers, step};
+use super::{QuantisedNetwork, Step, Weights, is_rounded, reads_integers, rounded};
 use crate::file::{self, Contents, Shape};
 use crate::lanes::Lanes;
 use crate::layer::{LANES, Layer};
@@ -34,14 +34,14 @@ impl QuantisedNetwork {
     pub fn prepare(bytes: &[u8]) -> Result<Vec<u8>, ReadError> {
         let Contents { architecture, layers, weights, .. } = file::decode(bytes)?;
         let is_rounded = is_rounded(&architecture, &layers);
-        let steps = pack_layers(&architecture, &layers, weights, |layer| step(layer, &is_rounded))?;
+        let all = pack_layers(&architecture, &layers, weights, |layer| rounded(layer, &is_rounded))?;
         let mut prepared = file::encode(&architecture, Arithmetic::Integers, &[]);
-        for step in &steps {
-            match step {
-                Step::Floats(layer) => {
+        for weights in &all {
+            match weights {
+                Weights::Floats(layer) => {
                     append(&mut prepared, bytes_of(layer.weights().iter().map(|row| row.0)))
                 }
-                Step::Integers(layer) => {
+                Weights::Integers(layer) => {
                     append(&mut prepared, bytemuck::cast_slice(&layer.weights).iter().copied());
                     let scales = layer.scales.iter().flat_map(|scales| [scales.units, scales.biases]);
                     append(&mut prepared, bytes_of(scales));
@@ -66,10 +66,11 @@ impl QuantisedNetwork {
         for (at, layer) in layers.iter().enumerate() {
             let source = architecture.source(at);
             let borders = Borders::of_layer(&layers, at, source);
-            steps.push(match reads_integers(source, &is_rounded) {
-                true => Step::Integers(parts.integers(layer, borders)?),
-                false => Step::Floats(parts.floats(layer, borders)?),
-            });
+            let weights = match reads_integers(source, &is_rounded) {
+                true => Weights::Integers(parts.integers(layer, borders)?),
+                false => Weights::Floats(parts.floats(layer, borders)?),
+            };
+            steps.push(Step::new(layer, weights, path));
         }
         let (expected, found) = (parts.at as u64, bytes.len() as u64);
         if expected < found {
