@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::{Chain, Digit, HandPose, Skeleton};
-use crate::mesh::{Field, round_cone, round_triangle, smooth_union};
+use crate::mesh::{Field, RoundCone, RoundTriangle, smooth_union};
 
 /// How wide the creases are filled, in metres.
 const PALM_BLEND: f64 = 0.014;
@@ -18,26 +18,12 @@ pub(crate) const WRIST_CUT: f64 = 0.012;
 
 type V = Vector3<f64>;
 
-#[derive(Debug, Clone, Copy)]
-struct Cone {
-    a: V,
-    b: V,
-    ra: f64,
-    rb: f64,
-}
-
-impl Cone {
-    fn distance(&self, p: &V) -> f64 {
-        round_cone(p, &self.a, &self.b, self.ra, self.rb)
-    }
-}
-
 /// A posed hand's skin.
 #[derive(Debug, Clone)]
 pub(crate) struct HandSurface {
-    palm: Vec<Cone>,
-    webs: Vec<([V; 3], f64)>,
-    digits: Vec<(Digit, [Cone; 3])>,
+    palm: Vec<RoundCone>,
+    webs: Vec<RoundTriangle>,
+    digits: Vec<(Digit, [RoundCone; 3])>,
     cut: f64,
 }
 
@@ -46,11 +32,8 @@ impl HandSurface {
     pub(crate) fn new(skeleton: &Skeleton, pose: &HandPose, forearm: f64) -> HandSurface {
         let chains = skeleton.chains(pose);
         let bones = |chain: &Chain| {
-            std::array::from_fn(|i| Cone {
-                a: chain.points[i],
-                b: chain.points[i + 1],
-                ra: chain.radii[i],
-                rb: chain.radii[i + 1],
+            std::array::from_fn(|i| {
+                RoundCone::new([chain.points[i], chain.points[i + 1]], [chain.radii[i], chain.radii[i + 1]])
             })
         };
         let digits = Digit::ALL.map(|digit| (digit, bones(&chains[digit as usize]))).to_vec();
@@ -68,7 +51,7 @@ impl HandSurface {
         let mut low = V::repeat(f64::INFINITY);
         let mut high = V::repeat(f64::NEG_INFINITY);
         for cone in self.palm.iter().chain(self.digits.iter().flat_map(|(_, bones)| bones)) {
-            for (c, r) in [(cone.a, cone.ra), (cone.b, cone.rb)] {
+            for (c, r) in cone.ends() {
                 low = low.inf(&(c - V::repeat(r + PALM_BLEND)));
                 high = high.sup(&(c + V::repeat(r + PALM_BLEND)));
             }
@@ -85,9 +68,8 @@ impl Field for HandSurface {
         for cone in &self.palm {
             palm = smooth_union(palm, cone.distance(p), PALM_BLEND);
         }
-        for (corners, radius) in &self.webs {
-            let [a, b, c] = corners;
-            palm = smooth_union(palm, round_triangle(p, a, b, c, *radius), FINGER_ROOT_BLEND);
+        for web in &self.webs {
+            palm = smooth_union(palm, web.distance(p), FINGER_ROOT_BLEND);
         }
         let mut skin = palm;
         for (digit, bones) in &self.digits {
@@ -107,12 +89,11 @@ impl Field for HandSurface {
     fn near(&self, centre: &V, radius: f64) -> HandSurface {
         // A part takes part in a blend where it lies no farther than the blend is wide beyond the
         // nearest part, and what it adds there may take part in the next.
-        let bones = |(_, bones): &(Digit, [Cone; 3])| {
+        let bones = |(_, bones): &(Digit, [RoundCone; 3])| {
             bones.iter().map(|bone| bone.distance(centre)).fold(f64::INFINITY, f64::min)
         };
-        let web = |([a, b, c], radius): &([V; 3], f64)| round_triangle(centre, a, b, c, *radius);
         let palm: Vec<f64> = self.palm.iter().map(|cone| cone.distance(centre)).collect();
-        let webs: Vec<f64> = self.webs.iter().map(web).collect();
+        let webs: Vec<f64> = self.webs.iter().map(|web| web.distance(centre)).collect();
         let digits: Vec<f64> = self.digits.iter().map(bones).collect();
         let least = palm.iter().chain(&webs).chain(&digits).copied().fold(f64::INFINITY, f64::min);
         let limit = least + 2.0 * radius + 1.5 * PALM_BLEND;
@@ -132,7 +113,7 @@ fn within<T: Copy>(parts: &[T], distances: &[f64], limit: f64) -> Vec<T> {
 
 /// Bodies of the palm: the four metacarpals, the pad under the knuckles, the two balls of the hand,
 /// the wrist.
-fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
+fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<RoundCone> {
     let shape = skeleton.shape();
     let thick = shape.palm_thickness;
     let wrist = shape.wrist_thickness * 0.5;
@@ -142,40 +123,32 @@ fn palm(skeleton: &Skeleton, chains: &[Chain; 5], cut: f64) -> Vec<Cone> {
     let mut cones = Vec::new();
     for (finger, side) in Digit::FINGERS.into_iter().zip([1.0, 0.35, -0.35, -1.0]) {
         let knuckle = chains[finger as usize].points[0];
-        cones.push(Cone { a: carpal(side), b: knuckle, ra: wrist * 0.80, rb: 0.31 * thick });
+        cones.push(RoundCone::new([carpal(side), knuckle], [wrist * 0.80, 0.31 * thick]));
         // The pad on the palm's side.
         let pad = V::new(-0.06 * shape.palm_length, 0.0, -0.22 * thick);
-        cones.push(Cone {
-            a: carpal(side) + V::new(0.25 * shape.palm_length, 0.0, -0.10 * thick),
-            b: knuckle + pad,
-            ra: 0.40 * thick,
-            rb: 0.34 * thick,
-        });
+        cones.push(RoundCone::new(
+            [carpal(side) + V::new(0.25 * shape.palm_length, 0.0, -0.10 * thick), knuckle + pad],
+            [0.40 * thick, 0.34 * thick],
+        ));
     }
     // The ball of the little finger.
-    cones.push(Cone {
-        a: skeleton.palm_point([0.18, -0.24, -0.36]),
-        b: skeleton.palm_point([0.62, -0.38, -0.34]),
-        ra: 0.46 * thick,
-        rb: 0.38 * thick,
-    });
+    cones.push(RoundCone::new(
+        [skeleton.palm_point([0.18, -0.24, -0.36]), skeleton.palm_point([0.62, -0.38, -0.34])],
+        [0.46 * thick, 0.38 * thick],
+    ));
     // The ball of the thumb follows its metacarpal.
     let thumb = &chains[0];
     let belly = thumb.points[0] + (thumb.points[1] - thumb.points[0]) * 0.72;
-    cones.push(Cone {
-        a: skeleton.palm_point([0.20, 0.10, -0.34]),
-        b: belly - thumb_side(thumb) * 0.12 * thick,
-        ra: 0.46 * thick,
-        rb: 0.44 * thick,
-    });
+    cones.push(RoundCone::new(
+        [skeleton.palm_point([0.20, 0.10, -0.34]), belly - thumb_side(thumb) * 0.12 * thick],
+        [0.46 * thick, 0.44 * thick],
+    ));
     // The wrist and, behind it, the forearm.
     for side in [-1.0, 1.0] {
-        cones.push(Cone {
-            a: carpal(side * 0.9),
-            b: V::new(-cut - wrist, spread * side, -0.06 * thick),
-            ra: wrist * 0.84,
-            rb: wrist * 0.86 * (1.0 + cut * 1.2),
-        });
+        cones.push(RoundCone::new(
+            [carpal(side * 0.9), V::new(-cut - wrist, spread * side, -0.06 * thick)],
+            [wrist * 0.84, wrist * 0.86 * (1.0 + cut * 1.2)],
+        ));
     }
     cones
 }
@@ -187,7 +160,7 @@ fn thumb_side(thumb: &Chain) -> V {
 }
 
 /// Skin between neighbouring fingers, over the metacarpals, and between thumb and index finger.
-fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
+fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<RoundTriangle> {
     let thick = skeleton.shape().palm_thickness;
     let along = |chain: &Chain, bone: usize, t: f64| {
         chain.points[bone] + (chain.points[bone + 1] - chain.points[bone]) * t
@@ -196,7 +169,7 @@ fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
     for pair in chains[1..].windows(2) {
         let (a, b) = (&pair[0], &pair[1]);
         let low = V::new(0.0, 0.0, -0.10 * thick);
-        webs.push((
+        webs.push(RoundTriangle::new(
             [along(a, 0, 0.24) + low, along(b, 0, 0.30) + low, (a.points[0] + b.points[0]) * 0.5 + low],
             0.20 * thick,
         ));
@@ -206,13 +179,13 @@ fn webs(skeleton: &Skeleton, chains: &[Chain; 5]) -> Vec<([V; 3], f64)> {
         let (a, b) = (pair[0].points[0], pair[1].points[0]);
         let middle = V::new(0.25 * skeleton.shape().palm_length, 0.275 * (a.y + b.y), 0.0);
         let rise = V::new(0.0, 0.0, 0.02 * thick);
-        webs.push(([a + rise, b + rise, middle + rise], 0.26 * thick));
+        webs.push(RoundTriangle::new([a + rise, b + rise, middle + rise], 0.26 * thick));
     }
     let thumb = &chains[0];
     let index = chains[1].points[0];
     let heel = skeleton.palm_point([0.35, 0.16, -0.15]);
-    webs.push(([along(thumb, 0, 0.88), heel + (index - heel) * 0.80, heel], 0.24 * thick));
-    webs.push(([thumb.points[0], along(thumb, 0, 0.88), heel], 0.28 * thick));
+    webs.push(RoundTriangle::new([along(thumb, 0, 0.88), heel + (index - heel) * 0.80, heel], 0.24 * thick));
+    webs.push(RoundTriangle::new([thumb.points[0], along(thumb, 0, 0.88), heel], 0.28 * thick));
     webs
 }
 

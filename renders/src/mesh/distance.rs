@@ -5,49 +5,103 @@ use nalgebra::Vector3;
 type V = Vector3<f64>;
 
 /// A sphere of radius `ra` at `a` and one of radius `rb` at `b` in a common tight skin.
-pub(crate) fn round_cone(p: &V, a: &V, b: &V, ra: f64, rb: f64) -> f64 {
-    let ba = b - a;
-    let l2 = ba.norm_squared();
-    let rr = ra - rb;
-    let a2 = l2 - rr * rr;
-    if a2 <= 0.0 {
-        // One sphere swallows the other.
-        return ((p - a).norm() - ra).min((p - b).norm() - rb);
-    }
-    let il2 = 1.0 / l2;
-    let pa = p - a;
-    let y = pa.dot(&ba);
-    let z = y - l2;
-    let x2 = (pa * l2 - ba * y).norm_squared();
-    let y2 = y * y * l2;
-    let z2 = z * z * l2;
-    let k = rr.signum() * rr * rr * x2;
-    if z.signum() * a2 * z2 > k {
-        return (x2 + z2).sqrt() * il2 - rb;
-    }
-    if y.signum() * a2 * y2 < k {
-        return (x2 + y2).sqrt() * il2 - ra;
-    }
-    ((x2 * a2 * il2).sqrt() + y * rr) * il2 - ra
+///
+/// A body is asked for many points: what does not depend on them is computed once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RoundCone {
+    a: V,
+    b: V,
+    ra: f64,
+    rb: f64,
+    ba: V,
+    l2: f64,
+    il2: f64,
+    rr: f64,
+    a2: f64,
 }
 
-/// The triangle `a b c` fattened by `radius`.
-pub(crate) fn round_triangle(p: &V, a: &V, b: &V, c: &V, radius: f64) -> f64 {
-    let normal = (b - a).cross(&(a - c));
-    let inside = [(a, b), (b, c), (c, a)].iter().all(|(u, v)| (*v - *u).cross(&normal).dot(&(p - *u)) >= 0.0);
-    let distance = if inside {
-        (normal.dot(&(p - a)) / normal.norm()).abs()
-    } else {
-        [(a, b), (b, c), (c, a)]
-            .iter()
-            .map(|(u, v)| {
-                let e = *v - *u;
-                let t = ((p - *u).dot(&e) / e.norm_squared()).clamp(0.0, 1.0);
-                (p - *u - e * t).norm()
-            })
-            .fold(f64::INFINITY, f64::min)
-    };
-    distance - radius
+impl RoundCone {
+    pub(crate) fn new([a, b]: [V; 2], [ra, rb]: [f64; 2]) -> Self {
+        let ba = b - a;
+        let l2 = ba.norm_squared();
+        let rr = ra - rb;
+        Self { a, b, ra, rb, ba, l2, il2: 1.0 / l2, rr, a2: l2 - rr * rr }
+    }
+
+    /// The spheres at its ends: centres and radii.
+    pub(crate) fn ends(&self) -> [(V, f64); 2] {
+        [(self.a, self.ra), (self.b, self.rb)]
+    }
+
+    pub(crate) fn distance(&self, p: &V) -> f64 {
+        let Self { ra, rb, ba, l2, il2, rr, a2, .. } = *self;
+        let pa = p - self.a;
+        if a2 <= 0.0 {
+            // One sphere swallows the other.
+            return (pa.norm() - ra).min((p - self.b).norm() - rb);
+        }
+        let y = pa.dot(&ba);
+        let z = y - l2;
+        let x2 = (pa * l2 - ba * y).norm_squared();
+        let y2 = y * y * l2;
+        let z2 = z * z * l2;
+        let k = rr.signum() * rr * rr * x2;
+        if z.signum() * a2 * z2 > k {
+            return (x2 + z2).sqrt() * il2 - rb;
+        }
+        if y.signum() * a2 * y2 < k {
+            return (x2 + y2).sqrt() * il2 - ra;
+        }
+        ((x2 * a2 * il2).sqrt() + y * rr) * il2 - ra
+    }
+}
+
+/// A triangle fattened by a radius.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RoundTriangle {
+    radius: f64,
+    normal: V,
+    normal_length: f64,
+    edges: [Edge; 3],
+}
+
+/// One edge of a triangle.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    from: V,
+    along: V,
+    length_squared: f64,
+    /// In the triangle's plane, toward its inside.
+    inward: V,
+}
+
+impl RoundTriangle {
+    pub(crate) fn new([a, b, c]: [V; 3], radius: f64) -> Self {
+        let normal = (b - a).cross(&(a - c));
+        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+            let along = to - from;
+            Edge { from, along, length_squared: along.norm_squared(), inward: along.cross(&normal) }
+        });
+        Self { radius, normal, normal_length: normal.norm(), edges }
+    }
+
+    pub(crate) fn distance(&self, p: &V) -> f64 {
+        let is_inside = self.edges.iter().all(|edge| edge.inward.dot(&(p - edge.from)) >= 0.0);
+        let distance = if is_inside {
+            (self.normal.dot(&(p - self.edges[0].from)) / self.normal_length).abs()
+        } else {
+            self.edges.iter().map(|edge| edge.distance(p)).fold(f64::INFINITY, f64::min)
+        };
+        distance - self.radius
+    }
+}
+
+impl Edge {
+    fn distance(&self, p: &V) -> f64 {
+        let p = p - self.from;
+        let t = (p.dot(&self.along) / self.length_squared).clamp(0.0, 1.0);
+        (p - self.along * t).norm()
+    }
 }
 
 /// The union of two bodies with the crease between them filled over a width of about `k` metres.
@@ -75,7 +129,7 @@ mod tests {
                 .map(|t| (p - a - (b - a) * t).norm() - ra - (rb - ra) * t)
                 .fold(f64::INFINITY, f64::min);
             prop_assume!(naive > 0.0);
-            prop_assert!((round_cone(&p, &a, &b, ra, rb) - naive).abs() < 2e-3);
+            prop_assert!((RoundCone::new([a, b], [ra, rb]).distance(&p) - naive).abs() < 2e-3);
         }
 
         #[test]
@@ -88,7 +142,7 @@ mod tests {
                     naive = naive.min((p - a - (b - a) * u - (c - a) * v).norm());
                 }
             }
-            let d = round_triangle(&p, &a, &b, &c, 0.0);
+            let d = RoundTriangle::new([a, b, c], 0.0).distance(&p);
             prop_assert!(d <= naive + 1e-9 && naive - d < 0.12, "{d} {naive}");
         }
 

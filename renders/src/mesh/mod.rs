@@ -4,7 +4,7 @@ mod distance;
 mod nets;
 mod triangles;
 
-pub(crate) use distance::{round_cone, round_triangle, smooth_union};
+pub(crate) use distance::{RoundCone, RoundTriangle, smooth_union};
 pub(crate) use nets::{Field, surface_nets};
 pub(crate) use triangles::Mesh;
 
