@@ -10,41 +10,26 @@ use crate::layer::{LANES, Rectifier};
 use crate::packed::Packed;
 
 /// Computes a layer, `PIXELS` of its pixels at a time: their sums, [`LANES`] a pixel, should fit
-/// into the registers of the path. Of outputs that fill no more than half of a block, the sums of
-/// `MORE` pixels fit.
+/// into the registers of the path.
 ///
 /// `input` and `output` have the borders that the layer was packed for; only the pixels inside the
 /// output's are written.
 #[inline(always)]
-pub(crate) fn compute<const PIXELS: usize, const MORE: usize>(
-    layer: &Packed,
-    input: &[f32],
-    output: &mut [f32],
-) {
+pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output: &mut [f32]) {
     for (block, first) in layer.blocks().zip((0..).step_by(LANES)) {
-        match LANES.min(layer.outputs - first) {
-            width @ ..=HALF => compute_block::<MORE, HALF>(layer, block, input, output, first, width),
-            width => compute_block::<PIXELS, LANES>(layer, block, input, output, first, width),
-        }
-    }
-}
-
-/// Computes a block of outputs, which is filled to `width`: its first `WIDTH`.
-#[inline(always)]
-fn compute_block<const PIXELS: usize, const WIDTH: usize>(
-    layer: &Packed,
-    block: &[Lanes],
-    input: &[f32],
-    output: &mut [f32],
-    first: usize,
-    width: usize,
-) {
-    for group in layer.pixels.chunks(PIXELS) {
-        // A last group that is smaller computes its last pixel several times.
-        let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
-        for (pixel, sums) in group.iter().zip(sums::<PIXELS, WIDTH>(layer, block, input, starts)) {
-            let values = rectify(sums, layer.rectifier);
-            output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
+        let width = LANES.min(layer.outputs - first);
+        for group in layer.pixels.chunks(PIXELS) {
+            // A last group that is smaller computes its last pixel several times.
+            let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
+            // Of a block that is filled to no more than a half, the other half is not computed.
+            let sums = match width {
+                ..=HALF => sums::<PIXELS, HALF>(layer, block, input, starts),
+                _ => sums::<PIXELS, LANES>(layer, block, input, starts),
+            };
+            for (pixel, sums) in group.iter().zip(sums) {
+                let values = rectify(sums, layer.rectifier);
+                output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
+            }
         }
     }
 }

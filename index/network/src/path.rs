@@ -92,15 +92,15 @@ impl Path {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
 fn avx512(layer: &Packed, input: &[f32], output: &mut [f32]) {
-    compute::<4, 8>(layer, input, output);
+    compute::<4>(layer, input, output);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(layer: &Packed, input: &[f32], output: &mut [f32]) {
-    compute::<2, 4>(layer, input, output);
+    compute::<2>(layer, input, output);
 }
 
 fn portable(layer: &Packed, input: &[f32], output: &mut [f32]) {
-    compute::<2, 4>(layer, input, output);
+    compute::<2>(layer, input, output);
 }
