@@ -2,7 +2,7 @@
 
 use crate::buffers::Buffers;
 use crate::layer::Layer;
-use crate::quantised::Room;
+use crate::quantised::TileBuffers;
 
 /// The memory that a network runs in: one for each thread, used again for each picture.
 ///
@@ -18,7 +18,7 @@ pub struct Scratch {
     /// What each integer of a buffer counts.
     pub(crate) units: Vec<f32>,
     /// Where layers that are computed by tiles have what they compute.
-    pub(crate) room: Room,
+    pub(crate) tiles: TileBuffers,
     /// Which of the buffers are rounded: whose bytes or words there are.
     is_rounded: Vec<bool>,
     /// Whether they are rounded to bytes; to words, if not.

@@ -2,7 +2,7 @@
 
 use super::kernel::{self, compute};
 use super::packed::PackedIntegers;
-use super::winograd::{self, Room, Winograd};
+use super::winograd::{self, TileBuffers, Winograd};
 use crate::path::{Level, Path};
 
 /// Integers that stand for values, and what each of them counts.
@@ -67,15 +67,15 @@ pub(super) fn run_tiles(
     layer: &Winograd,
     (words, unit): (&[i16], f32),
     output: &mut [f32],
-    room: &mut Room,
+    buffers: &mut TileBuffers,
 ) {
     match path.level() {
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
         Level::Avx512Vnni | Level::Avx512 | Level::AvxVnni | Level::Avx2 => unsafe {
-            avx2_tiles(layer, words, unit, output, room)
+            avx2_tiles(layer, words, unit, output, buffers)
         },
-        Level::Portable => portable_tiles(layer, words, unit, output, room),
+        Level::Portable => portable_tiles(layer, words, unit, output, buffers),
     }
 }
 
@@ -133,14 +133,14 @@ fn portable_words<const PIXELS: usize>(layer: &PackedIntegers, input: &[i16], un
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2_tiles(layer: &Winograd, input: &[i16], unit: f32, output: &mut [f32], room: &mut Room) {
-    winograd::compute::<4>(layer, unit, input, output, room, |weights, values| {
+fn avx2_tiles(layer: &Winograd, input: &[i16], unit: f32, output: &mut [f32], buffers: &mut TileBuffers) {
+    winograd::compute::<4>(layer, unit, input, output, buffers, |weights, values| {
         winograd::pairs_256(weights, values)
     });
 }
 
-fn portable_tiles(layer: &Winograd, input: &[i16], unit: f32, output: &mut [f32], room: &mut Room) {
-    winograd::compute::<2>(layer, unit, input, output, room, winograd::pairs);
+fn portable_tiles(layer: &Winograd, input: &[i16], unit: f32, output: &mut [f32], buffers: &mut TileBuffers) {
+    winograd::compute::<2>(layer, unit, input, output, buffers, winograd::pairs);
 }
 
 #[cfg(target_arch = "x86_64")]

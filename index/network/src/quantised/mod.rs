@@ -19,7 +19,7 @@ use crate::weights::WeightsError;
 use crate::{Architecture, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
-pub(crate) use winograd::Room;
+pub(crate) use winograd::TileBuffers;
 use winograd::Winograd;
 
 /// A network whose convolutions are computed in integers of 8 bits: up to four times as fast
@@ -139,7 +139,7 @@ impl QuantisedNetwork {
     pub fn run<'a>(&self, scratch: &'a mut Scratch, input: &[f32]) -> Output<'a> {
         let in_bytes = dispatch::sums_bytes(self.path);
         scratch.fit(&self.layers, &self.is_rounded, in_bytes);
-        let Scratch { buffers, bytes, words, units, room, .. } = scratch;
+        let Scratch { buffers, bytes, words, units, tiles, .. } = scratch;
         buffers.set_input(input);
         for (at, step) in self.steps.iter().enumerate() {
             let source = self.architecture.source(at).map_or(0, |source| source + 1);
@@ -155,7 +155,7 @@ impl QuantisedNetwork {
                     dispatch::run(self.path, layer, input, output);
                 }
                 Step::Tiles(layer) => {
-                    dispatch::run_tiles(self.path, layer, (&words[source], units[source]), output, room);
+                    dispatch::run_tiles(self.path, layer, (&words[source], units[source]), output, tiles);
                 }
             }
             if self.is_rounded[at + 1] {

@@ -1,4 +1,4 @@
-//! The inner loops by factors.
+//! The inner loops, tile by tile.
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
@@ -9,55 +9,55 @@ use super::{PAIR, PLACES, Pairs, Tile, WIDTH, Winograd, transform};
 use crate::layer::LANES;
 use crate::quantised::kernel::finished;
 
-/// Planes whose values become factors together.
+/// Planes that are transformed together.
 pub(super) const PLANES: usize = 16;
-/// Outputs whose sums become the tile's together.
+/// Outputs whose sums are transformed together.
 const SUMS: usize = 8;
 
-/// Values after the factors of a place, so that those of a tile do not all lie in the same lines of
-/// a cache.
+/// Values between one place's and the next: else those of a tile would share one set of a cache.
 const APART: usize = 32;
 
-/// The memory that layers are computed in, one after the other.
+/// The memory in which layers are computed, one after the other.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Room {
-    /// Factors of the values: `[place][tile][plane]`, and [`APART`].
-    factors: Vec<i16>,
+pub(crate) struct TileBuffers {
+    /// Transformed inputs: `[place][tile][plane]`, with [`APART`] after each place.
+    inputs: Vec<i16>,
     /// Sums of products for a block of outputs: `[tile][place]`.
     sums: Vec<[i32; WIDTH]>,
 }
 
-/// Computes a layer, `TILES` of its tiles at a time; `products` takes the factors of a block of
-/// outputs and those of the tiles, and returns the sums of their products.
+/// Computes a layer, `TILES` of its tiles at a time; `products` takes the transformed weights of a
+/// block of outputs and the transformed inputs of tiles, all of one place, and returns the sums of
+/// their products.
 ///
-/// `input`, `output` and `unit` are as those of windows.
+/// `input`, `output` and `unit` are as window by window.
 #[inline(always)]
 pub(crate) fn compute<const TILES: usize>(
     layer: &Winograd,
     unit: f32,
     input: &[i16],
     output: &mut [f32],
-    room: &mut Room,
+    buffers: &mut TileBuffers,
     products: impl Fn(&[Pairs], [&[[i16; PAIR]]; TILES]) -> [[i32; WIDTH]; TILES],
 ) {
     let (planes, tiles) = (layer.planes, &layer.tiles);
     let of_place = tiles.len() * planes + APART;
-    let factors = at_least(&mut room.factors, PLACES * of_place);
-    let sums = at_least(&mut room.sums, tiles.len() * PLACES);
+    let inputs = at_least(&mut buffers.inputs, PLACES * of_place);
+    let sums = at_least(&mut buffers.sums, tiles.len() * PLACES);
 
     for (tile, first) in tiles.iter().zip((0..).step_by(planes)) {
-        transform_inputs(&input[tile.input..], layer.row_step, planes, &mut factors[first..], of_place);
+        transform_inputs(&input[tile.input..], layer.row_step, planes, &mut inputs[first..], of_place);
     }
     let blocks = layer.weights.chunks_exact(PLACES * planes / PAIR);
     for (weights, first_output) in blocks.zip((0..).step_by(WIDTH)) {
-        let places = weights.chunks_exact(planes / PAIR).zip(factors.chunks_exact(of_place));
-        for (place, (weights, factors)) in places.enumerate() {
+        let places = weights.chunks_exact(planes / PAIR).zip(inputs.chunks_exact(of_place));
+        for (place, (weights, inputs)) in places.enumerate() {
             for first in (0..tiles.len()).step_by(TILES) {
                 let group = TILES.min(tiles.len() - first);
                 let mut values: [&[[i16; PAIR]]; TILES] = [&[]; TILES];
                 for (at, values) in values.iter_mut().enumerate() {
                     // A last group that is smaller computes its last tile several times.
-                    *values = factors[(first + at.min(group - 1)) * planes..][..planes].as_chunks().0;
+                    *values = inputs[(first + at.min(group - 1)) * planes..][..planes].as_chunks().0;
                 }
                 let products = products(weights, values);
                 for (at, products) in products.iter().enumerate().take(group) {
@@ -114,10 +114,10 @@ fn at_least<T: Clone + Default>(memory: &mut Vec<T>, count: usize) -> &mut [T] {
     &mut memory[..count]
 }
 
-/// Makes factors of the window of a tile, of all its planes: those of place 0 go to the start of
-/// `factors`, those of the next places `step` values on each.
+/// Transforms all planes of a tile's window: those of place 0 go to the start of `transformed`,
+/// those of each further place `step` values on.
 #[inline(always)]
-fn transform_inputs(window: &[i16], row_step: usize, planes: usize, factors: &mut [i16], step: usize) {
+fn transform_inputs(window: &[i16], row_step: usize, planes: usize, transformed: &mut [i16], step: usize) {
     for first in (0..planes).step_by(PLANES) {
         // The last planes are computed with some before them, once more.
         let first = first.min(planes - PLANES);
@@ -126,7 +126,7 @@ fn transform_inputs(window: &[i16], row_step: usize, planes: usize, factors: &mu
             *values = chunk(&window[place / 4 * row_step + place % 4 * planes + first..]);
         }
         for (place, of_place) in transform::of_inputs(values).iter().enumerate() {
-            factors[place * step + first..][..PLANES].copy_from_slice(of_place);
+            transformed[place * step + first..][..PLANES].copy_from_slice(of_place);
         }
     }
 }

@@ -1,19 +1,19 @@
-//! Convolutions of 3 x 3 by fewer products, in integers.
+//! Convolutions of 3 x 3 by fewer products: Winograd's minimal filtering F(2 x 2, 3 x 3), in
+//! integers (A. Lavin and S. Gray, "Fast Algorithms for Convolutional Neural Networks", CVPR 2016).
 //!
-//! Where windows move by one pixel, they overlap, and a tile of 2 x 2 outputs reads but 4 x 4
-//! inputs. From these and from the kernel 16 factors each are made; those of one place are
-//! multiplied and summed over the input planes; and the tile's outputs are sums and differences of
-//! the 16 sums: 16 products a plane where its windows have 36. In integers this is exact, and the
-//! outputs are those of windows, to the last bit. (S. Winograd's minimal filtering F(2 x 2, 3 x 3):
-//! A. Lavin and S. Gray, "Fast Algorithms for Convolutional Neural Networks", CVPR 2016.)
+//! A tile of 2 x 2 outputs reads a window of 4 x 4 inputs. Window and kernel are transformed into 16
+//! values each, sums and differences of their own; products of the same place are summed over the
+//! input planes; and the 16 sums are transformed into the tile's outputs. These are 16 products a
+//! plane where the windows of the four outputs have 36. In integers all of this is exact: the bits
+//! are those of the convolution window by window.
 //!
-//! Factors have up to 12 bits: this is for paths that sum products of words. Instructions that sum
-//! those of bytes do twice as many at once, and windows are as quick.
+//! Transformed values have up to 12 bits: this is for paths that sum products of words.
+//! Instructions that sum those of bytes do twice as many at once, and windows are as quick.
 
 mod kernel;
 mod transform;
 
-pub(crate) use kernel::Room;
+pub(crate) use kernel::TileBuffers;
 #[cfg(target_arch = "x86_64")]
 pub(super) use kernel::pairs_256;
 pub(super) use kernel::{compute, pairs};
@@ -22,19 +22,19 @@ use super::packed::{PackedIntegers, Quads, Scales, TOGETHER};
 use crate::layer::{LANES, Layer, Rectifier};
 use crate::pixels::Pixel;
 
-/// Places of a window of 4 x 4: factors a tile and an input plane.
+/// Places of a window of 4 x 4.
 const PLACES: usize = 16;
 /// Outputs that are computed together.
 pub(super) const WIDTH: usize = 16;
 /// Inputs whose products one instruction sums.
 const PAIR: usize = 2;
-/// The largest factors of weights (of 127, in three rows and columns) and of values (of 255, in
-/// two).
+/// The largest product: a transformed weight sums up to nine of 127, a transformed value four of
+/// 255.
 const LARGEST_PRODUCT: usize = (9 * 127) * (4 * 255);
-/// The most input planes: the outputs' nine sums of them do not overflow.
+/// The most input planes: an output sums nine places, and does not overflow.
 const MOST_PLANES: usize = i32::MAX as usize / (9 * LARGEST_PRODUCT);
 
-/// The factors of the weights of two inputs for a block of outputs, aligned to cache lines.
+/// The transformed weights of two inputs for a block of outputs, aligned to cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Pairs(pub(super) [[i16; PAIR]; WIDTH]);
@@ -48,7 +48,7 @@ struct Tile {
     outputs: [usize; 4],
 }
 
-/// A layer's weights as factors, and where its tiles lie.
+/// A layer's transformed weights, and where its tiles lie.
 #[derive(Clone, Debug)]
 pub(super) struct Winograd {
     /// `[block][place][pair of inputs]`; those of outputs past the last are 0.
@@ -73,7 +73,7 @@ impl Winograd {
             && (kernel::PLANES..=MOST_PLANES).contains(&layer.input_planes)
     }
 
-    /// Makes factors of the integers of `layer`.
+    /// Transforms the weights of `layer`.
     pub(super) fn new(packed: &PackedIntegers, layer: &Layer) -> Self {
         let (planes, blocks) = (layer.input_planes, layer.output_planes.div_ceil(WIDTH));
         let pairs = planes / PAIR;
@@ -87,8 +87,8 @@ impl Winograd {
                 for (tap, kernel) in kernels.iter_mut().enumerate() {
                     *kernel = of_pair(&quads[(tap * planes + pair * PAIR) / TOGETHER], first, pair);
                 }
-                for (place, factors) in transform::of_weights(&kernels).iter().enumerate() {
-                    weights[(block * PLACES + place) * pairs + pair] = Pairs(bytemuck::cast(*factors));
+                for (place, transformed) in transform::of_weights(&kernels).iter().enumerate() {
+                    weights[(block * PLACES + place) * pairs + pair] = Pairs(bytemuck::cast(*transformed));
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! The transforms of F(2 x 2, 3 x 3), applied to rows and then to columns, for many planes or
-//! outputs at once.
+//! The transforms of F(2 x 2, 3 x 3), of rows and then of columns, for many planes or outputs at
+//! once.
 //!
 //! Indexed loops of a length that is known become vector instructions here, and iterators and
 //! closures do not: run examples/network_speed.rs after a change.
@@ -10,11 +10,11 @@ use super::PLACES;
 const WINDOW: usize = 4;
 const KERNEL: usize = 3;
 
-/// Makes factors of the values that a tile reads: one of each place of its window, row by row.
+/// Transforms the window that a tile reads, row by row.
 #[inline(always)]
 pub(super) fn of_inputs<const N: usize>(window: [&[i16; N]; PLACES]) -> [[i16; N]; PLACES] {
     let line = |a, b, c, d| [a - c, b + c, c - b, b - d];
-    let mut factors = [[0; N]; PLACES];
+    let mut transformed = [[0; N]; PLACES];
     for lane in 0..N {
         let mut rows = [[0; WINDOW]; WINDOW];
         for y in 0..WINDOW {
@@ -24,18 +24,17 @@ pub(super) fn of_inputs<const N: usize>(window: [&[i16; N]; PLACES]) -> [[i16; N
         for x in 0..WINDOW {
             let column = line(rows[0][x], rows[1][x], rows[2][x], rows[3][x]);
             for y in 0..WINDOW {
-                factors[y * WINDOW + x][lane] = column[y];
+                transformed[y * WINDOW + x][lane] = column[y];
             }
         }
     }
-    factors
+    transformed
 }
 
-/// Makes factors of the weights of kernels, row by row: four times as large as in the paper, whose
-/// are no integers.
+/// Transforms kernels, row by row: into four times what the paper has, which are no integers.
 pub(super) fn of_weights<const N: usize>(kernels: &[[i16; N]; KERNEL * KERNEL]) -> [[i16; N]; PLACES] {
     let line = |a, b, c| [2 * a, a + b + c, a - b + c, 2 * c];
-    let mut factors = [[0; N]; PLACES];
+    let mut transformed = [[0; N]; PLACES];
     for lane in 0..N {
         let mut rows = [[0; WINDOW]; KERNEL];
         for y in 0..KERNEL {
@@ -45,18 +44,18 @@ pub(super) fn of_weights<const N: usize>(kernels: &[[i16; N]; KERNEL * KERNEL]) 
         for x in 0..WINDOW {
             let column = line(rows[0][x], rows[1][x], rows[2][x]);
             for y in 0..WINDOW {
-                factors[y * WINDOW + x][lane] = column[y];
+                transformed[y * WINDOW + x][lane] = column[y];
             }
         }
     }
-    factors
+    transformed
 }
 
-/// Makes of the sums of a tile's products what its windows sum to: those of 2 x 2, row by row.
+/// Transforms a tile's sums of products into what its 2 x 2 outputs sum, row by row.
 #[inline(always)]
 pub(super) fn of_sums<const N: usize>(sums: [&[i32; N]; PLACES]) -> [[i32; N]; 4] {
     let line = |a, b, c, d| [a + b + c, b - c - d];
-    let mut windows = [[0; N]; 4];
+    let mut outputs = [[0; N]; 4];
     for lane in 0..N {
         let mut rows = [[0; 2]; WINDOW];
         for y in 0..WINDOW {
@@ -66,10 +65,10 @@ pub(super) fn of_sums<const N: usize>(sums: [&[i32; N]; PLACES]) -> [[i32; N]; 4
         for x in 0..2 {
             let column = line(rows[0][x], rows[1][x], rows[2][x], rows[3][x]);
             for y in 0..2 {
-                // For the weights' factors a multiple of 4: nothing is lost.
-                windows[2 * y + x][lane] = column[y] >> 2;
+                // A multiple of 4, as the weights were: nothing is lost.
+                outputs[2 * y + x][lane] = column[y] >> 2;
             }
         }
     }
-    windows
+    outputs
 }
