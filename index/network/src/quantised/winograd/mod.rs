@@ -18,6 +18,8 @@ pub(crate) use kernel::TileBuffers;
 pub(super) use kernel::pairs_256;
 pub(super) use kernel::{compute, pairs};
 
+use bytemuck::AnyBitPattern;
+
 use super::packed::{PackedIntegers, Quads, Scales, TOGETHER};
 use crate::layer::{LANES, Layer, Rectifier};
 use crate::pixels::Pixel;
@@ -35,8 +37,8 @@ const LARGEST_PRODUCT: usize = (9 * 127) * (4 * 255);
 const MOST_PLANES: usize = i32::MAX as usize / (9 * LARGEST_PRODUCT);
 
 /// The transformed weights of two inputs for a block of outputs, aligned to cache lines.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, AnyBitPattern)]
+#[repr(C, align(64))]
 pub(super) struct Pairs(pub(super) [[i16; PAIR]; WIDTH]);
 
 /// A tile of 2 x 2 outputs.
@@ -77,7 +79,7 @@ impl Winograd {
     pub(super) fn new(packed: &PackedIntegers, layer: &Layer) -> Self {
         let (planes, blocks) = (layer.input_planes, layer.output_planes.div_ceil(WIDTH));
         let pairs = planes / PAIR;
-        let mut weights = vec![Pairs([[0; PAIR]; WIDTH]); PLACES * blocks * pairs];
+        let mut weights: Vec<Pairs> = bytemuck::zeroed_vec(PLACES * blocks * pairs);
         let of_block = packed.weights.chunks_exact(layer.inputs() / TOGETHER);
         for (block, quads) in of_block.flat_map(|quads| [(quads, 0), (quads, WIDTH)]).take(blocks).enumerate()
         {
