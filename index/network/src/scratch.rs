@@ -2,7 +2,6 @@
 
 use crate::buffers::Buffers;
 use crate::layer::Layer;
-use crate::quantised::TileBuffers;
 
 /// The memory that a network runs in: one for each thread, used again for each picture.
 ///
@@ -23,6 +22,15 @@ pub struct Scratch {
     is_rounded: Vec<bool>,
     /// Whether they are rounded to bytes; to words, if not.
     in_bytes: bool,
+}
+
+/// What layers that are computed tile by tile have while they are computed, one after the other.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TileBuffers {
+    /// Transformed inputs, of one place of a window after the other: `[place][tile][plane]`.
+    pub(crate) inputs: Vec<i16>,
+    /// Sums of products for a block of outputs: `[tile][place][output]`.
+    pub(crate) sums: Vec<i32>,
 }
 
 impl Scratch {

@@ -2,8 +2,9 @@
 
 use super::kernel::{self, compute};
 use super::packed::PackedIntegers;
-use super::winograd::{self, TileBuffers, Winograd};
+use super::winograd::{self, Winograd};
 use crate::path::{Level, Path};
+use crate::scratch::TileBuffers;
 
 /// Integers that stand for values, and what each of them counts.
 #[derive(Clone, Copy, Debug)]

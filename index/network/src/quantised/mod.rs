@@ -19,7 +19,6 @@ use crate::weights::WeightsError;
 use crate::{Architecture, ReadError, Scratch, file};
 use dispatch::Integers;
 use packed::PackedIntegers;
-pub(crate) use winograd::TileBuffers;
 use winograd::Winograd;
 
 /// A network whose convolutions are computed in integers of 8 bits: up to four times as fast

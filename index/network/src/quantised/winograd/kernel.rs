@@ -5,26 +5,17 @@ use std::arch::x86_64::*;
 
 use wide::{i16x16, i32x8};
 
-use super::{PAIR, PLACES, Pairs, Tile, WIDTH, Winograd, transform};
+use super::layout::{PAIR, Pairs, Tile, WIDTH, Winograd};
+use super::transform::{self, PLACES, PLANES};
 use crate::layer::LANES;
 use crate::quantised::kernel::finished;
+use crate::scratch::TileBuffers;
 
-/// Planes that are transformed together.
-pub(super) const PLANES: usize = 16;
 /// Outputs whose sums are transformed together.
 const SUMS: usize = 8;
 
-/// Values between one place's and the next: else those of a tile would share one set of a cache.
+/// Values between one place's inputs and the next: else a tile's would share one set of a cache.
 const APART: usize = 32;
-
-/// The memory in which layers are computed, one after the other.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct TileBuffers {
-    /// Transformed inputs: `[place][tile][plane]`, with [`APART`] after each place.
-    inputs: Vec<i16>,
-    /// Sums of products for a block of outputs: `[tile][place]`.
-    sums: Vec<[i32; WIDTH]>,
-}
 
 /// Computes a layer, `TILES` of its tiles at a time; `products` takes the transformed weights of a
 /// block of outputs and the transformed inputs of tiles, all of one place, and returns the sums of
@@ -43,7 +34,8 @@ pub(crate) fn compute<const TILES: usize>(
     let (planes, tiles) = (layer.planes, &layer.tiles);
     let of_place = tiles.len() * planes + APART;
     let inputs = at_least(&mut buffers.inputs, PLACES * of_place);
-    let sums = at_least(&mut buffers.sums, tiles.len() * PLACES);
+    let sums = at_least(&mut buffers.sums, tiles.len() * PLACES * WIDTH);
+    let (sums, _) = sums.as_chunks_mut::<WIDTH>();
 
     for (tile, first) in tiles.iter().zip((0..).step_by(planes)) {
         transform_inputs(&input[tile.input..], layer.row_step, planes, &mut inputs[first..], of_place);

@@ -4,7 +4,10 @@
 //! Indexed loops of a length that is known become vector instructions here, and iterators and
 //! closures do not: run examples/network_speed.rs after a change.
 
-use super::PLACES;
+/// Places of a window of 4 x 4.
+pub(super) const PLACES: usize = WINDOW * WINDOW;
+/// Planes that are transformed together.
+pub(super) const PLANES: usize = 16;
 
 /// Sides of a tile's window and of a kernel.
 const WINDOW: usize = 4;
