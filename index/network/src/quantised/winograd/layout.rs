@@ -62,9 +62,8 @@ impl Winograd {
         let pairs = planes / PAIR;
         let mut weights: Vec<Pairs> = bytemuck::zeroed_vec(PLACES * blocks * pairs);
         let of_block = packed.weights.chunks_exact(layer.inputs() / TOGETHER);
-        for (block, quads) in of_block.flat_map(|quads| [(quads, 0), (quads, WIDTH)]).take(blocks).enumerate()
-        {
-            let (quads, first) = quads;
+        let halves = of_block.flat_map(|quads| [(quads, 0), (quads, WIDTH)]);
+        for (block, (quads, first)) in halves.take(blocks).enumerate() {
             for pair in 0..pairs {
                 let mut kernels = [[0; PAIR * WIDTH]; 9];
                 for (tap, kernel) in kernels.iter_mut().enumerate() {

@@ -8,7 +8,7 @@
 //! are those of the convolution window by window.
 //!
 //! Transformed values have up to 12 bits: this is for paths that sum products of words.
-//! Instructions that sum those of bytes do twice as many at once, and windows are as quick.
+//! Instructions that sum those of bytes do twice as many at once, and would gain little.
 
 mod kernel;
 mod layout;
