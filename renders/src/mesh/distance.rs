@@ -13,6 +13,7 @@ pub(crate) struct RoundCone {
     b: V,
     ra: f64,
     rb: f64,
+    // What follows from these, as the source names it.
     ba: V,
     l2: f64,
     il2: f64,

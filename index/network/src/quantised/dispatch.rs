@@ -25,7 +25,7 @@ pub(super) fn sums_bytes(path: Path) -> bool {
 }
 
 /// Computes a layer, window by window; see [`compute`]. The numbers of pixels are the fastest that
-/// were measured; a dense layer has only one.
+/// were measured. A dense layer has only one, which would be computed as often.
 pub(super) fn run(path: Path, layer: &PackedIntegers, input: Integers<'_>, output: &mut [f32]) {
     let is_dense = layer.pixels.len() == 1;
     match (path.level(), input) {
@@ -71,7 +71,7 @@ pub(super) fn run_tiles(
     buffers: &mut TileBuffers,
 ) {
     match path.level() {
-        // SAFETY: as above.
+        // SAFETY: as above; what has AVX-512 has AVX2.
         #[cfg(target_arch = "x86_64")]
         Level::Avx512Vnni | Level::Avx512 | Level::AvxVnni | Level::Avx2 => unsafe {
             avx2_tiles(layer, words, unit, output, buffers)

@@ -2,7 +2,7 @@
 //!
 //! Whoever carries a network in a program prepares it while the program is compiled. The weights
 //! then stay where they lie: a process that answers one question rounds none and asks for no memory
-//! for them.
+//! for them. Only layers that are computed in tiles are transformed into memory of their own.
 //!
 //! | part, each from the next multiple of 64 bytes on | |
 //! |---|---|

@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 use wide::{i16x16, i32x8};
 
 use super::layout::{PAIR, Pairs, Tile, WIDTH, Winograd};
-use super::transform::{self, PLACES, PLANES};
+use super::transform::{self, PLACES, PLANES, WINDOW};
 use crate::layer::LANES;
 use crate::quantised::kernel::finished;
 use crate::scratch::TileBuffers;
@@ -115,7 +115,7 @@ fn transform_inputs(window: &[i16], row_step: usize, planes: usize, transformed:
         let first = first.min(planes - PLANES);
         let mut values = [&[0; PLANES]; PLACES];
         for (place, values) in values.iter_mut().enumerate() {
-            *values = chunk(&window[place / 4 * row_step + place % 4 * planes + first..]);
+            *values = chunk(&window[place / WINDOW * row_step + place % WINDOW * planes + first..]);
         }
         for (place, of_place) in transform::of_inputs(values).iter().enumerate() {
             transformed[place * step + first..][..PLANES].copy_from_slice(of_place);

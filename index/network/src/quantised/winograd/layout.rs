@@ -2,7 +2,7 @@
 
 use bytemuck::AnyBitPattern;
 
-use super::transform::{self, PLACES, PLANES};
+use super::transform::{self, KERNEL, PLACES, PLANES};
 use crate::layer::{LANES, Layer, Rectifier};
 use crate::pixels::Pixel;
 use crate::quantised::packed::{PackedIntegers, Quads, Scales, TOGETHER};
@@ -50,7 +50,7 @@ impl Winograd {
     /// Whether a layer of integers can be computed so: in whole tiles, whole vectors, and without
     /// overflow.
     pub(crate) fn is_supported(layer: &Layer) -> bool {
-        layer.kernel == 3
+        layer.kernel == KERNEL
             && layer.stride == 1
             && layer.output_side.is_multiple_of(2)
             && (PLANES..=MOST_PLANES).contains(&layer.input_planes)
@@ -65,7 +65,7 @@ impl Winograd {
         let halves = of_block.flat_map(|quads| [(quads, 0), (quads, WIDTH)]);
         for (block, (quads, first)) in halves.take(blocks).enumerate() {
             for pair in 0..pairs {
-                let mut kernels = [[0; PAIR * WIDTH]; 9];
+                let mut kernels = [[0; PAIR * WIDTH]; KERNEL * KERNEL];
                 for (tap, kernel) in kernels.iter_mut().enumerate() {
                     *kernel = of_pair(&quads[(tap * planes + pair * PAIR) / TOGETHER], first, pair);
                 }

@@ -4,14 +4,14 @@
 //! Indexed loops of a length that is known become vector instructions here, and iterators and
 //! closures do not: run examples/network_speed.rs after a change.
 
-/// Places of a window of 4 x 4.
+/// Pixels a side of the window that a tile reads.
+pub(super) const WINDOW: usize = 4;
+/// Pixels a side of a kernel.
+pub(super) const KERNEL: usize = 3;
+/// Places of a window.
 pub(super) const PLACES: usize = WINDOW * WINDOW;
 /// Planes that are transformed together.
 pub(super) const PLANES: usize = 16;
-
-/// Sides of a tile's window and of a kernel.
-const WINDOW: usize = 4;
-const KERNEL: usize = 3;
 
 /// Transforms the window that a tile reads, row by row.
 #[inline(always)]
