@@ -8,6 +8,7 @@ use std::path::Path;
 use anyhow::{Context as _, bail};
 use grasp_index::AtomicFile;
 use grasp_index::npy::{NpyError, NpyHeader, NpyType};
+use xxhash_rust::xxh3::Xxh3;
 
 /// Values that are read and held at a time.
 const PIECE: u64 = 1 << 20;
@@ -84,6 +85,15 @@ impl Rows {
         })?;
         self.done += rows;
         Ok(Some(values))
+    }
+
+    /// The xxh3 of all values that are to come.
+    pub(crate) fn digest(mut self) -> Result<u64, NpyError> {
+        let mut hash = Xxh3::new();
+        while let Some(values) = self.next()? {
+            hash.update(bytemuck::cast_slice(&values));
+        }
+        Ok(hash.digest())
     }
 
     /// All rows at once.

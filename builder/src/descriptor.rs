@@ -1,11 +1,11 @@
-//! Descriptors by name, and the network that comes with the program.
+//! Descriptors by name, the network that comes with the program, and what in a picture is described.
 
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use anyhow::Context as _;
-use grasp_index::{DescriptorModel, DescriptorParams, Network};
+use grasp_index::{BACKGROUND, DescriptorModel, DescriptorParams, HandImage, HandImageError, Network};
 
 /// The weights that `data/README.md` describes.
 const SHIPPED: &[u8] = include_bytes!("../data/hand.network");
@@ -49,6 +49,18 @@ pub(crate) fn read_network(path: &Path) -> anyhow::Result<Network> {
     let cannot = || format!("cannot use the network {}", path.display());
     let bytes = fs::read(path).with_context(cannot)?;
     Network::from_bytes(&bytes).with_context(cannot)
+}
+
+/// The hand of a segmented picture; `None` where there is none, or too little of one to describe.
+///
+/// # Errors
+/// Where the pixels are not those of a picture of that size.
+pub(crate) fn hand_in(width: usize, height: usize, grey: &[u8]) -> Result<Option<HandImage>, HandImageError> {
+    match HandImage::from_segmented(width, height, grey, BACKGROUND) {
+        Ok(hand) => Ok(Some(hand)),
+        Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //!
 //! What was described once is taken over; only the hash is made anew, which takes seconds for half
 //! a million entries. So the answers are those of an index that is built of the same entries from
-//! nothing.
+//! nothing, but for the rounding of descriptors that are kept in 16 bits.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub struct Growth {
     pub without: Vec<String>,
     /// Renders that come after them.
     pub more: Option<Source>,
-    /// What the held-out hands are posed and looked at like, by which the index is measured.
+    /// How the held-out hands that the index is measured by are posed and viewed.
     pub plan: RenderPlan,
     /// What the index keeps of this plan.
     pub spec: PlanSpec,
@@ -130,7 +130,8 @@ fn unlike(one: &Catalogue, other: &Catalogue) -> Option<&'static str> {
     .find_map(|(is_same, what)| (!is_same).then_some(what))
 }
 
-/// The names of everything that goes in: as a build of the same entries would number them.
+/// The names of everything that goes in, in the order of a build of the same indexes. Stages and
+/// classes stay, whether or not an entry that is kept still has them.
 fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Result<Names> {
     let mut names = Names { kept: first.kept, ..Names::default() };
     let known = || indexes.iter().flat_map(|index| &index.catalogue().hand_shapes);

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use grasp_index::{BACKGROUND, DescriptorModel, HandImage, HandImageError, NOISE, mean_distance};
+use grasp_index::{DescriptorModel, NOISE, mean_distance};
 use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use xxhash_rust::xxh3::xxh3_64;
 
 use crate::array::Rows;
+use crate::descriptor::hand_in;
 use crate::interrupt;
 
 /// Sampled hands from this seed on are nobody's: plans count theirs up from 0.
@@ -53,8 +53,8 @@ impl HeldOut {
             Self::File(path) => {
                 let rows = Rows::open(path)?;
                 let (name, len) = (path.file_name().unwrap_or_default().to_string_lossy(), rows.len());
-                let values = rows.all().with_context(|| cannot_use(path))?;
-                Some(format!("{name}, {len} rows, xxh3 {:016x}", xxh3_64(bytemuck::cast_slice(&values))))
+                let xxh3 = rows.digest().with_context(|| cannot_use(path))?;
+                Some(format!("{name}, {len} rows, xxh3 {xxh3:016x}"))
             }
         })
     }
@@ -213,7 +213,7 @@ impl Hands {
                 View { azimuth_deg, elevation_deg: low + (high - low) * height, roll_deg }
             }
             Views::Random(_) => {
-                let elevation_deg = (2.0 * height - 1.0).asin().to_degrees();
+                let elevation_deg = libm::asin(2.0 * height - 1.0).to_degrees();
                 View { azimuth_deg, elevation_deg, roll_deg: rng.random_range(0.0..360.0) }
             }
         }
@@ -226,10 +226,8 @@ fn described(spec: &SceneSpec, views: &[View], model: &DescriptorModel) -> anyho
     let mut rows = Vec::with_capacity(views.len() * params.dim());
     for view in views {
         let render = scene.render(view);
-        match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-            Ok(hand) => rows.extend(describer.describe(&hand.shrunk_to(params.described_side()))),
-            Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => {}
-            Err(error) => return Err(error.into()),
+        if let Some(hand) = hand_in(render.side, render.side, &render.grey)? {
+            rows.extend(describer.describe(&hand.shrunk_to(params.described_side())));
         }
     }
     Ok(rows)

@@ -26,28 +26,34 @@ const NAMED: usize = 10;
 pub fn merge(folder: &Path, out: &Path, progress: Progress) -> anyhow::Result<Report> {
     let started = Instant::now();
     let parts = parts(folder)?;
-    let mut readers = Vec::with_capacity(parts.len());
-    for path in &parts {
-        // Opened one after the other: there may be more parts than files that may be open.
-        readers.push(PartReader::open(path).with_context(|| useless(path))?.header().clone());
-    }
-    let Some(first) = readers.first() else {
+    let Some((first_path, others)) = parts.split_first() else {
         bail!("there are no parts in {}: make them with `grasp-builder shard`", folder.display());
     };
-    if let Some((_, path)) = readers.iter().zip(&parts).find(|(header, _)| !first.goes_with(header)) {
-        bail!(
-            "{} and {} are parts of different indexes: run `grasp-builder shard` for one of them again with the options of the other, or put them into folders of their own",
-            parts.first().map_or_else(String::new, |path| path.display().to_string()),
-            path.display()
-        );
+    // Opened one after the other: there may be more parts than files that may be open.
+    let header = |path: &Path| {
+        PartReader::open(path).with_context(|| useless(path)).map(|reader| reader.header().clone())
+    };
+    let first = header(first_path)?;
+    let mut by_shard = BTreeMap::from([(first.share.shard, first_path)]);
+    for path in others {
+        let header = header(path)?;
+        if !first.goes_with(&header) {
+            bail!(
+                "{} and {} are parts of different indexes: run `grasp-builder shard` for one of them again with the options of the other, or put them into folders of their own",
+                first_path.display(),
+                path.display()
+            );
+        }
+        if let Some(other) = by_shard.insert(header.share.shard, path) {
+            bail!("{} and {} are the same part: remove one", other.display(), path.display());
+        }
     }
-    let by_shard: BTreeMap<u32, &PathBuf> =
-        readers.iter().map(|header| header.share.shard).zip(&parts).collect();
     let missing: Vec<String> = (1..=first.share.of)
         .filter(|shard| !by_shard.contains_key(shard))
+        .take(NAMED + 1)
         .map(|shard| shard.to_string())
         .collect();
-    if !missing.is_empty() || by_shard.len() != parts.len() {
+    if !missing.is_empty() {
         let more = if missing.len() > NAMED { ", ..." } else { "" };
         bail!(
             "{} has {} of {} parts; missing: {}{more}: run `grasp-builder shard --shard I/{}` for these",

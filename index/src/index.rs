@@ -24,7 +24,7 @@ use crate::search::{Hash, Neighbour, ReadAhead, Search, SearchError, SearchOptio
 use crate::vote::{self, Ballot, ClassScore, Joined, Look, Vote, VoteOptions};
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use thiserror::Error;
 
 /// Cutkosky's numbers of the grasps that networks are trained on, in the order of their heads.
@@ -192,16 +192,16 @@ impl Index {
     /// Searches the index, query after query.
     pub fn searcher(&self) -> Searcher<'_> {
         let files: Vec<&dyn ReadAhead> = vec![self.bytes()];
-        Searcher::new(self.stored(), &self.hash(), &self.catalogue().measured, files, self.was_cold())
+        Searcher::new(self.stored(), &self.hash(), &self.catalogue().measured, files, vec![&self.is_cold])
     }
 
     pub(crate) fn bytes(&self) -> &Bytes {
         &self.file.bytes
     }
 
-    /// Whether no search has been made yet; from now on one has.
-    pub(crate) fn was_cold(&self) -> bool {
-        self.is_cold.swap(false, Ordering::Relaxed)
+    /// Whether no search has been made yet.
+    pub(crate) fn is_cold(&self) -> &AtomicBool {
+        &self.is_cold
     }
 
     pub(crate) fn hash(&self) -> Hash<'_> {
@@ -309,7 +309,7 @@ impl Index {
             ballots.extend(own.into_iter().map(|ballot| ballot.turned(-look.turn_deg)));
         }
         let probabilities = joined.probabilities(!options.has_own_width());
-        let scores = (0u16..).zip(&catalogue.classes).zip(shares.into_iter().zip(probabilities));
+        let scores = (0..=u16::MAX).zip(&catalogue.classes).zip(shares.into_iter().zip(probabilities));
         let mut classes: Vec<ClassScore> = scores
             .map(|((class, info), (share, probability))| ClassScore {
                 class,

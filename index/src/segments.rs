@@ -132,8 +132,7 @@ impl Segments {
         };
         let stored = Stored { dim: first.dim(), entries: self.entries, values };
         let files = self.indexes.iter().map(|index| index.bytes() as &dyn ReadAhead).collect();
-        // All of them are asked, and none is cold any more.
-        let is_cold = self.indexes.iter().filter(|index| index.was_cold()).count() > 0;
+        let is_cold = self.indexes.iter().map(Index::is_cold).collect();
         Searcher::new(stored, &hash, &first.catalogue().measured, files, is_cold)
     }
 

@@ -103,7 +103,7 @@ fn labels_without_orientations_vote_on_the_class_alone() {
 }
 
 #[test]
-fn everything_but_the_vectors_takes_24_bytes_an_entry_at_most() {
+fn everything_but_the_vectors_takes_21_bytes_an_entry() {
     let index = built(KeptFields { files: false, sources: false, ..KeptFields::default() });
     let of_entries = ["Labels", "Stages", "HandShapes", "Orientations", "Views", "Objects"];
     let sections = index.catalogue().sections.iter();

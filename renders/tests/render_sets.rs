@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grasp_renders::render_set::{Manifest, RenderSetError, Summary, write_set};
-use grasp_renders::{HAND_FLOOR, Look, Preset, RenderPlan, ViewGrid, Views};
+use grasp_renders::{HAND_FLOOR, HandShape, Look, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 fn small_plan() -> RenderPlan {
     RenderPlan {
@@ -53,6 +53,35 @@ fn two_thread_counts_give_the_same_bytes() {
     let one = set(1);
     assert_eq!(one.len(), small_plan().renders() + 1);
     assert!(one == set(3));
+}
+
+#[test]
+fn scenes_that_a_name_cannot_distinguish_have_files_of_their_own() {
+    // The same hand twice: each pair of scenes has one name.
+    let plan = RenderPlan {
+        hand_shapes: vec![HandShape::preset("mean").unwrap(), HandShape::preset("mean").unwrap()],
+        stages: vec![Stage::Grasp],
+        ..small_plan()
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let summary = write(folder.path(), &plan);
+    assert_eq!(files(folder.path()).len(), plan.renders() + 1);
+    let set = Manifest::read(folder.path()).expect("it is read");
+    let names: std::collections::HashSet<_> = set.rows.iter().map(|row| &row.file).collect();
+    assert_eq!((names.len(), summary.rendered), (plan.renders(), plan.renders()));
+    assert_eq!(write(folder.path(), &plan), Summary { rendered: 0, kept: plan.renders(), ..summary });
+}
+
+#[test]
+fn a_set_of_another_program_is_left_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("manifest.csv"), "grasp,file\npinch,a.png\n").expect("written");
+    fs::write(folder.path().join("a.png"), "no picture of ours").expect("written");
+    let before = files(folder.path());
+    let error = write_set(folder.path(), &small_plan(), &|_, _| {}, &AtomicBool::new(false)).unwrap_err();
+    assert!(matches!(error, RenderSetError::Foreign { .. }), "{error}");
+    assert_eq!(files(folder.path()), before);
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2, "no folder was made");
 }
 
 #[test]

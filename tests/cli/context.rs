@@ -63,6 +63,7 @@ fn frames_are_answered_by_all_frames_so_far() {
     );
     // Where the grasp may be any other by the next frame, every frame stands alone.
     let free = recognise(&names, &["--sequence", "--switch", "1"]).json_lines();
+    assert_eq!(free.len(), alone.len());
     for (alone, free) in alone.iter().zip(&free) {
         assert!((probability(alone, "pinch") - probability(free, "pinch")).abs() < 1e-9);
     }

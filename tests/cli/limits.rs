@@ -100,7 +100,7 @@ fn a_build_holds_the_quantised_form_of_its_vectors_and_no_more() {
         assert_eq!((index.len(), index.dim()), (ROWS, DIM));
         assert!(index.verify().is_sound());
     }
-    // The limit is one that can be felt.
+    // The limit is enforced.
     assert_ne!(built(4 << 20, &random).status, 0);
 }
 

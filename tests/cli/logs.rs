@@ -102,10 +102,11 @@ fn a_picture_without_an_answer_is_an_event() {
     assert_eq!((json.status, text.status), (2, 2));
     assert_eq!((&*json.stdout, &*text.stdout), ("", ""));
     let events = events(&json);
-    let warning = events.iter().find(|event| event["level"] == "WARN").expect("a warning");
-    assert!(warning["file"].as_str().unwrap().ends_with("labels.csv"), "{warning}");
-    // The same words, and nothing else, for people.
-    assert_eq!(text.stderr, format!("{}\n", warning["message"].as_str().unwrap()));
+    let error = events.iter().find(|event| event["level"] == "ERROR").expect("an error");
+    assert!(error["file"].as_str().unwrap().ends_with("labels.csv"), "{error}");
+    // The same words, and nothing else, for people; and they are not left out with what is less.
+    assert_eq!(text.stderr, format!("{}\n", error["message"].as_str().unwrap()));
+    assert_eq!(recognise(&["--log-level", "error"]).stderr, text.stderr);
     assert_eq!(ended(&events, "recognise")["status"], 2);
 }
 

@@ -68,10 +68,10 @@ fn inspect_says_what_is_in_an_index() {
 #[test]
 fn a_reader_that_has_seen_enough_is_no_error() {
     let builder = program("grasp-builder").get_program().to_owned();
-    let piped = run(std::process::Command::new("sh")
-        .args(["-c", "\"$0\" completions bash | head -n 1 >/dev/null; echo ${PIPESTATUS:-ok}"])
+    let piped = run(std::process::Command::new("bash")
+        .args(["-c", "\"$0\" completions bash | head -n 1 >/dev/null; echo ${PIPESTATUS[0]}"])
         .arg(builder));
-    assert_eq!(piped.stderr, "");
+    assert_eq!((piped.stdout.as_str(), piped.stderr.as_str()), ("0\n", ""));
 }
 
 #[test]

@@ -99,9 +99,9 @@ fn a_dropped_picture_is_answered_with_its_neighbours() {
     assert!(browser.complaints.is_empty(), "{:?}", browser.complaints);
 
     // What makes an answer doubtful stands beside it, in the words of the page.
-    browser.evaluate("(async () => { const record = await (await request(current)).json(); record.warnings = [{ kind: 'hand_ambiguous', message: 'it may as well be the other hand: say which with --hand' }]; show(current, record); })()");
+    browser.evaluate("(async () => { const record = await (await request(current)).json(); record.warnings = [{ kind: 'hand_ambiguous', message: 'it may as well be the other hand: say which it is' }]; show(current, record); })()");
     let warnings = browser.evaluate("document.getElementById('warnings').innerText");
-    assert_eq!(warnings, "it may as well be the other hand: say which above, under “Hand”");
+    assert_eq!(warnings, "it may as well be the other hand: say which it is above, under “Hand”");
 
     // On a phone, in the dark, nothing runs out of the side, and what explains the answer waits to
     // be asked for.

@@ -242,7 +242,7 @@ fn a_builder_at_work_or_killed_disturbs_nobody() {
             let mut builder = build().spawn().unwrap();
             std::thread::sleep(Duration::from_millis(wait));
             if builder.try_wait().unwrap().is_some() {
-                // This machine is too fast to be killed so late.
+                // The builder finished before it could be killed.
                 replace(small_index(), &served);
                 break;
             }

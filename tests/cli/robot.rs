@@ -1,4 +1,4 @@
-//! `grasp-query recognise --robot`: what a robot does to grasp alike, as text, JSON and a message
+//! `grasp-query recognise --robot`: what a robot does to make the same grasp, as text, JSON and a message
 //! for MoveIt.
 
 use std::fs;

@@ -150,7 +150,7 @@ fn parts_that_make_no_index_are_told() {
         (bytes[..bytes.len() / 2].to_vec(), "truncated"),
         (b"P5 640 480 ".to_vec(), "not a part of an index"),
         ([&bytes[..], b"more"].concat(), "damaged"),
-        ([&bytes[..bytes.len() - 40], &[7], &bytes[bytes.len() - 39..]].concat(), ""),
+        ([&bytes[..bytes.len() - 40], &[7], &bytes[bytes.len() - 39..]].concat(), "damaged"),
     ] {
         fs::write(&second, spoiled).unwrap();
         let said = refused(folder, &["merge", "parts"]);
@@ -163,7 +163,11 @@ fn parts_that_make_no_index_are_told() {
     assert!(refused(folder, &["merge", "parts"]).contains("parts of different indexes"));
     fs::write(&second, &bytes).unwrap();
     fs::copy(&third, folder.join("parts/again.shard")).unwrap();
-    assert!(refused(folder, &["merge", "parts"]).contains("has 3 of 3 parts"), "twice the same part");
+    let said = refused(folder, &["merge", "parts"]);
+    assert!(
+        said.contains("again.shard are the same part") || said.contains("3-of-3.shard are the same part"),
+        "{said}"
+    );
     assert!(!folder.join("grasp.idx").exists());
 
     assert!(refused(folder, &["shard", "--shard", "4/3", "--out", "p"]).contains("does not name a part"));

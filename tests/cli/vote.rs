@@ -216,7 +216,9 @@ fn sample_pictures_that_are_classed_rightly_keep_their_answers() {
         }
         run(&mut command).json_lines()
     };
-    for (named, always) in samples("calibrated").iter().zip(samples("always")) {
+    let (calibrated, always) = (samples("calibrated"), samples("always"));
+    assert_eq!((calibrated.len(), always.len()), (4, 4));
+    for (named, always) in calibrated.iter().zip(always) {
         let file = named["file"].as_str().unwrap();
         assert!(file.contains(always["grasp"].as_str().unwrap()), "{always}");
         assert_eq!(named["grasp"], always["grasp"], "{named}");

@@ -45,7 +45,7 @@ fn demo() -> Result<(), Box<dyn Error>> {
     arguments.extend(samples.iter().map(String::as_str));
     steps.run("grasp-query", &arguments)?;
 
-    steps.heading("From the picture to the robot: a BarrettHand takes the stick alike");
+    steps.heading("From the picture to the robot: a BarrettHand grasps the stick in the same way");
     let robot = ["--robot", "barrett", "--object", "query/data/objects/handle.toml"];
     let camera = ["--camera", "query/data/objects/camera.toml", "--hand", "right"];
     steps.run("grasp-query", &[&["recognise", "--index", INDEX], &robot[..], &camera, &[SHOWN]].concat())?;

@@ -18,7 +18,7 @@ use proptest::prelude::*;
 /// A format: its target, what reads it, and sound files in it.
 struct Format {
     target: &'static str,
-    read: fn(&[u8]),
+    read: fn(&[u8]) -> bool,
     seeds: Vec<Vec<u8>>,
 }
 
@@ -38,7 +38,7 @@ fn formats() -> &'static [Format; 5] {
 /// One index of each format that is read.
 fn indexes() -> Vec<Vec<u8>> {
     let folder = workspace().join("index/tests/fixtures");
-    ["v2", "v3", "v4", "v4-learned"]
+    ["v2", "v2-learned", "v3", "v3-learned", "v4", "v4-learned", "v5-network", "v6-network", "v7-learned"]
         .map(|name| fs::read(folder.join(name).with_extension("idx")).unwrap())
         .into()
 }
@@ -95,7 +95,9 @@ proptest! {
 #[test]
 fn sound_files_are_read() {
     for format in formats() {
-        format.seeds.iter().for_each(|seed| (format.read)(seed));
+        for (number, seed) in format.seeds.iter().enumerate() {
+            assert!((format.read)(seed), "{} {number}", format.target);
+        }
     }
 }
 

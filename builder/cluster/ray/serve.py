@@ -168,9 +168,10 @@ class Ingress:
         body, asked = await request.body(), dict(urllib.parse.parse_qsl(request.url.query))
         k = int(asked.get("k", 10))
         allow_missing = asked.pop("allow_missing", str(self.allow_missing)).lower() == "true"
-        found = {}
+        found, searched = {}, len(self.segments)
         while True:
             answers = await self.ask(allow_missing, "shortlists", urllib.parse.urlencode(asked), body)
+            searched = min(searched, len(answers))
             for index, refused in answers:
                 if index is None:
                     return Response(refused[1], refused[0], media_type="application/json")
@@ -190,7 +191,7 @@ class Ingress:
             asked = {key: value for key, value in asked.items() if key not in EFFORT}
             asked |= {"probes": 2 * probes} if probes < most else {"exact": "true"}
         lines = "".join(line(query, found[query]) for query in sorted(found))
-        headers = {"Grasp-Segments": f"{len(answers)}/{len(self.segments)}"}
+        headers = {"Grasp-Segments": f"{searched}/{len(self.segments)}"}
         return Response(lines, media_type="application/x-ndjson", headers=headers)
 
     def entries(self, indexes, allow_missing):

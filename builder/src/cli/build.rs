@@ -101,7 +101,7 @@ struct IndexOptions {
     /// --planes.
     #[arg(long, value_name = "T", requires = "planes", value_parser = clap::value_parser!(u32).range(1..=1024))]
     tables: Option<u32>,
-    /// Hyperplanes a table (the paper's K).
+    /// Hyperplanes per table (the paper's K).
     #[arg(long, value_name = "K", requires = "tables", value_parser = clap::value_parser!(u32).range(1..=64))]
     planes: Option<u32>,
     /// Buckets a table (the paper's H), for --tables and --planes.

@@ -13,7 +13,7 @@ use tracing::info;
 use super::build::ENTRIES;
 use super::form::Form;
 use super::networks_experiment::Networks;
-use super::plan::parse_step;
+use super::plan::{PlanOptions, parse_step};
 use super::preset::preset;
 use super::seed::DEFAULT_SEED;
 use crate::experiment::scale::data::Data;
@@ -194,7 +194,8 @@ impl Shapes {
         let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.preset).descriptor);
         let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
-        let settings = shapes::Settings { counts, plan, descriptor, out: self.out.clone() };
+        let seen = self.step.is_none().then(|| PlanOptions::of_preset(Some(self.preset)).spec());
+        let settings = shapes::Settings { counts, plan, seen, descriptor, out: self.out.clone() };
         let indexes = shapes::run(&settings, global.progress(), &mut |path, report| {
             let done = if report.written.is_some() { "built" } else { "is up to date" };
             let seconds = report.elapsed.as_secs_f64();

@@ -160,7 +160,8 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
             return Ok(Seen { options: own, seed });
         }
         let text = catalogue.provenance.iter().find(|(key, _)| key == OPTIONS).map(|(_, text)| text);
-        kept.push(text.and_then(|text| text.parse::<PlanSpec>().ok()));
+        let spec = text.map(|text| text.parse::<PlanSpec>()).transpose();
+        kept.push(spec.with_context(|| format!("cannot tell how the hands of {} are seen", path.display()))?);
     }
     let mut kept = kept.into_iter();
     let first = kept.next().flatten();

@@ -66,8 +66,10 @@ impl Merge {
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         // Before the index takes their room.
         clear(folder);
-        let whole = Whole(folder.join(WHOLE));
-        let report = merge(&self.parts, &whole.0, global.progress())?;
+        let path = folder.join(WHOLE);
+        let report = merge(&self.parts, &path, global.progress())?;
+        // Only now is it this run's: before, it may be another's, or what another has left.
+        let whole = Whole(path);
         let segments = split(&whole.0, count, folder, global.progress())?;
         drop(whole);
         print_report(folder, &report, false)?;

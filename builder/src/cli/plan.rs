@@ -145,6 +145,11 @@ impl PlanOptions {
         self.hands.map(|hands| hands as usize)
     }
 
+    /// Whether hand shapes are named.
+    pub(super) fn names_hand_shapes(&self) -> bool {
+        !self.hand_shape.is_empty()
+    }
+
     /// The grasps, which are also the classes of a render set.
     pub(super) fn grasps(&self) -> anyhow::Result<GraspSet> {
         match &self.grasps {
@@ -162,6 +167,12 @@ impl PlanOptions {
         if let Some(hands) = self.hands {
             plan = plan.with_hands(hands as usize);
         }
+        if let Some(name) = repeated(&self.hand_shape) {
+            bail!("--hand-shape {name} is named twice");
+        }
+        if let Some(stage) = repeated(&self.stage) {
+            bail!("--stage {stage} is named twice");
+        }
         if !self.hand_shape.is_empty() {
             plan.hand_shapes =
                 self.hand_shape.iter().map(|name| HandShape::preset(name)).collect::<Result<_, _>>()?;
@@ -171,6 +182,9 @@ impl PlanOptions {
             let name = &model.shape().name;
             if plan.hand_models.iter().any(|other| other.shape().name == *name) {
                 bail!("two files of --hand-model are named {name}: rename one");
+            }
+            if plan.hand_shapes.iter().any(|other| other.name == *name) {
+                bail!("a hand shape is named {name} as well as a file of --hand-model: rename the file");
             }
             plan.hand_models.push(Arc::new(model));
         }
@@ -258,6 +272,11 @@ fn elevations(text: &str) -> Result<[f64; 2], String> {
         ));
     }
     Ok(range)
+}
+
+/// The first value that is there before.
+fn repeated<T: PartialEq>(values: &[T]) -> Option<&T> {
+    values.iter().enumerate().find(|(at, value)| values[..*at].contains(value)).map(|(_, value)| value)
 }
 
 #[cfg(test)]

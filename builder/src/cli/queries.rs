@@ -27,7 +27,7 @@ Examples:
   grasp-builder queries --out q.npy --preset wide --hands 8 --count 10000
   grasp-query search q.npy --index grasp.idx --out ids.npy --timings")]
 pub(crate) struct Queries {
-    /// The array to write: 32-bit floating-point numbers in NumPy's format, a row a query.
+    /// The array to write: 32-bit floating-point numbers in NumPy's format, one row per query.
     #[arg(long, value_name = "Q.npy")]
     out: PathBuf,
     /// Render about N views; those that show no hand are left out.
@@ -52,6 +52,9 @@ impl Queries {
         interrupt::catch()?;
         let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.plan.preset()).descriptor);
         let model = descriptor::by_name(name, None)?;
+        if self.plan.names_hand_shapes() {
+            bail!("queries are of hands that no index holds: leave out --hand-shape");
+        }
         let plan = self.plan.plan(self.seed)?;
         if !plan.hand_models.is_empty() {
             bail!("queries are of hands that no index holds: leave out --hand-model");

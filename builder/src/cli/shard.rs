@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use grasp_program::Global;
+use grasp_terminal::text::{counted, shown};
 
 use super::build::WorkOptions;
 use crate::descriptor::shipped_network;
@@ -45,9 +46,10 @@ impl Shard {
         }
         let report = shard(&source, &recipe, self.shard, &self.out, global.progress())?;
         let is = if report.was_there { " is up to date" } else { "" };
-        let (part, entries) = (report.path.display(), report.entries);
+        let entries = counted(report.entries, ["entry", "entries"]);
+        let without_hand = counted(report.without_hand, ["view shows", "views show"]);
         let mut stdout = std::io::stdout().lock();
-        writeln!(stdout, "{part}{is}: {entries} entries, {} views show no hand", report.without_hand)?;
+        writeln!(stdout, "{}{is}: {entries}, {without_hand} no hand", shown(&report.path))?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use grasp_network::Network;
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
@@ -118,6 +118,10 @@ impl Train {
             left_out: self.left_out(),
         };
         let files = self.files();
+        if [&files.network, &files.curve].contains(&&files.checkpoint) {
+            let checkpoint = shown(&files.checkpoint);
+            bail!("--checkpoint {checkpoint} is where the network or its curve goes: name another file");
+        }
         let schedule = Schedule::standard(self.kind);
         let Trained { network, curve } =
             train(&options, schedule, start.as_ref(), &files, global.progress(), &interrupt::check)?;

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{AtomicFile, Catalogue, Entry, Index, Originals};
+use grasp_labels::REMARK;
 
 pub use self::parquet::index_as_parquet;
 pub(crate) use self::parquet::part_as_parquet;
@@ -45,7 +46,8 @@ pub fn labels(index: &Index, path: &Path, wrote: &dyn Fn(u64)) -> anyhow::Result
     }
     let mut file = AtomicFile::create(path)?;
     let cannot = || format!("cannot write {}", path.display());
-    let mut table = csv::Writer::from_writer(BufWriter::new(&mut file));
+    // A value that begins as a remark does is quoted, so that it is read again.
+    let mut table = csv::WriterBuilder::new().comment(Some(REMARK)).from_writer(BufWriter::new(&mut file));
     for id in 0..index.len() as u32 {
         pause(u64::from(id), wrote)?;
         let (columns, values): (Vec<_>, Vec<_>) = fields(catalogue, &index.entry(id)?).into_iter().unzip();

@@ -1,10 +1,11 @@
 //! A picture becomes an entry.
 
 use anyhow::Context as _;
-use grasp_index::{BACKGROUND, Describer, HandImage, HandImageError, NewEntry};
+use grasp_index::{Describer, NewEntry};
 
 use super::known::{Known, KnownPicture};
 use super::recipe::Recipe;
+use crate::descriptor::hand_in;
 
 /// A picture that has become an entry (and whether an existing index knew it), or shows no hand.
 pub(crate) type Described = Option<(NewEntry, bool)>;
@@ -27,11 +28,9 @@ pub(super) fn complete(
         return Ok(Some((NewEntry { descriptor, thumbnail, ..entry.turned(turn_deg) }, true)));
     }
     let Grey { width, height, pixels } = picture()?;
-    let hand = match HandImage::from_segmented(width, height, &pixels, BACKGROUND) {
-        Ok(hand) => hand.shrunk_to(recipe.descriptor.params().described_side()),
-        Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => return Ok(None),
-        Err(error) => return Err(error).with_context(|| format!("cannot use {}", entry.file)),
-    };
+    let hand = hand_in(width, height, &pixels).with_context(|| format!("cannot use {}", entry.file))?;
+    let Some(hand) = hand else { return Ok(None) };
+    let hand = hand.shrunk_to(recipe.descriptor.params().described_side());
     let turn_deg = recipe.descriptor.params().turn_deg(&hand);
     let turned = hand.rotated(turn_deg.to_radians());
     let descriptor = describer.describe_turned(&hand, turn_deg, &turned);

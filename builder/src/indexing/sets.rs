@@ -198,7 +198,7 @@ fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MOST_BYTES {
-        bail!("it is larger than {} MB", MOST_BYTES >> 20);
+        bail!("it is larger than {} MB", MOST_BYTES / 1_000_000);
     }
     Ok(bytes)
 }

@@ -115,7 +115,8 @@ impl Header {
             thumbnail_side: written.thumbnail_side,
             ..IndexParams::default()
         };
-        let share = Share { shard: written.shard, of: written.of };
+        let share =
+            Share::new(written.shard, written.of).context("its header names a part that there cannot be")?;
         Ok(Self { share, made_from: written.made_from, params, origin: written.origin })
     }
 

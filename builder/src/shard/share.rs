@@ -19,6 +19,11 @@ pub struct Share {
 }
 
 impl Share {
+    /// Part `shard` of `of`; `None` where there can be no such part.
+    pub(crate) fn new(shard: u32, of: u32) -> Option<Self> {
+        ((1..=of).contains(&shard) && of <= MOST).then_some(Self { shard, of })
+    }
+
     /// Which of `pieces` are this part's. The parts of all shards are all pieces, in order.
     #[must_use]
     pub fn of_pieces(self, pieces: usize) -> Range<usize> {
@@ -51,8 +56,7 @@ impl FromStr for Share {
     fn from_str(text: &str) -> Result<Self, NotAShare> {
         let parsed = || {
             let (shard, of) = text.split_once('/')?;
-            let share = Self { shard: shard.parse().ok()?, of: of.parse().ok()? };
-            ((1..=share.of).contains(&share.shard) && share.of <= MOST).then_some(share)
+            Self::new(shard.parse().ok()?, of.parse().ok()?)
         };
         parsed().ok_or_else(|| NotAShare(text.to_owned()))
     }

@@ -25,7 +25,7 @@ pub trait Course: Sized + Sync {
     /// The network that learns it.
     fn architecture(&self) -> Architecture;
 
-    /// How often each loss counts.
+    /// The weight of each loss.
     fn factors(&self) -> Factors {
         Factors::default()
     }

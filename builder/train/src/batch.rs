@@ -56,11 +56,11 @@ pub struct Batch {
     /// The places of the joints, one sample's after another's, three values each: in any unit and
     /// frame, values of about 1; empty where no joints are learned.
     pub joints: Vec<f32>,
-    /// How often each loss counts.
+    /// The weight of each loss.
     pub factors: Factors,
 }
 
-/// How often each loss counts in what training makes small; that of the class counts once.
+/// The weight of each loss in what training makes small; that of the class is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factors {
     /// The stage's loss.

@@ -86,7 +86,7 @@ impl Encoder {
         self.u64(value.to_bits())
     }
 
-    /// Appends numbers of which there are always as many.
+    /// Appends an array of fixed length, without its length.
     pub fn f64s(&mut self, values: &[f64]) -> &mut Encoder {
         values.iter().for_each(|&value| {
             self.f64(value);

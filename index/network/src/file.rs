@@ -44,6 +44,7 @@ const HASH: usize = 8;
 
 /// Bytes that are not the file of a network.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ReadError {
     /// They start otherwise.
     #[error("not the weights of a network: the first bytes are others")]

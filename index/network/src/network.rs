@@ -41,7 +41,7 @@ enum Weights {
 }
 
 impl Network {
-    /// The largest input, up or down. For inputs to here, [`Self::from_weights`] has made sure that
+    /// The largest magnitude of an input. For inputs to here, [`Self::from_weights`] has made sure that
     /// no sum overflows: outputs are finite.
     pub const MAX_INPUT: f32 = weights::MAX_INPUT;
 

@@ -22,7 +22,7 @@ pub(crate) struct Unpacked<'a> {
     bias: &'a [Stored],
     /// Where its blocks are shown.
     block: &'a mut Vec<Lanes>,
-    /// What its inputs can reach, up or down, and with them the sums of the blocks that were shown.
+    /// The largest magnitude of its inputs, and with them the sums of the blocks that were shown.
     input: f64,
     largest: f64,
 }
@@ -79,7 +79,7 @@ impl Unpacked<'_> {
     }
 }
 
-/// What the sums of a block can reach, up or down, with inputs to `input`.
+/// The largest magnitude of a block's sums, with inputs to `input`.
 fn largest_sum(block: &[Lanes], input: f64) -> f64 {
     let (bias, matrix) = block.split_first().expect("a block begins with its biases");
     // Sums of millions of weights to 65504 are far from the largest `f32`.

@@ -12,11 +12,12 @@ const LARGEST_SUM: f64 = 1e30;
 /// Weights that are checked together, without a branch for each: they are a million.
 const TOGETHER: usize = 1024;
 
-/// The largest input, up or down.
+/// The largest magnitude of an input.
 pub(crate) const MAX_INPUT: f32 = 1024.0;
 
 /// Weights that are no network's.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum WeightsError {
     /// The shape is not supported.
     #[error(transparent)]
@@ -42,7 +43,7 @@ pub enum WeightsError {
     Overflow {
         /// The layer, counted from 0.
         layer: usize,
-        /// What its sums could reach, up or down.
+        /// The largest magnitude that its sums could have.
         sum: f64,
     },
 }
@@ -63,7 +64,7 @@ pub(crate) fn check(layers: &[Layer], weights: &[Stored]) -> Result<(), WeightsE
     Ok(())
 }
 
-/// What the sums of a network's layers can reach, up or down, whatever its input.
+/// The largest magnitude of the sums of a network's layers, whatever its input.
 ///
 /// Where none overflows, none is infinite or NaN, and so no result depends on how a processor treats
 /// those.

@@ -27,8 +27,9 @@ pub struct Decoded {
 
 /// Decodes a picture.
 ///
-/// # Errors Where the bytes are no picture that is read, are cut short, or would cost more than a
-/// picture may.
+/// # Errors
+/// Where the bytes are no picture that is read, are cut short, or would cost more than a picture
+/// may.
 pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     let opened = Opened::new(bytes)?;
     let (width, height) = opened.decoder.dimensions();

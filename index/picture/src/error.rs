@@ -6,6 +6,7 @@ use crate::limits::{FORMATS, MAX_PIXELS, MAX_SCANS, MAX_SIDE};
 
 /// Why bytes are no picture that can be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DecodeError {
     /// The file cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
@@ -31,7 +32,7 @@ pub enum DecodeError {
     #[error(
         "the header says {width} x {height} pixels; at most {} megapixels and {MAX_SIDE} pixels a side are read: \
          shrink the picture first",
-        MAX_PIXELS >> 20
+        MAX_PIXELS / 1_000_000
     )]
     TooLarge {
         /// Pixels in a row, as the header says.
@@ -43,7 +44,7 @@ pub enum DecodeError {
     #[error(
         "more than {} MB for {width} x {height} pixels, which no picture of that size needs: save it again without \
          what is embedded in it",
-        most >> 20
+        most / 1_000_000
     )]
     TooLong {
         /// The most bytes that a picture of this size may have.

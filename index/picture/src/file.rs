@@ -10,8 +10,9 @@ use crate::{DecodeError, Format, dimensions};
 
 /// The bytes of a picture's file.
 ///
-/// # Errors Where the file cannot be read, and where it is longer than any picture of its size can
-/// be; of that much, no more than the first [`MAX_OVERHEAD`] bytes are held.
+/// # Errors
+/// Where the file cannot be read, and where it is longer than any picture of its size can be; of
+/// that much, no more than the first [`MAX_OVERHEAD`] bytes are held.
 pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
     let cannot = |reason| DecodeError::Read { path: path.to_owned(), reason };
     let mut file = File::open(path).map_err(cannot)?;
@@ -32,7 +33,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
     Ok(bytes)
 }
 
-/// Reads until `bytes` has so many.
+/// Reads until `bytes` has `most`.
 fn read_up_to(file: &mut File, bytes: &mut Vec<u8>, most: u64) -> io::Result<()> {
     file.take(most.saturating_sub(bytes.len() as u64)).read_to_end(bytes)?;
     Ok(())

@@ -1,7 +1,7 @@
 //! What is read: how large a picture may be, encoded and decoded, and in which formats.
 
-/// The most pixels a picture may have: the largest phone cameras (108 megapixels) pass, a forged
-/// header does not.
+/// The most pixels a picture may have, 134 megapixels: those of cameras of 108 pass, those of 200
+/// must be shrunk first, and a forged header costs nothing.
 pub const MAX_PIXELS: u64 = 1 << 27;
 
 /// The most pixels a side may have: what JPEG and GIF can say at all. Decoders hold several rows at

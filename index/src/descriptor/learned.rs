@@ -83,7 +83,7 @@ impl NetworkEstimate {
         let largest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |logit: &f32| libm::exp(f64::from(logit - largest));
         let (mirrored, classes) = logits.split_last()?;
-        // Not below the smallest number, lest nothing be divided by nothing.
+        // At least the smallest number, so that 0 / 0 cannot occur.
         let sum = classes.iter().map(likelihood).sum::<f64>().max(f64::MIN_POSITIVE);
         let mirrored = likelihood(mirrored);
         let highest = stages.iter().copied().fold(f32::NEG_INFINITY, f32::max);

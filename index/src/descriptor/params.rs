@@ -27,7 +27,7 @@ pub enum DescriptorKind {
         dim: u32,
     },
     /// What a network makes of the [planes](super::planes()) of the hand: `dim` values, its
-    /// embedding. The pyramid's parameters are of no account.
+    /// embedding. The pyramid's parameters are ignored.
     Learned {
         /// The network's fingerprint.
         network: u64,

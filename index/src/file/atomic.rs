@@ -58,7 +58,7 @@ impl AtomicFile {
     /// [`WriteError`], before anything is written: the folder is missing or cannot be written, the
     /// path is no regular file, or another writer is at work on it.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        // A link stays a link: what it points to is replaced.
+        // A link to a file stays a link: what it points to is replaced.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
         let (Some(name), Some(folder)) = (path.file_name(), path.parent()) else {
             return Err(WriteError::NotAFile { path });

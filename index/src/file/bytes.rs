@@ -1,13 +1,12 @@
 //! The bytes of an index, mapped or in memory. The one place where a file is mapped.
 
 use super::align::ALIGNMENT;
-use super::corruption::Corruption;
 use super::error::{FileChanged, OpenError};
 use super::fault::Registered;
 use super::header::{self, Header};
 use super::stamp::Stamp;
 use crate::search::ReadAhead;
-use memmap2::Mmap;
+use memmap2::{Mmap, MmapMut};
 use rkyv::util::AlignedVec;
 use std::fs::File;
 use std::io::{self, Read};
@@ -16,7 +15,7 @@ use std::ops::Deref;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Files of at least so many bytes are taken to be larger than what memory is left for them.
+/// Files of at least this many bytes are assumed not to fit into memory.
 const LARGE: usize = 2 << 30;
 
 /// The whole of a file. Starts at a multiple of 64 bytes in memory, so that sections can be read in
@@ -24,6 +23,8 @@ const LARGE: usize = 2 << 30;
 pub(crate) enum Bytes {
     Mapped(Mapping),
     Held(AlignedVec<{ ALIGNMENT as usize }>),
+    /// In pages of memory that are no file's: the system says where there are not enough.
+    Read(MmapMut),
 }
 
 /// A file that is mapped, and what it takes to notice that another program changes it.
@@ -40,7 +41,7 @@ impl std::fmt::Debug for Bytes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let how = match self {
             Self::Mapped(_) => "mapped",
-            Self::Held(_) => "held",
+            Self::Held(_) | Self::Read(_) => "held",
         };
         write!(f, "{} bytes, {how}", self.len())
     }
@@ -53,6 +54,7 @@ impl Deref for Bytes {
         match self {
             Self::Mapped(mapping) => &mapping.map,
             Self::Held(bytes) => bytes,
+            Self::Read(bytes) => bytes,
         }
     }
 }
@@ -82,26 +84,28 @@ impl Bytes {
     pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
         let stamp = Stamp::new(open_regular(path)?)?;
         let mut file = stamp.file();
-        let length = usize::try_from(stamp.length()).map_err(|_| Corruption::TooLarge)?;
+        let no_memory = |_| OpenError::NoMemory { length: stamp.length() };
+        let length =
+            usize::try_from(stamp.length()).map_err(|_| OpenError::NoMemory { length: stamp.length() })?;
         // A length is only believed, and memory taken for it, where a header states it as well.
         let mut head = [0; header::LENGTH];
         let held = head.len().min(length);
         file.read_exact(&mut head[..held])?;
         Header::parse(&head[..held], length as u64)?;
-        let mut bytes = AlignedVec::with_capacity(length);
-        bytes.extend_from_slice(&head[..held]);
-        bytes.resize(length, 0);
+        // Not from the allocator, which ends the program where memory is short.
+        let mut bytes = MmapMut::map_anon(length).map_err(no_memory)?;
+        bytes[..held].copy_from_slice(&head[..held]);
         let filled = file.read_exact(&mut bytes[held..]);
         stamp.check()?;
         filled?;
-        Ok(Self::Held(bytes))
+        Ok(Self::Read(bytes))
     }
 
     /// Whether what was read of these bytes until now was of one file: that no other program has
     /// changed or truncated it.
     pub(crate) fn check_unchanged(&self) -> Result<(), FileChanged> {
         match self {
-            Self::Held(_) => Ok(()),
+            Self::Held(_) | Self::Read(_) => Ok(()),
             Self::Mapped(mapping) => mapping.check_unchanged(),
         }
     }
@@ -194,7 +198,7 @@ impl<'a> Written<'a> {
     #[cfg(unix)]
     fn advise(&self, advice: memmap2::Advice) {
         if let Self::Mapped(map, _) = self {
-            // A system that knows no advice is as right without.
+            // Where advice is unsupported, the result is the same.
             let _ = map.advise(advice);
         }
     }

@@ -10,9 +10,6 @@ use crate::descriptor::ParamsError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Corruption {
-    /// The file cannot be held where it was to be read into memory.
-    #[error("it is larger than this machine's memory")]
-    TooLarge,
     /// Bytes of the header have changed.
     #[error("the header does not match its hash")]
     Header,

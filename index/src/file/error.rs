@@ -21,6 +21,12 @@ pub enum OpenError {
     /// The operating system refused.
     #[error("cannot read it")]
     Io(#[from] std::io::Error),
+    /// The file was to be read into memory, and there is not enough.
+    #[error("{} do not fit into memory: map the file instead of reading it", Size(*.length))]
+    NoMemory {
+        /// The file's length in bytes.
+        length: u64,
+    },
     /// The path names a folder.
     #[error("it is a folder: name the index file itself")]
     Folder,

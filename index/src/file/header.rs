@@ -17,7 +17,7 @@ use super::corruption::Corruption;
 use super::error::OpenError;
 use xxhash_rust::xxh3::xxh3_64;
 
-/// No text, and broken by transfers that rewrite line ends.
+/// Not valid text, so that transfers that rewrite line endings break it visibly.
 const MAGIC: [u8; 8] = *b"\x89GRSP\r\n\x1a";
 /// The header's length in bytes.
 pub(crate) const LENGTH: usize = 64;

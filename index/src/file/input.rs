@@ -19,7 +19,7 @@ use thiserror::Error;
 pub struct IndexParams {
     /// How the descriptors were made.
     pub descriptor: DescriptorParams,
-    /// The network that makes learned descriptors; of no account for others.
+    /// The network that makes learned descriptors; ignored for others.
     pub network: Option<Arc<Network>>,
     /// Which form of the descriptors to keep. [`Originals::F32`] alone serves a random hash, which
     /// has nothing else to measure distances by.

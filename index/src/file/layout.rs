@@ -132,6 +132,9 @@ impl Layout {
     }
 }
 
+/// The most classes, hand shapes and stages: entries have their numbers as u16, u16 and u8.
+pub(super) const MOST_NAMES: [usize; 3] = [1 << 16, 1 << 16, 1 << 8];
+
 /// The catalogue's numbers against each other.
 fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     let corrupt = |what| Err(Corruption::Catalogue(what).into());
@@ -172,6 +175,15 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     };
     if !is_possible {
         return corrupt("states an impossible hash");
+    }
+    if let HashInfo::Learned(hash) = catalogue.hash
+        && catalogue.entries > u64::from(hash.entry_blocks) * LANES as u64
+    {
+        return corrupt("states more entries than its buckets hold");
+    }
+    let names = [catalogue.classes.len(), catalogue.hand_shapes.len(), catalogue.stages.len()];
+    if names.iter().zip(MOST_NAMES).any(|(count, most)| *count > most) {
+        return corrupt("names more classes, hand shapes or stages than can be numbered");
     }
     // Bucket numbers are u32.
     if buckets.is_none() {

@@ -227,7 +227,7 @@ fn interpret(text: &str, element: NpyType) -> Result<(u64, u64), NpyError> {
     }
     match value(text, "fortran_order")? {
         "False" => {}
-        // Of one row, or of rows of one value, both orders are the same.
+        // Of an array with one axis both orders are the same.
         "True" if single(value(text, "shape")?) => {}
         "True" => return Err(NpyError::ColumnByColumn),
         _ => return Err(NpyError::NotNpy("its header names no order")),

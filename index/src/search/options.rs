@@ -78,6 +78,14 @@ pub enum SearchError {
         "the index keeps no descriptors to measure exact distances by: ask for less, or build it with `--originals f32`"
     )]
     NoOriginals,
+    /// There is no memory for the rows of neighbours that were asked for.
+    #[error("{k} neighbours for each of {queries} queries do not fit into memory: ask for fewer")]
+    TooManyNeighbours {
+        /// How many for each query.
+        k: usize,
+        /// How many queries.
+        queries: usize,
+    },
     /// No neighbours were asked for.
     #[error("k is 0: ask for at least one neighbour")]
     NoNeighbours,
@@ -102,6 +110,9 @@ pub(crate) fn check(queries: &[f32], options: &SearchOptions) -> Result<(), Sear
             Err(SearchError::Effort { what: "an eps", found: eps, wanted: "0 or more" })
         }
         Effort::Success { success, .. } => share("a success", success),
+        Effort::Probes(0) => {
+            Err(SearchError::Effort { what: "a number of probes", found: 0.0, wanted: "at least 1" })
+        }
         Effort::Probes(_) | Effort::Exact => Ok(()),
     }
 }

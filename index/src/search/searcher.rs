@@ -11,6 +11,7 @@ use super::result::{Search, SearchCost, Shortlist};
 use super::simd::Simd;
 use super::stored::Stored;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Searches one index, query after query. Each thread has its own.
 pub struct Searcher<'a> {
@@ -19,8 +20,8 @@ pub struct Searcher<'a> {
     simd: Simd,
     in_flight: [InFlight<'a>; STAGES],
     files: Vec<&'a dyn ReadAhead>,
-    /// Before the first search: what that one needs is read ahead.
-    is_cold: bool,
+    /// Of each file, whether it has not been searched yet: what its first search needs is read ahead.
+    is_cold: Vec<&'a AtomicBool>,
 }
 
 /// Queries of a batch that are under way at once: while one waits for memory, the others are worked
@@ -39,7 +40,7 @@ impl<'a> Searcher<'a> {
         hash: &Hash<'a>,
         measured: &'a Measured,
         files: Vec<&'a dyn ReadAhead>,
-        is_cold: bool,
+        is_cold: Vec<&'a AtomicBool>,
     ) -> Self {
         let in_flight = std::array::from_fn(|_| InFlight::new(hash));
         Self { stored, measured, simd: Simd::best(), in_flight, files, is_cold }
@@ -115,7 +116,9 @@ impl<'a> Searcher<'a> {
             return Err(SearchError::WrongLength { expected: dim, found: rest });
         }
         check(queries, options)?;
-        let k = options.k;
+        let (k, rows) = (options.k, queries.len() / dim);
+        let room = rows.checked_mul(k).and_then(|count| found.try_reserve(count).ok());
+        room.ok_or(SearchError::TooManyNeighbours { k, queries: rows })?;
         let Some((probes, _)) = self.probes(options.effort)? else {
             let Ok(()) = nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
             return Ok(());
@@ -184,7 +187,9 @@ impl<'a> Searcher<'a> {
     /// Before the first search of a file: asks for all buckets at once, and then for all
     /// descriptors, where one after the other would wait for the disk as often.
     fn warm(&mut self, query: &[f32], k: usize, probes: u32) {
-        if !std::mem::take(&mut self.is_cold) {
+        // Each file's flag is taken: a searcher of another thread has not to do the same.
+        let were_cold = self.is_cold.drain(..).filter(|is_cold| is_cold.swap(false, Ordering::Relaxed));
+        if were_cold.count() == 0 {
             return;
         }
         let files = &self.files;
@@ -205,7 +210,7 @@ impl<'a> Searcher<'a> {
         let point = match effort {
             Effort::Exact => None,
             Effort::Probes(probes) => {
-                return Ok(Some((probes.max(1), self.measured.at(probes).map(|point| point.recall_at_10))));
+                return Ok(Some((probes, self.measured.at(probes).map(|point| point.recall_at_10))));
             }
             Effort::Recall(_) | Effort::Success { .. } => self.measured.enough(effort),
         };

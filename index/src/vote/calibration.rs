@@ -11,7 +11,7 @@
 use super::reliability::Reliability;
 use thiserror::Error;
 
-/// More neighbours than that make no vote, only work.
+/// More neighbours cost time without changing the vote.
 const MOST_NEIGHBOURS: u32 = 100_000;
 
 /// How neighbours are best weighed, and what their agreement is worth.
@@ -49,6 +49,7 @@ pub struct Calibrated {
 
 /// Why neighbours make no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum Doubt {
     /// There is nothing alike in the index.
     #[error("the nearest entry lies {distance:.3} away, and known hands lie within {farthest:.3}")]
@@ -94,7 +95,11 @@ impl Calibration {
             && self.floor >= 0.0
             && self.farthest.is_none_or(positive)
             && (0.0..=1.0).contains(&self.least_probability)
-            && self.measured.as_ref().is_none_or(|measured| measured.log_likelihood <= 0.0)
+            && self.measured.as_ref().is_none_or(|measured| {
+                measured.log_likelihood.is_finite()
+                    && measured.log_likelihood <= 0.0
+                    && measured.reliability.is_possible()
+            })
     }
 
     /// What speaks against an answer, whose nearest neighbour lies at `nearest` and whose first

@@ -23,7 +23,7 @@ const POWERS: [f64; 2] = [0.02, 5.0];
 const HALVINGS: usize = 12;
 /// The share of right answers that lie beyond each limit.
 const TAIL: f64 = 0.005;
-/// Fewer hand shapes are a few persons' hands; more are those of people.
+/// Below this many hand shapes an index represents individuals, not a population.
 const MANY_HANDS: usize = 10;
 /// How far queries are moved to be as strange to an index of few hands as real ones.
 const FAR: [f64; 2] = [0.5, 0.9];
@@ -40,12 +40,12 @@ pub(crate) struct Example {
     pub(crate) voters: Vec<(u16, f64)>,
 }
 
-/// How far queries that the vote is fitted to are moved, in units of sigma, for an index of so many
-/// hand shapes. Chosen by the calibration error on development pictures of a hand of another
+/// How far queries that the vote is fitted to are moved, in units of sigma, for an index of this
+/// many hand shapes. Chosen by the calibration error on development pictures of a hand of another
 /// program: an index of 100 hand shapes comes true where queries stay as they are (0.04; 0.09 if
 /// moved by [`NOISE`]), while one of a single hand is much too sure of queries from the same
-/// renderer (0.21), and needs them farther away (0.07): a real hand is then not only another but
-/// otherwise.
+/// renderer (0.21), and needs them farther away (0.07): a real hand
+/// differs not only in its shape but in how it looks.
 pub(crate) fn noise_of_the_vote(hand_shapes: usize) -> [f64; 2] {
     if hand_shapes < MANY_HANDS { FAR } else { [0.0, 0.1] }
 }

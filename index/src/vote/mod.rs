@@ -70,7 +70,7 @@ pub struct Vote {
     /// 1; `None` without opinions.
     pub stages: Option<[f64; NETWORK_STAGES.len()]>,
     /// The sum of Equation 3's weights over all neighbours, from 0 (nothing alike in the index) to
-    /// the number of neighbours.
+    /// the number of neighbours; of several looks the mean.
     pub kernel_mass: f64,
     /// The orientation, from the neighbours of the first class, and from the rotations of opinions,
     /// which count as much as these neighbours together.
@@ -89,6 +89,7 @@ pub struct ClassScore {
     /// How probable it is, 0 to 1: all classes sum to 1. [`Calibration`] makes it of the share;
     /// opinions join by their logarithms.
     pub probability: f64,
-    /// Equation 3's sum for the class, divided by that of all classes: 0 to 1.
+    /// Equation 3's sum for the class, divided by that of all classes: 0 to 1; of several looks the
+    /// mean.
     pub share: f64,
 }

@@ -33,6 +33,17 @@ impl Reliability {
         Self { bins }
     }
 
+    /// Whether the counts can be those of answers: a file may state any.
+    pub(crate) fn is_possible(&self) -> bool {
+        let count = self.bins.iter().try_fold(0_u32, |sum, bin| sum.checked_add(bin.n));
+        let is_sound = |bin: &ReliabilityBin| {
+            // A sum of rounded numbers.
+            let most = f64::from(bin.n) + 1e-6;
+            bin.right <= bin.n && (0.0..=most).contains(&bin.probability)
+        };
+        count.is_some() && self.bins.iter().all(is_sound)
+    }
+
     /// How many answers there are.
     pub fn n(&self) -> u32 {
         self.bins.iter().map(|bin| bin.n).sum()

@@ -36,7 +36,11 @@ pub(crate) fn use_all(index: &Index) {
     // service does.
     let k = index.search_options().k.clamp(1, 100);
     let query = vec![0.1; index.dim()];
+    let mut searcher = index.searcher();
     for effort in [SearchOptions::default().effort, Effort::Probes(3), Effort::Exact] {
+        let options = SearchOptions { k, effort };
+        let _ = searcher.shortlist(&query, &options);
+        let _ = searcher.batch(&[&query[..], &query].concat(), &options, &mut Vec::new());
         if let Ok(found) = index.search(&query, &SearchOptions { k, effort }) {
             for euler_mean in [false, true] {
                 index.vote(&found.neighbours, &VoteOptions { euler_mean, ..VoteOptions::default() });

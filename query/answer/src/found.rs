@@ -97,7 +97,7 @@ impl<'a> QueryRecord<'a> {
         Self::named(|id| names(index, id), query, neighbours)
     }
 
-    /// The same of entries that `names` knows the class and the file of.
+    /// The record of a query whose entries `names` knows the class and the file of.
     pub fn named(
         names: impl Fn(u32) -> (Option<&'a str>, Option<&'a str>),
         query: usize,

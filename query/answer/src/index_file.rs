@@ -57,7 +57,8 @@ fn users_path() -> Option<PathBuf> {
 /// # Errors
 /// Where there is none, or it is damaged.
 pub fn open(path: &Path, in_memory: bool) -> Result<Index, IndexFileError> {
-    if !path.exists() {
+    // What cannot be looked up may exist, and opening it says why it cannot.
+    if matches!(path.try_exists(), Ok(false)) {
         return Err(IndexFileError::Missing { path: path.to_owned() });
     }
     let opened = if in_memory { Index::read(path) } else { Index::open(path) };

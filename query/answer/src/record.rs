@@ -273,8 +273,9 @@ pub struct SearchRecord {
     /// The share of the true 10 nearest that such a search found when the index was measured; null
     /// where that is unknown.
     pub predicted_recall: Option<f64>,
-    /// How many such searches were made: hands times rolls. The other numbers are those of the best
-    /// one.
+    /// How many such searches were compared: hands times rolls. The other numbers are those of the
+    /// best one; the hand that it finds is then looked at from beside by two more, for a learned
+    /// descriptor, which no number here counts.
     pub searches: usize,
 }
 

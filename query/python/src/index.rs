@@ -80,7 +80,7 @@ impl Index {
 
     /// Opens what is at `path`.
     pub(crate) fn open(py: Python<'_>, path: PathBuf, mmap: bool) -> PyResult<Self> {
-        if !path.exists() {
+        if matches!(path.try_exists(), Ok(false)) {
             return Err(error::no_index(&path));
         }
         let opened = if mmap {

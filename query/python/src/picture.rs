@@ -89,7 +89,7 @@ fn pixels(array: &Bound<'_, PyUntypedArray>) -> PyResult<Picture> {
     if width.saturating_mul(height) as u64 > MAX_PIXELS {
         return Err(not_a_picture(format!(
             "a picture of the shape {sides} is too large: shrink it to at most {} megapixels",
-            MAX_PIXELS >> 20
+            MAX_PIXELS / 1_000_000
         )));
     }
     let array = contiguous::<u8>(array, "uint8")?;

@@ -6,9 +6,9 @@ use super::Hypothesis;
 use super::options::Accept;
 use super::trust::temper;
 
-/// How likely none of the grasps is, at least, where the answer is none of them. At 0.6 it would
-/// refuse 18 of 999 hands of another origin that are in one, 13 of them named rightly, at 0.8 it
-/// refuses 6 (docs/accuracy.md).
+/// From which probability of none of the grasps on there is no answer. At 0.6 this would reject 18
+/// of 999 hands of another origin that do make one, 13 of them named correctly; at 0.8 it rejects 6
+/// (docs/accuracy.md).
 const LIKELY_NONE: f64 = 0.8;
 
 /// Why there is no answer.
@@ -19,7 +19,7 @@ pub enum Doubt {
     Neighbours(#[from] grasp_index::Doubt),
     /// The hand holds nothing, or something in another way.
     #[error(
-        "the hand is in none of the grasps: {:.0} % likely by all that is seen (--accept always names one all the same)",
+        "the hand is in none of the grasps: {:.0} % likely by all that is seen (`accept always` names one all the same)",
         100.0 * probability
     )]
     NoneOfTheGrasps {
@@ -28,7 +28,7 @@ pub enum Doubt {
     },
     /// What was found in a camera picture cannot be relied on.
     #[error(
-        "pictures like this one are hardly recognised: trust {trust:.4}, at least {least:.3} is needed (a mask can be given with --mask)"
+        "pictures like this one are rarely recognised correctly: trust {trust:.4}, at least {least:.3} is needed (a mask can be given)"
     )]
     Unreliable {
         /// The trust, 0..=1.

@@ -14,6 +14,17 @@ pub enum SourceError {
     /// It belongs to another picture.
     #[error(transparent)]
     Mask(#[from] MaskError),
+    /// So does a depth picture.
+    #[error(
+        "the depth picture has {} x {} pixels, its picture {} x {}: they must agree",
+        depth[0], depth[1], picture[0], picture[1]
+    )]
+    Depth {
+        /// The depth picture's pixels in a row, and its rows.
+        depth: [usize; 2],
+        /// The picture's.
+        picture: [usize; 2],
+    },
     /// So do landmarks.
     #[error(transparent)]
     Landmarks(#[from] LandmarksError),
@@ -33,7 +44,7 @@ pub enum RecogniseError {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// Nothing in the picture looks like a hand.
-    #[error("no hand found: nothing in the picture looks like one (a mask can be given with --mask)")]
+    #[error("no hand found: nothing in the picture looks like one (a mask can be given)")]
     NoHand,
     /// The hand is too small or its buffers do not fit.
     #[error(transparent)]
@@ -49,6 +60,7 @@ impl RecogniseError {
         match self {
             Self::Decode(error) => error.kind(),
             Self::Source(SourceError::Mask(_)) => "mask",
+            Self::Source(SourceError::Depth { .. }) => "depth",
             Self::Source(SourceError::Landmarks(_)) => "landmarks",
             #[cfg(feature = "landmarks")]
             Self::Source(SourceError::Networks(_)) => "landmarks",

@@ -10,6 +10,7 @@
 
 mod accept;
 mod belief;
+pub mod bounded;
 mod doubtful;
 mod error;
 mod evidence;

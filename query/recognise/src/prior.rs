@@ -15,6 +15,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use crate::bounded;
+
 /// The least probability of any grasp: a table of habits cannot rule one out.
 const FLOOR: f64 = 1e-3;
 
@@ -96,8 +98,8 @@ impl Priors {
     /// # Errors
     /// [`PriorError`], where the file cannot be read or is no table.
     pub fn read(path: &Path) -> Result<Self, PriorError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| PriorError::Read { path: path.to_owned(), source })?;
+        let text =
+            bounded::read_text(path).map_err(|source| PriorError::Read { path: path.to_owned(), source })?;
         toml::from_str(&text).map_err(|source| PriorError::Form { path: path.to_owned(), source })
     }
 

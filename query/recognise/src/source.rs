@@ -117,11 +117,10 @@ impl Prepared {
                 mask.clone()
             }
             MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
-                // The size first: a depth picture of another one has nothing to say about this
-                // picture.
-                Mask::from_values(*depth_width, *depth_height, depth, |_| true)
-                    .check_size(width, height)
-                    .map_err(SourceError::Mask)?;
+                let sizes = [[*depth_width, *depth_height], [width, height]];
+                if sizes[0] != sizes[1] {
+                    return Err(SourceError::Depth { depth: sizes[0], picture: sizes[1] }.into());
+                }
                 mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?
             }
         };

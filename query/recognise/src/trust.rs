@@ -74,11 +74,6 @@ static OF_SCENES: LazyLock<Trust> = LazyLock::new(|| {
 });
 
 impl Trust {
-    /// The model that the program holds for descriptors of gradients.
-    pub fn built_in() -> &'static Self {
-        &OF_GRADIENTS
-    }
-
     /// The model that the program holds for a descriptor, and for what has found the hand:
     /// distances to neighbours, and how far the other hand's lie, mean something else for a learned
     /// one, and where the scene network looks, that says more than they do.
@@ -158,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_mask_that_runs_along_the_border_before_skin_is_trusted_less() {
-        let model = Trust::built_in();
+        let model = &*OF_GRADIENTS;
         let hand = model.trust(&evidence(HAND)).unwrap();
         assert!(hand > 0.5, "{hand}");
         let board = Quality { on_border: 0.3, skin_around: 0.4, ..HAND };
@@ -178,7 +173,7 @@ mod tests {
 
     #[test]
     fn answers_are_tempered_by_the_floor_at_least() {
-        let model = Trust { floor: 0.6, ..Trust::built_in().clone() };
+        let model = Trust { floor: 0.6, ..OF_GRADIENTS.clone() };
         assert_eq!([0.0, 0.6, 0.9].map(|trust| model.tempering(trust)), [0.6, 0.6, 0.9]);
     }
 }

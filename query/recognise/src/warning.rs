@@ -8,7 +8,7 @@ pub enum Warning {
     Decoding(String),
     /// The mask fills most of the picture.
     #[error(
-        "what was taken for the hand fills {:.0} % of the picture: a hand before a background is needed",
+        "what was taken for the hand fills {:.0} % of the picture: a hand in front of a background is needed",
         100.0 * share
     )]
     MaskFillsFrame {
@@ -23,7 +23,7 @@ pub enum Warning {
     },
     /// What lies around the mask looks like skin, too.
     #[error(
-        "{:.0} % of what surrounds the hand has the colour of skin: its outline may be wrong (give a mask with --mask)",
+        "{:.0} % of what surrounds the hand has the colour of skin: its outline may be wrong (a mask can be given)",
         100.0 * skin_around
     )]
     SegmentationDoubtful {
@@ -52,7 +52,7 @@ pub enum Warning {
         spread_deg: f64,
     },
     /// Both hands are about as likely.
-    #[error("it may as well be the other hand: say which with --hand")]
+    #[error("it may as well be the other hand: say which it is")]
     HandAmbiguous,
     /// The hand may hold nothing, or something in another way.
     #[error("the hand may be in none of the grasps: {:.0} % likely by all that is seen", 100.0 * probability)]

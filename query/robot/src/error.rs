@@ -71,6 +71,14 @@ pub enum RobotError {
         /// The robot hand.
         hand: String,
     },
+    /// The hand has not all joints of the model that simulates it.
+    #[error("{hand} has no joint {joint}, which the model that simulates it moves")]
+    NoJoint {
+        /// The robot hand.
+        hand: String,
+        /// The joint.
+        joint: &'static str,
+    },
     /// The object does not go between the fingers.
     #[error(
         "{object} is {:.0} mm wide where the fingers close, and {hand} opens to {:.0} mm: {}",
@@ -140,7 +148,7 @@ impl RobotError {
             Self::Unmapped { .. } => "unmapped",
             Self::UnknownHuman { .. } => "unknown_human",
             Self::UnknownGrasp { .. } => "unknown_grasp",
-            Self::NoModel { .. } => "no_model",
+            Self::NoModel { .. } | Self::NoJoint { .. } => "no_model",
             Self::NoTable { .. } => "no_table",
             Self::TooWide { .. } => "too_wide",
             Self::NoOrientation => "no_orientation",

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use super::chain::Chain;
 use super::finger::Finger;
 use super::human::HumanGrasp;
+use super::object::LARGEST;
 use super::read::{Source, built_in, text};
 use super::urdf;
 use super::window::Window;
@@ -62,7 +63,7 @@ pub struct RobotHand {
     /// in the table.
     #[serde(default)]
     pub finger: Vec<Finger>,
-    /// Fingers whose joints lie anyhow in space.
+    /// Fingers whose joints may lie in any arrangement.
     #[serde(default)]
     pub chain: Vec<Chain>,
     /// Links that may touch the object.
@@ -250,7 +251,7 @@ impl RobotHand {
             return Err(source.error(fault));
         }
         if let Some((joint, ends)) =
-            self.limits.iter().find(|(_, [low, high])| !(low <= high && high.is_finite()))
+            self.limits.iter().find(|(_, [low, high])| !(low <= high && low.is_finite() && high.is_finite()))
         {
             return Err(source.error(DescriptionFault::Range { joint: joint.clone(), ends: *ends }));
         }
@@ -282,6 +283,9 @@ impl RobotHand {
             && [grasp.table_clearance, grasp.table_reach].iter().all(|metres| (0.0..1.0).contains(metres));
         if !is_sound {
             return Err(source.error(DescriptionFault::Distances(name.to_owned())));
+        }
+        if let Some(widest) = grasp.widest {
+            source.length(&format!("grasp.{name}.widest"), widest, LARGEST)?;
         }
         for window in &grasp.window {
             let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));

@@ -26,8 +26,10 @@ pub fn warnings(yaml: &str) -> impl Iterator<Item = &str> {
 pub fn yaml(strategy: &Strategy, id: &str) -> String {
     let mut text = String::from("---\n");
     let mut comment = |line: String| {
-        // A name may hold a line break, which would end the comment.
-        let _ = writeln!(text, "# {}", line.replace(['\n', '\r'], " "));
+        // A name may hold what ends a line, and with it the comment: in YAML 1.1, which ROS reads,
+        // that is U+0085, U+2028 and U+2029 as well.
+        let ends_line = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
+        let _ = writeln!(text, "# {}", line.replace(ends_line, " "));
     };
     comment(format!(
         "{} of {}, like {}, on {}",

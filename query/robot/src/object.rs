@@ -12,7 +12,7 @@ use super::{Camera, DescriptionFault, RobotError};
 /// may be wrong by.
 const SUNK: f64 = 0.002;
 /// The largest object, in metres.
-const LARGEST: f64 = 2.0;
+pub(super) const LARGEST: f64 = 2.0;
 
 /// A convex shape about its own middle, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use grasp_recognise::bounded;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::de::DeserializeOwned;
 
@@ -79,5 +80,5 @@ pub(super) fn built_in(all: &[(&str, &'static str)], name: &str) -> Option<&'sta
 
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, RobotError> {
-    std::fs::read_to_string(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
+    bounded::read_text(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
 }

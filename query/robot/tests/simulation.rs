@@ -1,6 +1,6 @@
 //! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
 
-use grasp_robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
+use grasp_robot::simulation::{Offset, Outcome, Plan, SCENES, Scene};
 use grasp_robot::{ApproachSide, Object, RobotError, RobotHand};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -10,14 +10,14 @@ fn plan(scene: &str) -> Plan {
     Plan::new(&hand, scene.grasp, &scene.object().unwrap(), scene.from.turned()).unwrap()
 }
 
-fn off(x: f64, y: f64, degrees: f64) -> Error {
-    Error { x, y, yaw: degrees.to_radians() }
+fn off(x: f64, y: f64, degrees: f64) -> Offset {
+    Offset { x, y, yaw: degrees.to_radians() }
 }
 
 #[test]
 fn every_grasp_holds_its_own_object() {
     for scene in &SCENES {
-        let outcome = plan(scene.name).run(Error::default());
+        let outcome = plan(scene.name).run(Offset::default());
         assert!(outcome.success, "{}: {outcome:?}", scene.name);
         assert!(outcome.rise_mm > 140.0 && outcome.slip_mm < 5.0, "{}: {outcome:?}", scene.name);
     }
@@ -57,7 +57,7 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
                 let outcome = plan(scene.name).run(error);
                 assert!(outcome.success, "{}, {error:?}: {outcome:?}", scene.name);
             }
-            let exact = plan(scene.name).run(Error::default());
+            let exact = plan(scene.name).run(Offset::default());
             let force = window.force_n.unwrap();
             assert!((force - exact.greatest_force_n).abs() <= 0.5, "{}: {exact:?}", scene.name);
             assert_eq!(held_tilted(&hand, scene, window.tilt_rad.unwrap()), 4, "{}", scene.name);
@@ -69,7 +69,7 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
 fn a_pinch_is_made_by_finger_tips_alone_and_a_disc_is_held_by_its_rim() {
     let tips = ["finger 1 distal", "finger 2 distal", "finger 3 distal"];
     for scene in ["block", "disc"] {
-        assert_eq!(plan(scene).run(Error::default()).links, tips, "{scene}");
+        assert_eq!(plan(scene).run(Offset::default()).links, tips, "{scene}");
     }
 }
 
@@ -79,7 +79,7 @@ fn held_tilted(hand: &RobotHand, scene: &Scene, tilt: f64) -> usize {
     let tilted = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
         .map(|(x, y)| along * UnitQuaternion::new(Vector3::new(x, y, 0.0).normalize() * tilt));
     let plans = tilted.map(|turned| Plan::new(hand, scene.grasp, &object, turned).unwrap());
-    plans.iter().filter(|plan| plan.run(Error::default()).success).count()
+    plans.iter().filter(|plan| plan.run(Offset::default()).success).count()
 }
 
 #[test]
@@ -90,6 +90,19 @@ fn tips_that_stay_off_the_table_let_a_tilted_palm_hold_a_disc() {
     assert_eq!(held_tilted(&hand, disc, tilt), 4);
     hand.grasp.get_mut("precision-disc").unwrap().table_reach = 0.0;
     assert_eq!(held_tilted(&hand, disc, tilt), 0);
+}
+
+#[test]
+fn a_table_is_where_its_object_is() {
+    let hand = RobotHand::find("barrett").unwrap();
+    let scene = Scene::named("cylinder-upright").unwrap();
+    let mut object = scene.object().unwrap();
+    let near = Plan::new(&hand, scene.grasp, &object, scene.from.turned()).unwrap();
+    object.pose.translation.x += 4.0;
+    object.pose.translation.y -= 128.0;
+    let far = Plan::new(&hand, scene.grasp, &object, scene.from.turned()).unwrap();
+    let [near, far] = [near, far].map(|plan| plan.run(off(0.01, 0.0, 5.0)));
+    assert!(far.success && (near.rise_mm - far.rise_mm).abs() < 0.1, "{near:?}\n{far:?}");
 }
 
 #[test]
@@ -112,7 +125,7 @@ fn a_trial_repeats_to_the_bit_on_any_thread() {
 
 #[test]
 fn a_held_object_resists_a_shake_and_a_wrench() {
-    let quality = plan("cylinder-upright").quality(Error::default()).unwrap();
+    let quality = plan("cylinder-upright").quality(Offset::default()).unwrap();
     assert!(quality.epsilon > 0.05, "{quality:?}");
     assert!(quality.shake_m_s2.is_none_or(|acceleration| acceleration > 9.81), "{quality:?}");
     assert!(plan("block").quality(off(0.0, 0.15, 0.0)).is_none(), "nothing is held");
@@ -128,6 +141,10 @@ fn what_cannot_be_simulated_is_said() {
     let barrett = RobotHand::find("barrett").unwrap();
     let error = Plan::new(&barrett, "hook", &block, turned).unwrap_err();
     insta::assert_snapshot!(error, @"barrett has no grasp `hook`: it has precision-disc, two-finger-thumb, wrap");
+    let mut other = barrett.clone();
+    other.limits.remove("bh_j32_joint");
+    let error = Plan::new(&other, "wrap", &block, turned).unwrap_err();
+    insta::assert_snapshot!(error, @"barrett has no joint bh_j32_joint, which the model that simulates it moves");
     let floating = Object { table: None, ..block };
     assert!(matches!(Plan::new(&barrett, "wrap", &floating, turned), Err(RobotError::NoTable { .. })));
 }

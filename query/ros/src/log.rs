@@ -48,7 +48,7 @@ impl Level {
     }
 }
 
-/// Of as many kinds of things is warned; whoever makes up more of them is heard no more.
+/// How many kinds of things are warned of; beyond that, further kinds are not.
 const MOST_WARNINGS: usize = 100;
 
 /// The node's voice. It can be shared between threads.

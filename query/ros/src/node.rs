@@ -211,11 +211,9 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
             }
         });
         let working = scope.spawn(move || {
-            let outcome = worker.run(jobs);
-            if outcome.is_err() {
-                end(&sender);
-            }
-            outcome
+            // However the work ends, by a panic as well: pictures would come in vain.
+            let _end = EndOnDrop(sender);
+            worker.run(jobs)
         });
         block_on(receive(&mut coming, jobs, log));
         jobs.close();
@@ -231,9 +229,14 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn end(sender: &UnboundedSender<Event>) {
-    // Whoever listens no more has ended.
-    let _ = sender.unbounded_send(Event::Stop);
+/// Ends the node where it is dropped.
+struct EndOnDrop(UnboundedSender<Event>);
+
+impl Drop for EndOnDrop {
+    fn drop(&mut self) {
+        // Whoever listens no more has ended.
+        let _ = self.0.unbounded_send(Event::Stop);
+    }
 }
 
 /// Keeps what has come last of camera and object, and hands on each picture with it.

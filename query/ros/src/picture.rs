@@ -16,7 +16,7 @@ pub(crate) enum Unreadable {
     /// A size without pixels, or beyond all reason.
     #[error(
         "a picture of {width} x {height} pixels: at least one and at most {} megapixels are needed",
-        MAX_PIXELS >> 20
+        MAX_PIXELS / 1_000_000
     )]
     Size {
         /// Pixels in a row.

@@ -14,10 +14,10 @@ use tokio::time::Instant;
 use super::budget::{Budget, Reservation};
 use super::problem::Problem;
 
-/// Bodies up to so many bytes lie on the heap. Larger ones are pages of their own: an allocator
-/// would keep what it once had for as many as ever came at a time.
+/// Bodies up to this many bytes lie on the heap. Larger ones are pages of their own: an allocator
+/// never gives its peak back.
 const ON_HEAP: usize = 16 << 10;
-/// Bodies up to so many bytes wait for no room: the bound on connections is theirs as well.
+/// Bodies up to this many bytes wait for no room: the bound on connections is theirs as well.
 const UNRESERVED: usize = 256 << 10;
 /// What a body must bring at least within [`STALLED`], its end excepted.
 const PROGRESS: usize = 4 << 10;

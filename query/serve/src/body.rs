@@ -105,7 +105,7 @@ impl Input {
             return Ok(MaskSource::Landmarks(landmarks));
         }
         match (&self.mask, &self.depth, range) {
-            (Some(mask), ..) => {
+            (Some(mask), _, None) => {
                 let (width, height, grey) =
                     picture::decode_grey(mask).map_err(|error| unusable("mask", error))?;
                 Ok(MaskSource::Given(Mask::from_grey(width, height, &grey)))
@@ -116,7 +116,7 @@ impl Input {
                 Ok(MaskSource::Depth { width, height, depth, range })
             }
             (_, Some(_), None) => Err(Problem::bad_request("a depth picture needs depth_range=NEAR..FAR")),
-            (_, None, Some(_)) => {
+            (_, _, Some(_)) => {
                 Err(Problem::bad_request("depth_range needs a depth picture, the part `depth`"))
             }
             _ if segmented => Ok(MaskSource::Segmented),
@@ -145,6 +145,12 @@ impl Input {
         };
         let wrong =
             |error: RobotError| Problem::new(StatusCode::BAD_REQUEST, error.kind(), error.to_string());
+        if self.robot.is_some() && name != DESCRIBED {
+            return Err(Problem::bad_request("the form describes a robot: say robot=described"));
+        }
+        if self.arm.is_some() && arm != Some(DESCRIBED) {
+            return Err(Problem::bad_request("the form describes an arm: say arm=described"));
+        }
         let hand = match name {
             DESCRIBED => RobotHand::parse("robot", &text("robot", &self.robot)?),
             // No path: a request names no file of this machine.
@@ -155,9 +161,6 @@ impl Input {
         let arm = match arm {
             Some(DESCRIBED) => Some(Arm::parse("arm", &text("arm", &self.arm)?)),
             Some(name) => Some(Arm::built_in(name)),
-            None if self.arm.is_some() => {
-                return Err(Problem::bad_request("the form describes an arm: say arm=described as well"));
-            }
             None => None,
         };
         let arm = arm.transpose().map_err(wrong)?;

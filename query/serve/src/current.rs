@@ -40,7 +40,7 @@ pub(super) struct Served {
 #[derive(Debug)]
 pub(super) struct Current {
     path: PathBuf,
-    /// Files of at most so many bytes are read into memory.
+    /// Files of at most this many bytes are read into memory.
     most_read: u64,
     served: RwLock<Option<Arc<Served>>>,
     /// Held while a new index is opened: one at a time.

@@ -244,10 +244,18 @@ mod tests {
             }
             assert!(!text(&of.value["summary"]).contains(of.path), "a summary says what a path does");
         }
-        for target in PAGE.split("href=\"#").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        let values_of = |name: &str| {
+            let attribute = format!("{name}=\"");
+            let values = PAGE.split(attribute.as_str()).skip(1);
+            values.map(|rest| rest.split('"').next().unwrap()).collect::<Vec<_>>()
+        };
+        for target in values_of("href").iter().filter_map(|target| target.strip_prefix('#')) {
             assert!(PAGE.contains(&format!("id=\"{target}\"")), "{target}");
         }
-        assert!(!PAGE.contains("http://") || !PAGE.contains("src="), "nothing is loaded from elsewhere");
+        let loaded = PAGE.split("<link").skip(1).map(|rest| rest.split('>').next().unwrap());
+        for source in values_of("src").into_iter().chain(loaded) {
+            assert!(!source.contains("//"), "{source} is loaded from elsewhere");
+        }
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub(super) struct Aborted;
 impl Gate {
     /// At most `workers` at work and `queue` that wait.
     pub(super) fn new(workers: usize, queue: usize) -> Self {
-        // More than any machine has requests in memory; a semaphore has a most of its own.
+        // No machine holds more requests, and a semaphore has a maximum of its own.
         let workers = workers.clamp(1, 4096);
         let all = workers + queue.min(65_536);
         Self { places: Arc::new(Semaphore::new(all)), workers: Arc::new(Semaphore::new(workers)), all }

@@ -4,10 +4,10 @@
 //! (`query`); bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes
 //! the `gate`, which bounds the work. It is done on a thread that may block (`recognise`,
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
-//! lies at its path (`unusable` says why one cannot); `asked` logs what was asked; `listen` holds
-//! the connections, `page` is what a browser is given. `router`
-//! says which path leads where, and [`Service::run`] puts them together. [`client`] is the other
-//! end, and [`wire`] what crosses the line between both.
+//! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
+//! holds the connections, `page` is what a browser is given. `router` says which path leads where,
+//! and [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses
+//! the line between both.
 
 mod about;
 mod arrival;

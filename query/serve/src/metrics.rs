@@ -20,7 +20,7 @@ const COUNTS: [f64; 10] = [100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 1e5, 1e6, 1e
 /// What [`Metrics::text`] is written in.
 pub(super) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-/// The paths that are told apart; everything else is the page.
+/// The paths that are counted by themselves, and what all others are counted as.
 pub(super) const PATHS: [&str; 6] =
     ["/v1/recognise", "/v1/search", "/v1/strategy", "/v1/index", "/v1/neighbours", "other"];
 

@@ -10,12 +10,10 @@ use serde::Serialize;
 use super::current::Served;
 use super::descriptors;
 use super::problem::Problem;
-use crate::wire::GENERATION;
 use crate::wire::parameters::SearchParameters;
+use crate::wire::{GENERATION, MOST_NEIGHBOURS};
 use grasp_answer::found::{QueryRecord, ShortlistRecord};
 
-/// The most neighbours that one request may be answered with: some 10 MB of JSON.
-const MOST_NEIGHBOURS: usize = 100_000;
 /// How a file in NumPy's format begins.
 const NPY: &[u8] = b"\x93NUMPY";
 
@@ -30,18 +28,12 @@ pub(super) fn answer(
     let queries = read(body, index)?;
     let rows = queries.len() / index.dim().max(1);
     if rows.saturating_mul(options.k) > MOST_NEIGHBOURS {
-        return Err(Problem::new(
-            StatusCode::PAYLOAD_TOO_LARGE,
-            "too_large",
-            format!(
-                "{rows} queries for {} neighbours each: a request is answered with at most {MOST_NEIGHBOURS}",
-                options.k
-            ),
-        ));
+        return Err(too_large(format!("{rows} queries for {} neighbours each", options.k)));
     }
     let mut lines = Vec::with_capacity(rows * options.k * 64);
     let mut searcher = index.searcher();
     if parameters.shortlist {
+        let mut candidates = 0;
         for (at, query) in queries.chunks_exact(index.dim().max(1)).enumerate() {
             let record = match searcher.shortlist(query, &options).map_err(refused)? {
                 Some(shortlist) => ShortlistRecord::new(index, at, &shortlist),
@@ -50,6 +42,12 @@ pub(super) fn answer(
                     ShortlistRecord::exact(index, at, &found.neighbours)
                 }
             };
+            // How many there are is known only now.
+            candidates += record.neighbours.len();
+            if candidates > MOST_NEIGHBOURS {
+                let queries = at + 1;
+                return Err(too_large(format!("{queries} of {rows} queries with {candidates} candidates")));
+            }
             put(&record, &mut lines)?;
         }
     } else {
@@ -64,6 +62,11 @@ pub(super) fn answer(
         (GENERATION, HeaderValue::from(served.generation)),
     ];
     Ok((headers, lines).into_response())
+}
+
+fn too_large(asked: String) -> Problem {
+    let why = format!("{asked}: a request is answered with at most {MOST_NEIGHBOURS} neighbours");
+    Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", why)
 }
 
 /// Adds a line.

@@ -25,7 +25,7 @@ use crate::wire::Token;
 pub struct Settings {
     /// The index's file.
     pub index: PathBuf,
-    /// Where it has at most so many bytes, read it into memory instead of mapping it: it is then
+    /// Where it has at most this many bytes, read it into memory instead of mapping it: it is then
     /// served on while another file is copied over it.
     pub most_read: u64,
     /// Requests that are worked on at a time.

@@ -66,7 +66,7 @@ pub(crate) async fn recognise_picture(
 
 /// `POST /v1/strategy`.
 #[utoipa::path(post, path = "/v1/strategy", tag = tags::PICTURES,
-    summary = "Say how a robot hand would grasp alike",
+    summary = "Plan the same grasp for a robot hand",
     description = "Recognises the grasp as `/v1/recognise` does, and says where a robot's palm goes, how its fingers close and how it \
         lifts the object.\n\n    curl -F picture=@hand.jpg -F object=@bottle.toml -F camera=@camera.toml \
         'http://127.0.0.1:8750/v1/strategy?robot=barrett'\n\nFor `Accept: application/yaml` the answer is a `moveit_msgs/Grasp`.",

@@ -24,7 +24,9 @@ Examples:
   grasp-query evaluate tests/pictures/labels.csv --exact  what the search costs in accuracy
 
 LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage, hand, qx, qy, qz, qw
-(camera_from_hand) and any others. Exit status: 0, or 2 where the table or a picture of it could not be used.";
+(camera_from_hand) and any others.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used.";
 
 /// Score labelled pictures: accuracy, confusion matrix, orientation error, segmentation.
 #[derive(Debug, clap::Args)]

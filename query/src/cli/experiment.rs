@@ -7,7 +7,7 @@ use clap::Subcommand;
 use grasp_answer::index_file;
 use grasp_index::Index;
 use rayon::prelude::*;
-use tracing::warn;
+use tracing::error;
 
 use super::figures::print;
 use super::index_file::IndexFile;
@@ -24,7 +24,7 @@ use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
-use crate::experiment::unknown::Unknown;
+use crate::experiment::unknown::{Limits, Unknown};
 use grasp_program::Global;
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_recognise::{Accept, RecogniseOptions, Trust};
@@ -65,7 +65,9 @@ Examples:
   grasp-query experiment paper tests/pictures/labels.csv --hand right --out results
   grasp-query experiment paper tests/pictures/labels.csv --part final --where kind=segmented --json
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct PaperArguments {
     #[command(flatten)]
     index: IndexFile,
@@ -88,7 +90,9 @@ Examples:
   grasp-query experiment shapes tests/pictures/labels.csv \\
     --index shapes/hands-0001.idx --index shapes/hands-0003.idx --index shapes/hands-0010.idx --hand right --out results
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct ShapesArguments {
     /// An index to recognise the pictures by; several may be named.
     #[arg(long = "index", value_name = "FILE", required = true)]
@@ -113,6 +117,7 @@ Examples:
   grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv --out results
 
 LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts, and its labels do not.
+
 Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 struct UnknownArguments {
     #[command(flatten)]
@@ -131,7 +136,7 @@ struct UnknownArguments {
 /// query/recognise/data: trust-scene.toml, and for --segment skin trust-learned.toml and, for
 /// descriptors of gradients, trust.toml.
 ///
-/// Camera pictures are recognised as they are; segmented ones are put before backgrounds that are
+/// Camera pictures are recognised as they are; segmented ones are put in front of backgrounds that are
 /// hard to tell from skin, and such backgrounds are tried alone. The model is fitted to seven
 /// tenths of them all and measured on the rest.
 #[derive(Debug, clap::Args)]
@@ -140,7 +145,9 @@ Examples:
   grasp-query experiment trust tests/pictures/labels.csv
   grasp-query experiment trust tests/pictures/labels.csv --out trust.toml
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where a table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 struct TrustArguments {
     /// Tables of labelled pictures, of both kinds, of hands that the index does not hold.
     #[arg(required = true, value_name = "LABELS.csv")]
@@ -149,12 +156,13 @@ struct TrustArguments {
     index: IndexFile,
     #[command(flatten)]
     segment: SegmentArguments,
-    /// The trust below which a hand is unknown.
-    #[arg(long, value_name = "P", default_value_t = Trust::built_in().least, value_parser = parse_share)]
-    least: f64,
-    /// The least that probabilities are tempered by, however little an answer is trusted.
-    #[arg(long, value_name = "P", default_value_t = Trust::built_in().floor, value_parser = parse_share)]
-    floor: f64,
+    /// The trust below which a hand is unknown; without it, that of the model that is replaced.
+    #[arg(long, value_name = "P", value_parser = parse_share)]
+    least: Option<f64>,
+    /// The least that probabilities are tempered by, however little an answer is trusted; without
+    /// it, that of the model that is replaced.
+    #[arg(long, value_name = "P", value_parser = parse_share)]
+    floor: Option<f64>,
     /// Write the model into this file.
     #[arg(long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
@@ -174,7 +182,9 @@ Examples:
   grasp-query experiment sequence tests/pictures/labels.csv --hand right
   grasp-query experiment sequence tests/pictures/labels.csv --hand right --switch 0.4 --json
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {
     #[command(flatten)]
     index: IndexFile,
@@ -266,6 +276,7 @@ impl UnknownArguments {
         // What is measured here must not have been decided before.
         let options =
             RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options()? };
+        let trust = Trust::of_descriptor(&index.catalogue().descriptor, &options.segment.by);
         let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
         let mut broken = selected.broken.clone();
         if let Some(others) = others {
@@ -273,7 +284,11 @@ impl UnknownArguments {
             broken.extend(others.broken);
         }
         let calibration = index.catalogue().calibration;
-        let limits = calibration.farthest.map(|farthest| (farthest, calibration.least_probability));
+        let limits = calibration.farthest.map(|farthest| Limits {
+            farthest,
+            least_probability: calibration.least_probability,
+            least_trust: trust.least,
+        });
         let unknown = Unknown::new(self.labelled.table(), &outcomes, &broken, limits);
         if let Some(folder) = &self.out {
             unknown.write(folder)?;
@@ -292,7 +307,10 @@ impl TrustArguments {
         let index = self.index.open_for_pictures()?;
         let classes = index.catalogue().class_names();
         let tables = Selection::all_of(&self.labels, &classes)?;
-        let recognisers = Recognisers::new(&index, self.segment.params()?);
+        let segment = self.segment.params()?;
+        let before = Trust::of_descriptor(&index.catalogue().descriptor, &segment.by);
+        let [least, floor] = [self.least.unwrap_or(before.least), self.floor.unwrap_or(before.floor)];
+        let recognisers = Recognisers::new(&index, segment);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
         for table in &tables {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
@@ -313,7 +331,7 @@ impl TrustArguments {
                     Ok(found) => samples.extend(found),
                     Err(message) => {
                         status = ERROR;
-                        warn!("{message}");
+                        error!("{message}");
                     }
                 }
             }
@@ -321,19 +339,18 @@ impl TrustArguments {
         let empty: Vec<_> =
             (0..segmented / HANDS_PER_NONE).into_par_iter().map(|number| recognisers.empty(number)).collect();
         samples.extend(empty.into_iter().flatten());
-        let fitted = Fitted::new(&samples, [self.least, self.floor]);
+        let fitted = Fitted::new(&samples, [least, floor]);
         if let Some(out) = &self.out {
-            fitted.write(out, &self.command(), &index)?;
+            fitted.write(out, &self.command([least, floor]), &index)?;
         }
         print(self.json, &fitted, || fitted.text())?;
         Ok(status)
     }
 
     /// The command that repeats the fit, without folders that are only here.
-    fn command(&self) -> String {
+    fn command(&self, [least, floor]: [f64; 2]) -> String {
         let labels: Vec<String> = self.labels.iter().map(|path| without_folders(path)).collect();
         let (labels, segment) = (labels.join(" "), self.segment.named());
-        let Self { least, floor, .. } = self;
         format!(
             "grasp-query experiment trust {labels}{segment} --least {least} --floor {floor} --out trust.toml"
         )

@@ -10,6 +10,7 @@ mod name_or_file;
 mod opening_experiment;
 mod options;
 mod overwriting;
+mod pictures;
 #[cfg(feature = "serve")]
 mod quiz;
 mod recognise;
@@ -76,9 +77,9 @@ Examples:
   grasp-query search q.npy --out ids.npy                 the nearest entries of raw descriptors
   grasp-query serve                                      answer over HTTP, with a page at /
 
-The files are those of the source code; with your own, it is the same.
+The files are in the source tree; your own work the same way.
 
-Exit status: 0 all recognised, 1 in some picture no hand was found or the grasp is unknown, 2 an error.";
+Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible, 2 an error.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
-use tracing::warn;
+use tracing::error;
 
 use super::figures::print;
 use super::index_file::IndexFile;
@@ -30,7 +30,9 @@ Examples:
   grasp-query experiment opening tests/pictures/labels.csv
   grasp-query experiment opening tests/pictures/labels.csv --out opening.toml --json
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where a table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 pub(super) struct OpeningArguments {
     /// Tables of labelled pictures of hands that the index does not hold.
     #[arg(required = true, value_name = "LABELS.csv")]
@@ -58,13 +60,13 @@ impl OpeningArguments {
         for (number, table) in tables.iter().enumerate() {
             for row in &table.broken {
                 status = ERROR;
-                warn!("{row}");
+                error!("{row}");
             }
             for outcome in with_hands_given(table, &index, global)? {
                 match &outcome.result {
                     Err(miss) if !miss.is_rejection => {
                         status = ERROR;
-                        warn!("line {}: {}", outcome.label.line, miss.message);
+                        error!("line {}: {}", outcome.label.line, miss.message);
                     }
                     _ => samples.extend(Sample::new(number, &outcome, &classes, Opening::built_in())),
                 }

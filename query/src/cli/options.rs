@@ -21,8 +21,8 @@ const RESEARCH: &str = "Research";
 /// How pictures are recognised.
 #[derive(Debug, clap::Args)]
 pub(super) struct RecogniseArguments {
-    /// Which hand the pictures show; `auto` tries both and takes the one whose neighbours are
-    /// nearer.
+    /// Which hand the pictures show; `auto` tries both: neighbours, networks and where the
+    /// arm comes from say which it is.
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub(super) struct RecogniseArguments {
 /// `--hand`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum HandArgument {
-    /// Try both and take the one whose neighbours are nearer.
+    /// Try both and take the likelier one.
     Auto,
     /// A left hand.
     Left,
@@ -92,7 +92,7 @@ pub(super) struct SegmentArguments {
     #[arg(long, value_name = "DIR", required_if_eq("segment", "landmarks"))]
     landmarks_models: Option<PathBuf>,
     /// Look at scenes by networks of your own: a folder with scene.network, naming.network,
-    /// thing.network or mask.network, as `grasp-builder train` writes them; those that it has not
+    /// thing.network or mask.network, as `grasp-builder train` writes them; any that it lacks
     /// stay built in.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DIR")]
     networks: Option<PathBuf>,
@@ -214,6 +214,11 @@ impl RecogniseArguments {
     pub(super) fn refuse_networks(&self) -> anyhow::Result<()> {
         if self.segment.segment == SegmentBy::Landmarks {
             bail!("a service finds hands by itself: with --server, leave out --segment landmarks");
+        }
+        if self.segment.networks.is_some() {
+            bail!(
+                "a service looks by the networks that it was started with: with --server, leave out --networks"
+            );
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
-//! Outputs that are inputs as well.
+//! No output is written over an input.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use anyhow::bail;
@@ -9,10 +10,21 @@ pub(super) fn refuse_overwriting<'a>(
     out: &Path,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> anyhow::Result<()> {
-    let Ok(out_file) = out.canonicalize() else {
+    refuse_overwriting_by_any([out], inputs)
+}
+
+/// The same of several outputs.
+pub(super) fn refuse_overwriting_by_any<'a, 'b>(
+    outs: impl IntoIterator<Item = &'b Path>,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    // Only a file that exists can be written over.
+    let mut outs = outs.into_iter().filter_map(|out| Some((out, out.canonicalize().ok()?))).peekable();
+    if outs.peek().is_none() {
         return Ok(());
-    };
-    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == out_file)) {
+    }
+    let inputs: HashSet<_> = inputs.into_iter().filter_map(|input| input.canonicalize().ok()).collect();
+    if let Some((out, _)) = outs.find(|(_, file)| inputs.contains(file)) {
         bail!("{} is an input as well: name another file to write", out.display());
     }
     Ok(())

@@ -43,8 +43,9 @@ Examples:
                                                          for a phone in the same network
   grasp-query quiz tests/pictures/labels.csv --index grasp.idx --hand right --json > result.json
 
-Pictures in none of the six grasps are left out. Exit status: 0 when every picture was answered, 130 when Ctrl-C came before,
-2 where the table or a picture of it could not be used.")]
+Pictures in none of the six grasps are left out.
+
+Exit status: 0 when every picture was answered, 130 when Ctrl-C came before, 2 where the table or a picture of it could not be used.")]
 pub(super) struct Quizzing {
     #[command(flatten)]
     index: IndexFile,

@@ -17,10 +17,11 @@ use rayon::prelude::*;
 
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
-use super::overwriting::refuse_overwriting;
+use super::overwriting::refuse_overwriting_by_any;
+use super::pictures::pictures;
 use super::robot::{MessageArguments, RobotArguments};
 use drawings::Drawings;
-use feed::{Feed, STANDARD_INPUT};
+use feed::{Feed, is_stream};
 use grasp_answer::explain;
 use grasp_answer::record::{Record, SingleRecord};
 use grasp_answer::{human, moveit};
@@ -53,7 +54,9 @@ Examples:
     --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml --arm kuka-kr6-r700
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --server http://127.0.0.1:8750
   grasp-query recognise --camera 0 --sequence --json     the frames of a camera, as they come
-  ffmpeg -i VIDEO.mp4 -f mjpeg - | grasp-query recognise --json -";
+  ffmpeg -i VIDEO.mp4 -f mjpeg - | grasp-query recognise --json -
+
+Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible, 2 an error.";
 
 /// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
@@ -61,7 +64,7 @@ Examples:
 pub(super) struct Recognise {
     /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads
     /// a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or
-    /// YUV4MPEG2.
+    /// YUV4MPEG2. So is a file read whose name ends in .mjpg, .mjpeg or .y4m.
     #[arg(required_unless_present = "cameras", value_name = "IMAGE")]
     images: Vec<PathBuf>,
     #[command(flatten)]
@@ -82,7 +85,7 @@ pub(super) struct Recognise {
     /// "landmarks": [[x, y], ...]} in MediaPipe's order. For a single picture.
     #[arg(long, value_name = "FILE", conflicts_with = "depth")]
     landmarks_json: Option<PathBuf>,
-    /// Print JSON Lines, one record a picture.
+    /// Print JSON Lines, one record per picture.
     #[arg(long)]
     json: bool,
     /// Draw how each answer came about: into the file OUT.png or OUT.jpg, or into files in a
@@ -142,7 +145,7 @@ type Found = Result<Recognition, Record>;
 
 impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
-        let images = self.pictures()?;
+        let images = pictures(&self.images)?;
         let camera = self.robot.device()?;
         match (camera, images.as_slice()) {
             (Some(camera), [_, ..]) => {
@@ -178,8 +181,10 @@ impl Recognise {
         // are starts it.
         let at_once = if images.len() > 1 { 4 * rayon::current_num_threads() } else { 1 };
         for group in groups(&images) {
-            if group == [Path::new(STANDARD_INPUT)] {
-                self.run_feed(Feed::StandardInput, &setup, &mut filter, &mut output)?;
+            if let [only] = group
+                && is_stream(only)
+            {
+                self.run_feed(Feed::Stream(only.clone()), &setup, &mut filter, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
@@ -220,15 +225,11 @@ impl Recognise {
     fn drawings(&self, images: &[PathBuf]) -> anyhow::Result<Option<Drawings>> {
         let Some(out) = &self.explain else { return Ok(None) };
         let drawings = Drawings::new(out, images.len())?;
-        if let Drawings::File(file) = &drawings {
-            let pictures = images
-                .iter()
-                .chain(&self.mask)
-                .chain(&self.depth)
-                .chain(&self.landmarks_json)
-                .map(PathBuf::as_path);
-            refuse_overwriting(file, pictures.chain([self.index.path().as_path()]))?;
-        }
+        let inputs = images.iter().chain(&self.mask).chain(&self.depth).chain(&self.landmarks_json);
+        refuse_overwriting_by_any(
+            drawings.files(images)?.iter().map(PathBuf::as_path),
+            inputs.map(PathBuf::as_path).chain([self.index.path().as_path()]),
+        )?;
         drawings.prepare()?;
         Ok(Some(drawings))
     }
@@ -239,27 +240,6 @@ impl Recognise {
             (false, true) => Form::Moveit,
             (false, false) => Form::Text,
         }
-    }
-
-    /// What is to be recognised, with the pictures of a folder in its place.
-    fn pictures(&self) -> anyhow::Result<Vec<PathBuf>> {
-        let mut pictures = Vec::with_capacity(self.images.len());
-        for path in &self.images {
-            if !path.is_dir() {
-                pictures.push(path.clone());
-                continue;
-            }
-            let found = picture::pictures_in(path)
-                .with_context(|| format!("cannot read the folder {}", path.display()))?;
-            if found.is_empty() {
-                bail!(
-                    "the folder {} holds no picture: name pictures, or a folder that holds some",
-                    path.display()
-                );
-            }
-            pictures.extend(found);
-        }
-        Ok(pictures)
     }
 
     fn status_of<W>(&self, output: &Output<W>) -> u8 {
@@ -360,7 +340,7 @@ impl Recognise {
         if let Err(error) = outcome {
             // Of a stream's many frames, the first one's failure says enough.
             if !self.undrawn.swap(true, Ordering::Relaxed) || frame.is_none() {
-                tracing::warn!(subject = name, "{}", message(error.chain()));
+                tracing::error!(subject = name, "{}", message(error.chain()));
             }
         }
     }
@@ -397,10 +377,9 @@ impl Recognise {
     }
 }
 
-/// The pictures in their order, standard input by itself.
+/// The pictures in their order, each stream by itself.
 fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
-    let stdin = Path::new(STANDARD_INPUT);
-    images.chunk_by(move |a, b| a != stdin && b != stdin)
+    images.chunk_by(|a, b| !is_stream(a) && !is_stream(b))
 }
 
 /// What a record is written as.
@@ -429,12 +408,14 @@ impl<W: Write> Output<W> {
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
                 match moveit::message(answer) {
                     Some(yaml) => self.write_message(&human::name(&answer.file, answer.frame), &yaml)?,
-                    None => warn(&answer.file, &moveit::refusal(answer).unwrap_or_default()),
+                    None => {
+                        report(record.status(), &answer.file, &moveit::refusal(answer).unwrap_or_default())
+                    }
                 }
             }
             (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
             // Standard output is answers; why there is none belongs beside it.
-            (Form::Text | Form::Moveit, _) => warn(record.file(), &human::text(record)),
+            (Form::Text | Form::Moveit, _) => report(record.status(), record.file(), &human::text(record)),
         }
         self.out.flush()?;
         Ok(())
@@ -450,7 +431,12 @@ impl<W: Write> Output<W> {
     }
 }
 
-/// Says why an input has no answer on standard output, in lines that name it.
-fn warn(file: &str, lines: &str) {
-    tracing::warn!(file, "{}", lines.trim_end());
+/// Says why an input has no answer on standard output, in lines that name it: as an error where that
+/// is what `status` says.
+fn report(status: u8, file: &str, lines: &str) {
+    let lines = lines.trim_end();
+    match status {
+        ERROR => tracing::error!(file, "{lines}"),
+        _ => tracing::warn!(file, "{lines}"),
+    }
 }

@@ -26,15 +26,16 @@ Examples:
   grasp-query experiment report tests/pictures/labels.csv --out report.html
   grasp-query experiment report tests/pictures/labels.csv --where kind=camera --show 4 --out report.html --json
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used;
-the page is written all the same where some could.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used; the page is written all the same where some could.")]
 pub(super) struct ReportArguments {
     #[command(flatten)]
     index: IndexFile,
     /// Write the page here.
     #[arg(long, value_name = "REPORT.html")]
     out: PathBuf,
-    /// Show so many pictures of each sort: surely right, surely wrong, doubtful.
+    /// Show this many pictures of each sort: surely right, surely wrong, doubtful.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(0..=1000))]
     show: u16,
     #[command(flatten)]

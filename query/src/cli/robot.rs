@@ -14,7 +14,7 @@ const HEADING: &str = "What a robot does";
 /// What the robot is to do.
 #[derive(Debug, clap::Args)]
 pub(super) struct RobotArguments {
-    /// Say what this robot hand does to grasp alike: allegro, barrett, franka-hand,
+    /// Plan the same grasp for this robot hand: allegro, barrett, franka-hand,
     /// parallel-gripper, robotiq-2f-85, a HAND.toml that describes another, or a gripper's
     /// HAND.urdf with a HAND.toml beside it.
     #[arg(long, help_heading = HEADING, value_name = "HAND", requires_all = ["object", "cameras"], value_parser = NameOrFile::new(RobotHand::names()), hide_possible_values = true)]

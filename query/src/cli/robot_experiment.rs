@@ -18,7 +18,7 @@ use grasp_robot::simulation::{SCENES, Scene};
 ///
 /// The object lies beside where the hand takes it to be, along the world's x and y (a side approach
 /// comes along x), or the hand is turned about the vertical. With --out, DIR gets robustness.csv, a
-/// line a trial, as they end: stopped and started again, the sweep goes on. windows.csv and
+/// line per trial, as they end: stopped and started again, the sweep goes on. windows.csv and
 /// robustness.svg follow.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -94,7 +94,9 @@ fn scene_named() -> impl TypedValueParser<Value = &'static Scene> {
 Examples:
   grasp-query experiment imitation tests/pictures/labels.csv --hand right --where kind=segmented --where stage=grasp
 
-LABELS.csv is as for `grasp-query evaluate`. Exit status: 0, or 2 where the table or a picture of it could not be used.")]
+LABELS.csv is as for `grasp-query evaluate`.
+
+Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 pub(super) struct ImitationArguments {
     #[command(flatten)]
     index: IndexFile,

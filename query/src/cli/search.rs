@@ -36,7 +36,9 @@ Examples:
   grasp-query search q.npy --neighbours | jq .neighbours[0].id
   grasp-query search q.npy --server http://127.0.0.1:8750 --out ids.npy
 
-QUERIES.npy holds float32, one row of the index's dimension a query. Exit status: 0, or 2 where something failed.";
+QUERIES.npy holds float32, one row of the index's dimension a query.
+
+Exit status: 0, or 2 where something failed.";
 
 /// Queries that a person is shown.
 const SHOWN: usize = 3;

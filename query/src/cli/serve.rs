@@ -41,8 +41,9 @@ Examples:
   curl --data-binary @tests/pictures/camera/01-large-diameter.jpg http://127.0.0.1:8750/v1/recognise
   grasp-query recognise --server http://127.0.0.1:8750 --json tests/pictures/camera
 
-/openapi.json describes every path. Exit status: 0 after SIGTERM, 130 after Ctrl-C, 2 where something failed or requests were
-cut short.")]
+/openapi.json describes every path.
+
+Exit status: 0 after SIGTERM, 130 after Ctrl-C, 2 where something failed or requests were cut short.")]
 pub(super) struct Serve {
     #[command(flatten)]
     index: IndexFile,
@@ -72,7 +73,7 @@ pub(super) struct Serve {
     /// Seconds between two looks at whether another index lies at the path.
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = parse_seconds)]
     poll: f64,
-    /// Read an index of at most so many megabytes into memory, so that it is served on while
+    /// Read an index of at most this many megabytes into memory, so that it is served on while
     /// another is copied over it; a larger one is mapped, and a copy over it turns requests away
     /// until it is whole.
     // 256 MB are read in 0.2 s and searched as fast as mapped ones; indexes for pictures are mostly

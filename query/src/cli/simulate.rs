@@ -10,7 +10,7 @@ use grasp_terminal::text::{fixed, printable};
 use serde::Serialize;
 
 use grasp_answer::explain;
-use grasp_robot::simulation::{Error, Outcome, Plan, Quality, SCENES, Scene};
+use grasp_robot::simulation::{Offset, Outcome, Plan, Quality, SCENES, Scene};
 use grasp_robot::{ApproachSide, Object};
 use strip::strip;
 
@@ -31,8 +31,9 @@ Examples:
   grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20 degrees and 15 mm
   grasp-query simulate --grasp wrap --object query/data/objects/bottle.toml --from side --quality --json
 
-Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle. Exit status: 0 it holds, 1
-it does not, 2 an error.")]
+Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle.
+
+Exit status: 0 it holds, 1 it does not, 2 an error.")]
 pub(super) struct Simulate {
     /// The grasp: wrap, two-finger-thumb, precision-disc, or a human grasp that is mapped to one of
     /// them.
@@ -91,7 +92,7 @@ struct Record<'a> {
     robot: &'a str,
     grasp: &'a str,
     object: &'a str,
-    error: Error,
+    error: Offset,
     #[serde(flatten)]
     outcome: &'a Outcome,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -105,19 +106,25 @@ impl Simulate {
         hand.grasp_named(grasp)?;
         let (object, from) = self.setting(grasp)?;
         let plan = Plan::new(&hand, grasp, &object, self.from.map_or(from, FromArgument::approach).turned())?;
-        let error = Error { x: 1e-3 * self.x, y: 1e-3 * self.y, yaw: self.yaw.to_radians() };
+        let offset = Offset { x: 1e-3 * self.x, y: 1e-3 * self.y, yaw: self.yaw.to_radians() };
         let outcome = match &self.pictures {
-            None => plan.run(error),
+            None => plan.run(offset),
             Some(path) => {
-                let (outcome, film) = plan.film(error);
+                let (outcome, film) = plan.film(offset);
                 explain::save(&strip(&film), path)
                     .with_context(|| format!("cannot write {}", path.display()))?;
                 outcome
             }
         };
-        let quality = self.quality.then(|| plan.quality(error)).flatten();
-        let record =
-            Record { robot: &hand.name, grasp, object: &object.name, error, outcome: &outcome, quality };
+        let quality = self.quality.then(|| plan.quality(offset)).flatten();
+        let record = Record {
+            robot: &hand.name,
+            grasp,
+            object: &object.name,
+            error: offset,
+            outcome: &outcome,
+            quality,
+        };
         let mut out = io::stdout().lock();
         if self.json {
             serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;

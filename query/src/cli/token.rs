@@ -4,12 +4,13 @@ use std::path::Path;
 
 use anyhow::Context as _;
 
+use grasp_recognise::bounded;
 use grasp_serve::wire::Token;
 
 /// A token: one line of visible characters, that it may stand in a header.
 pub(super) fn read(path: &Path) -> anyhow::Result<Token> {
     let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read the token {}", path.display()))?;
+        bounded::read_text(path).with_context(|| format!("cannot read the token {}", path.display()))?;
     Token::new(text.trim()).with_context(|| {
         format!(
             "{} holds no token: one line of at least {} letters and digits is needed, such as `openssl rand -hex 32` writes",

@@ -18,7 +18,8 @@ use grasp_terminal::text::counted;
 
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
-use super::overwriting::refuse_overwriting;
+use super::overwriting::refuse_overwriting_by_any;
+use super::pictures::pictures;
 use super::robot::RobotArguments;
 use crate::live::camera::{self, Camera};
 use crate::live::{Ahead, Frame, Keep, Pace, Source};
@@ -27,14 +28,17 @@ use output::Output;
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-query watch tests/pictures/camera --out seen.mjpg --json
+  grasp-query watch tests/pictures/camera --switch 1 --out seen.mjpg --json
+                                                         pictures of different hands, each by itself
   grasp-query watch tests/pictures/camera/01-large-diameter.jpg --out seen.mjpg --robot barrett \\
     --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml
   grasp-query watch --camera 0 --out seen.mjpg           a camera, until Ctrl-C
   ffmpeg -i VIDEO.mp4 -f mjpeg -q:v 3 - | grasp-query watch - --out - | ffmpeg -f mjpeg -i - OUT.mp4
                                                          a video, and a video of it
   grasp-query watch --camera 0 --out - | ffplay -f mjpeg -
-                                                         a camera, in a window";
+                                                         a camera, in a window
+
+Exit status: 0 all frames recognised, 1 some frame was rejected or unknown, 2 an error, 130 stopped by Ctrl-C.";
 
 /// Draw the answers into the frames of a video or of a camera: the hand's outline and axes, the
 /// grasp, and how probable each was over time.
@@ -161,30 +165,17 @@ impl Watch {
         if self.sources.is_empty() {
             bail!("name a video, or a camera by its number, as in --camera 0");
         }
-        let mut files = Vec::new();
-        for path in &self.sources {
-            if !path.is_dir() {
-                files.push(path.clone());
-                continue;
-            }
-            let found = picture::pictures_in(path)
-                .with_context(|| format!("cannot read the folder {}", path.display()))?;
-            if found.is_empty() {
-                bail!("the folder {} holds no picture: name one that does", path.display());
-            }
-            files.extend(found);
-        }
+        let files = pictures(&self.sources)?;
         files.iter().try_for_each(|file| Source::check(file))?;
         let keep = if self.live { Keep::Newest } else { Keep::All };
         Ok((Source::streams(files), keep))
     }
 
     fn refuse_overwriting(&self) -> anyhow::Result<()> {
-        let index = self.index.path();
-        for out in [Some(&self.out), self.json.as_ref()].into_iter().flatten() {
-            refuse_overwriting(out, self.sources.iter().map(PathBuf::as_path).chain([index.as_path()]))?;
-        }
-        Ok(())
+        let (read, index) = (pictures(&self.sources)?, self.index.path());
+        let outs = [Some(&self.out), self.json.as_ref()].into_iter().flatten();
+        let inputs = read.iter().map(PathBuf::as_path).chain([index.as_path()]);
+        refuse_overwriting_by_any(outs.map(PathBuf::as_path), inputs)
     }
 
     fn sum_up(&self, watching: &Watching<'_>, dropped: u64) {
@@ -220,8 +211,12 @@ impl Watching<'_> {
     /// Answers a frame and draws it, as a JPEG.
     fn frame(&mut self, frame: Frame) -> anyhow::Result<(Record, Vec<u8>)> {
         let number = frame.number;
-        if let Ok(given) = &frame.given {
-            self.name = given.name.display().to_string();
+        let name = match &frame.given {
+            Ok(given) => Some(given.name.as_path()),
+            Err(error) => error.name(),
+        };
+        if let Some(name) = name {
+            self.name = name.display().to_string();
         }
         let started = Instant::now();
         let decoded = self.decoded(frame);

@@ -18,13 +18,13 @@ pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| sum / n as f64)
 }
 
-pub(super) fn errors(mut angles: Vec<f64>) -> Errors {
-    angles.sort_by(f64::total_cmp);
-    let middle = angles.len() / 2;
-    let median = match angles.len() {
-        0 => None,
-        n if n % 2 == 1 => angles.get(middle).copied(),
-        _ => angles.get(middle - 1..=middle).map(|two| two.iter().sum::<f64>() / 2.0),
-    };
-    Errors { n: angles.len(), mean: mean(angles.iter().copied()), median }
+/// The middle value, and of an even number the mean of both; `None` of none.
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let (low, high) = (values.len().checked_sub(1)? / 2, values.len() / 2);
+    Some((values[low] + values[high]) / 2.0)
+}
+
+pub(super) fn errors(angles: Vec<f64>) -> Errors {
+    Errors { n: angles.len(), mean: mean(angles.iter().copied()), median: median(angles) }
 }

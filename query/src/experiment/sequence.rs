@@ -11,6 +11,7 @@ use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{KINDS, csv_of, write_file};
+use crate::evaluate::errors::median;
 use crate::evaluate::labels::{Kind, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
@@ -164,13 +165,8 @@ fn row(kind: Kind, stage: &'static str, scored: &[Scored]) -> Row {
     let share = |which: usize| {
         scored.iter().filter(|scored| scored.is_right[which]).count() as f64 / scored.len() as f64
     };
-    let median = |which: usize| {
-        let mut errors: Vec<f64> =
-            scored.iter().filter_map(|scored| Some(scored.error_deg?[which])).collect();
-        errors.sort_by(f64::total_cmp);
-        let (low, high) = (errors.len().checked_sub(1)? / 2, errors.len() / 2);
-        Some((errors[low] + errors[high]) / 2.0)
-    };
+    let median =
+        |which: usize| median(scored.iter().filter_map(|scored| Some(scored.error_deg?[which])).collect());
     Row {
         kind: kind.to_string(),
         stage,

@@ -43,6 +43,14 @@ pub enum SourceError {
 }
 
 impl SourceError {
+    /// The file, where it is about one.
+    pub fn name(&self) -> Option<&Path> {
+        match self {
+            Self::Stream { name, .. } | Self::Open { name, .. } | Self::Container(name) => Some(name),
+            Self::Camera(_) => None,
+        }
+    }
+
     /// A short, stable name for JSON records.
     pub fn kind(&self) -> &'static str {
         match self {

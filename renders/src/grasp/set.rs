@@ -251,7 +251,7 @@ impl RawObject {
 }
 
 fn range(key: &'static str, [low, high]: [f64; 2]) -> Result<[f64; 2], GraspFault> {
-    if low > 0.001 && low <= high && high <= 0.5 {
+    if low >= 0.001 && low <= high && high <= 0.5 {
         Ok([low, high])
     } else {
         Err(GraspFault::Range { key, low, high })

@@ -18,7 +18,7 @@ pub enum HandModelError {
     )]
     Name(String),
     /// The file is larger than any hand.
-    #[error("it is larger than {} MB: reduce the mesh and leave out its textures", LONGEST >> 20)]
+    #[error("it is larger than {} MB: reduce the mesh and leave out its textures", LONGEST / 1_000_000)]
     TooLarge,
     /// Some other file.
     #[error("it is not a binary glTF file: export the hand as .glb")]

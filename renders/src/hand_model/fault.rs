@@ -159,7 +159,7 @@ pub enum NotAHand {
     #[error("a part of its mesh is more than a metre from the wrist: remove it")]
     FarPart,
     /// A measure that no hand of this length has.
-    #[error("its {what} is {:.0} mm, {share:.2} of a human hand's of this length", 1e3 * metres)]
+    #[error("its {what} is {:.0} mm, {share:.2} times that of a human hand of this length: check the joints' names", 1e3 * metres)]
     Measure {
         /// Which measure.
         what: String,

@@ -14,7 +14,7 @@
 //! | `hand_shape` | `unknown` | whose hand |
 //! | `cutkosky` | from the grasp | the class's number; must agree with `grasp` |
 //! | `stage` | `grasp` | `reach`, `close` or `grasp` |
-//! | `azimuth`, `elevation`, `roll` | 0 | degrees, as in [`View`](crate::View); kept for people, not used |
+//! | `azimuth`, `elevation`, `roll` | 0 | degrees, as in [`View`](crate::View); kept in the index; the roll also tells two pictures of one view apart |
 //! | `object` | empty | what the hand holds |
 //! | `seed` | 0 | seed of the variations |
 //!

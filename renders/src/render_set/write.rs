@@ -1,5 +1,6 @@
 //! Writing a render set: in parallel, resumable, the manifest last.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -59,7 +60,8 @@ pub struct Summary {
 }
 
 /// The path of a render inside its set:
-/// `HAND/GRASP/STAGE_OBJECT_azAAA_elEE_rRRR.png`, angles in degrees.
+/// `HAND/GRASP/STAGE_OBJECT_azAAA_elEE_rRRR.png`, angles in degrees, where no other render of the
+/// set has that name.
 pub fn render_file(scene: &SceneSpec, view: &View) -> String {
     // Fractions appear only where a step has them; a negative elevation keeps its sign.
     let angle = |degrees: f64, digits: usize| {
@@ -80,6 +82,24 @@ pub fn render_file(scene: &SceneSpec, view: &View) -> String {
         angle(view.elevation_deg, 2),
         angle(view.roll_deg, 3),
     )
+}
+
+/// The paths of all renders, scene by scene. Two scenes may differ by less than a name says: the
+/// later one's renders are then numbered, from 2.
+fn files(scenes: &[SceneSpec], plan: &RenderPlan) -> Vec<Vec<String>> {
+    let mut taken = HashSet::new();
+    let mut free = |file: String| {
+        let numbered = |number: usize| format!("{}_{number}.png", file.trim_end_matches(".png"));
+        let name = match taken.contains(&file) {
+            true => (2..).map(numbered).find(|name| !taken.contains(name)).unwrap_or(file),
+            false => file,
+        };
+        taken.insert(name.clone());
+        name
+    };
+    let of_scene = |spec: &SceneSpec| plan.views(spec).iter().map(|view| render_file(spec, view)).collect();
+    let named: Vec<Vec<String>> = scenes.par_iter().map(of_scene).collect();
+    named.into_iter().map(|files| files.into_iter().map(&mut free).collect()).collect()
 }
 
 /// Writes all renders of a plan into a folder, which is made if need be, and the manifest last.
@@ -104,16 +124,19 @@ pub fn write_set(
     if total == 0 {
         return Err(RenderSetError::Empty);
     }
+    refuse_foreign(folder)?;
     for scene in &scenes {
         let path = folder.join(&scene.hand_shape.name).join(&scene.grasp.name);
         fs::create_dir_all(&path).map_err(|source| RenderSetError::Write { path, source })?;
     }
-    refuse_foreign(folder)?;
+    let files = files(&scenes, plan);
     let counts = Counts::default();
     let job = Job { folder, plan, total, counts: &counts, progress, cancel };
-    scenes.par_iter().try_for_each(|spec| job.write_scene(spec))?;
+    scenes.par_iter().zip(&files).try_for_each(|(spec, files)| job.write_scene(spec, files))?;
 
-    let rows = scenes.iter().flat_map(|spec| plan.views(spec).into_iter().map(move |view| row(spec, &view)));
+    let rows = scenes.iter().zip(files).flat_map(|(spec, files)| {
+        plan.views(spec).into_iter().zip(files).map(move |(view, file)| row(spec, &view, file))
+    });
     let path = folder.join(MANIFEST);
     let failed = |source| RenderSetError::Write { path: path.clone(), source };
     let bytes = manifest::to_csv(rows).map_err(failed)?;
@@ -129,10 +152,13 @@ fn refuse_foreign(folder: &Path) -> Result<(), RenderSetError> {
         return Ok(());
     };
     let mut reader = csv::Reader::from_reader(file);
+    // Other programs' columns may come in any order.
+    let column = reader.headers().ok().and_then(|names| names.iter().position(|name| name.trim() == "file"));
     let first = reader.records().next().and_then(Result::ok);
     // Where the picture is gone there is nothing to tell by; a set that lost pictures is to be
     // completed.
-    let picture = first.and_then(|row| Some(folder.join(row.get(0)?))).filter(|picture| picture.is_file());
+    let picture =
+        first.and_then(|row| Some(folder.join(row.get(column?)?))).filter(|picture| picture.is_file());
     match picture {
         Some(picture) if !picture::is_ours(&picture) => Err(RenderSetError::Foreign { path }),
         _ => Ok(()),
@@ -155,20 +181,21 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn write_scene(&self, spec: &SceneSpec) -> Result<(), RenderSetError> {
+    fn write_scene(&self, spec: &SceneSpec, files: &[String]) -> Result<(), RenderSetError> {
         let hash = spec.params_hash();
         self.check_cancelled()?;
         // Only a scene that lacks a picture is worth building.
         let views = self.plan.views(spec);
-        let missing: Vec<&View> = views
+        let missing: Vec<(&View, &String)> = views
             .par_iter()
-            .filter(|view| {
+            .zip(files)
+            .filter(|(view, file)| {
                 // Once stopped, nothing more is looked at; what that leaves out is not rendered
                 // either.
                 if self.cancel.load(Ordering::Relaxed) {
                     return true;
                 }
-                let path = self.folder.join(render_file(spec, view));
+                let path = self.folder.join(file);
                 let current = picture::is_current(&path, &picture::stamp(hash, view));
                 if current {
                     self.counts.kept.fetch_add(1, Ordering::Relaxed);
@@ -181,9 +208,9 @@ impl Job<'_> {
             return Ok(());
         }
         let scene = spec.build()?;
-        missing.into_par_iter().try_for_each(|view| {
+        missing.into_par_iter().try_for_each(|(view, file)| {
             self.check_cancelled()?;
-            let path = self.folder.join(render_file(spec, view));
+            let path = self.folder.join(file);
             picture::encode(&scene.render(view), &picture::stamp(hash, view))
                 .and_then(|bytes| picture::write_whole(&path, &bytes))
                 .map_err(|source| RenderSetError::Write { path, source })?;
@@ -206,9 +233,9 @@ impl Job<'_> {
     }
 }
 
-fn row(spec: &SceneSpec, view: &View) -> ManifestRow {
+fn row(spec: &SceneSpec, view: &View, file: String) -> ManifestRow {
     ManifestRow {
-        file: render_file(spec, view),
+        file,
         hand_shape: spec.hand_shape.name.clone(),
         grasp: spec.grasp.name.clone(),
         cutkosky: spec.grasp.cutkosky,

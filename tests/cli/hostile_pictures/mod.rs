@@ -20,7 +20,7 @@ use grasp_tests::{program, run, small_index};
 const BYTES_A_PIXEL: u64 = 20;
 const BYTES_BESIDES: u64 = 100 << 20;
 
-/// The processor time that a picture may cost where a machine is as fast as [`speed`] has it: six
+/// The processor time that a picture may cost on the reference machine of [`speed`]: six
 /// times what was measured at most, for each of its pixels, and besides, in milliseconds.
 const NANOSECONDS_A_PIXEL: u64 = 200;
 const MILLISECONDS_BESIDES: u64 = 2000;

@@ -80,7 +80,11 @@ class GraspPython(Contender):
 
     def build(self, run: Run, folder: Path) -> None:
         path = folder / FILE
-        self.grasp.build(run.base_vectors(), path, seed=run.seed, threads=run.build_threads).close()
+        held_out = np.load(run.held_out) if run.held_out else None
+        built = self.grasp.build(
+            run.base_vectors(), path, seed=run.seed, threads=run.build_threads, held_out=held_out, originals="f16"
+        )
+        built.close()
 
     def load(self, run: Run, folder: Path) -> None:
         self.index = self.grasp.Index(folder / FILE)

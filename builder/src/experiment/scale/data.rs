@@ -4,12 +4,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use grasp_index::{BACKGROUND, DescriptorModel, DescriptorParams, HandImage, HandImageError};
-use grasp_renders::{Preset, RenderPlan};
+use grasp_index::{DescriptorModel, DescriptorParams, HandImageError};
+use grasp_renders::{Preset, RENDERER_VERSION, RenderPlan};
 use grasp_terminal::Progress;
 use rayon::prelude::*;
 
 use crate::array::{self, Rows};
+use crate::descriptor::hand_in;
 use crate::held_out::{self, Hands};
 use crate::interrupt;
 
@@ -47,15 +48,22 @@ impl Data {
         }
     }
 
-    /// By which results of the same data know each other.
-    #[must_use]
-    pub fn name(&self, seed: u64) -> String {
-        match self {
-            Self::Rendered => format!("rendered, seed {seed}"),
+    /// The key under which results of the same data are kept.
+    ///
+    /// # Errors
+    /// Where an array cannot be read.
+    pub fn name(&self, seed: u64) -> anyhow::Result<String> {
+        Ok(match self {
+            Self::Rendered => format!("rendered by version {RENDERER_VERSION}, seed {seed}"),
             Self::Files { descriptors, queries } => {
-                format!("{} by {}, seed {seed}", descriptors.display(), queries.display())
+                // Another array of the same name is other data.
+                let hashed = |path: &Path| -> anyhow::Result<String> {
+                    let xxh3 = Rows::open(path)?.digest().with_context(|| cannot_use(path))?;
+                    Ok(format!("{} ({xxh3:016x})", path.display()))
+                };
+                format!("{} by {}, seed {seed}", hashed(descriptors)?, hashed(queries)?)
             }
-        }
+        })
     }
 }
 
@@ -193,14 +201,11 @@ fn describe(plan: &RenderPlan, model: &DescriptorModel) -> anyhow::Result<Vec<f3
                 || describer.clone(),
                 |describer, view| {
                     let render = scene.render(view);
-                    match HandImage::from_segmented(render.side, render.side, &render.grey, BACKGROUND) {
-                        Ok(hand) => Ok(Some(describer.describe(&hand.shrunk_to(side)))),
-                        Err(HandImageError::NoHand { .. } | HandImageError::TooSmall { .. }) => Ok(None),
-                        Err(error) => Err(error),
-                    }
+                    let hand = hand_in(render.side, render.side, &render.grey)?;
+                    Ok(hand.map(|hand| describer.describe(&hand.shrunk_to(side))))
                 },
             )
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, HandImageError>>()?;
         all.extend(described.into_iter().flatten().flatten());
     }
     Ok(all)

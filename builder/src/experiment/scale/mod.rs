@@ -69,7 +69,7 @@ pub fn run(
         .with_context(|| format!("cannot make the folder {}", settings.out.display()))?;
     let table = settings.out.join("scale.csv");
     let mut rows = table::read(&table)?;
-    let data_name = settings.data.name(settings.seed);
+    let data_name = settings.data.name(settings.seed)?;
     if let Some(other) = rows.iter().find(|row| row.data != data_name) {
         bail!(
             "{} has results of other data ({}, not {data_name}): name another folder with --out",

@@ -37,7 +37,7 @@ pub struct Row {
     pub data: String,
 }
 
-/// Reads a table; none is empty.
+/// Reads a table; a missing file is an empty one.
 ///
 /// # Errors
 /// Where the file cannot be read or is no such table.

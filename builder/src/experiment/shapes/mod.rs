@@ -15,6 +15,7 @@ use grasp_terminal::Progress;
 
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, Report, Source, build};
+use crate::plan_spec::PlanSpec;
 
 /// What to build.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ pub struct Settings {
     pub counts: BTreeSet<u32>,
     /// What is rendered of each hand shape; its own hand shapes do not matter.
     pub plan: RenderPlan,
+    /// How the indexes keep that; `None` where it is none of the options of a build.
+    pub seen: Option<PlanSpec>,
     /// How hand images are described.
     pub descriptor: DescriptorModel,
     /// Where the indexes go; made where there is none.
@@ -51,7 +54,7 @@ pub fn run(
             hash: HashParams::Learned,
             originals: Originals::default(),
             held_out: HeldOut::Rendered(Box::new(Hands::of_a_build(&plan, &[], seed))),
-            seen: None,
+            seen: settings.seen.clone(),
             // Nobody looks at the neighbours of these.
             thumbnail_side: 0,
             seed,

@@ -23,7 +23,7 @@ pub(super) struct Focus {
     near: fn(&Layers, &mut ChaCha8Rng) -> Framing,
     /// How often each stage is drawn.
     pub(super) stages: StageShares,
-    /// How often each loss counts.
+    /// The weight of each loss.
     pub(super) factors: Factors,
 }
 
@@ -42,7 +42,7 @@ impl Focus {
         match kind {
             Kind::Naming => naming,
             Kind::Thing => Self { cut_out: 0.0, near: Framing::thing, ..naming },
-            // Of where hand and thing are all is asked, of the rest nothing.
+            // Only the masks matter here; the other outputs hardly count.
             Kind::Mask => Self {
                 form: Form::Cutting,
                 far: 0.1,

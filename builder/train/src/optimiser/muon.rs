@@ -44,8 +44,8 @@ impl Muon {
     }
 }
 
-/// About the orthogonal matrix nearest to one whose rows have so many columns: its singular values
-/// are between 0.6 and 1.3, of a matrix of zeros 0.
+/// About the orthogonal matrix nearest to one whose rows have `columns` values: its singular values
+/// are mostly between 0.6 and 1.3, and those of a matrix of zeros 0.
 fn orthogonal(mut matrix: Vec<f32>, columns: usize) -> Vec<f32> {
     let norm = matrix.iter().map(|v| f64::from(*v) * f64::from(*v)).sum::<f64>().sqrt();
     let scale = (1.0 / norm.max(1e-20)) as f32;

@@ -18,6 +18,15 @@ pub(super) enum End {
     TooLarge,
 }
 
+/// How far the frame that is coming was looked at, so that each byte is looked at once, however
+/// many reads it comes in.
+#[derive(Debug, Default)]
+pub(super) struct Scan {
+    jpeg: EndScan,
+    /// Where the next chunk of a PNG begins.
+    chunk: usize,
+}
+
 /// A format whose pictures say where they end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -44,12 +53,12 @@ impl Kind {
     }
 
     /// Where the picture that `bytes` begins with ends.
-    pub(super) fn end(self, bytes: &[u8], jpeg: &mut EndScan) -> End {
+    pub(super) fn end(self, bytes: &[u8], scan: &mut Scan) -> End {
         match self {
             Self::Pnm => end_of_pnm(bytes),
             Self::Pam => end_of_pam(bytes),
-            Self::Jpeg => jpeg.end(bytes).map_or(End::NeedsMore, End::At),
-            Self::Png => end_of_png(bytes),
+            Self::Jpeg => scan.jpeg.end(bytes).map_or(End::NeedsMore, End::At),
+            Self::Png => end_of_png(bytes, &mut scan.chunk),
             // The file's length stands behind its first bytes.
             Self::Bmp => end_by_length(bytes, 2, 0),
             Self::WebP => end_by_length(bytes, 4, 8),
@@ -90,24 +99,26 @@ fn end_by_length(bytes: &[u8], at: usize, besides: usize) -> End {
     }
 }
 
-/// The end of a PNG: its chunks say how long they are, and the last is named IEND.
-fn end_of_png(bytes: &[u8]) -> End {
-    let mut at = png::SIGNATURE.len();
+/// The end of a PNG: its chunks say how long they are, and the last is named IEND. `next` is where
+/// the next chunk to look at begins.
+fn end_of_png(bytes: &[u8], next: &mut usize) -> End {
+    *next = png::SIGNATURE.len().max(*next);
     loop {
-        let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(at..at + 8) else {
+        let Some(&[a, b, c, d, ref kind @ ..]) = bytes.get(*next..*next + 8) else {
             return End::NeedsMore;
         };
         let length = u32::from_be_bytes([a, b, c, d]) as usize;
-        if length > MAX_FRAME_BYTES - at {
+        if length > MAX_FRAME_BYTES - *next {
             return End::TooLarge;
         }
-        at += length + png::CHUNK_OVERHEAD;
+        let end = *next + length + png::CHUNK_OVERHEAD;
         if kind == b"IEND" {
-            return End::At(at);
+            return End::At(end);
         }
-        if at > MAX_FRAME_BYTES {
+        if end > MAX_FRAME_BYTES {
             return End::TooLarge;
         }
+        *next = end;
     }
 }
 

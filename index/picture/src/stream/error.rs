@@ -10,12 +10,13 @@ pub(super) const MAX_FRAME_BYTES: usize = MAX_PIXELS as usize * 6 + 4096;
 
 /// Why a stream cannot be split any further.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StreamError {
     /// The pipe or file cannot be read.
     #[error("cannot read the stream: {0}")]
     Read(#[from] io::Error),
     /// A frame does not end within what a picture may have.
-    #[error("a frame of the stream is larger than {} megapixels: shrink the frames first", MAX_PIXELS >> 20)]
+    #[error("a frame of the stream is larger than {} megapixels: shrink the frames first", MAX_PIXELS / 1_000_000)]
     TooLarge,
     /// A YUV4MPEG2 stream of a variety that is not read.
     #[error(
@@ -26,6 +27,7 @@ pub enum StreamError {
 
 /// What of a YUV4MPEG2 stream is not read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Y4mFault {
     /// A header that does not end.
     #[error("a header of more than a kilobyte")]

@@ -13,8 +13,7 @@ mod y4m;
 
 use std::io::{self, Read};
 
-use crate::jpeg::EndScan;
-use end::{End, Kind, LONGEST_SIGNATURE};
+use end::{End, Kind, LONGEST_SIGNATURE, Scan};
 use error::MAX_FRAME_BYTES;
 pub use error::{StreamError, Y4mFault};
 use multipart::PartHeader;
@@ -43,7 +42,7 @@ pub struct Frame {
 pub struct Frames<R> {
     input: R,
     buffer: Vec<u8>,
-    jpeg: EndScan,
+    scan: Scan,
     /// The format of the frame before.
     last: Option<Kind>,
     y4m: Option<Y4m>,
@@ -58,7 +57,7 @@ impl<R: Read> Frames<R> {
         Self {
             input,
             buffer: Vec::new(),
-            jpeg: EndScan::default(),
+            scan: Scan::default(),
             last: None,
             y4m: None,
             skipped: 0,
@@ -106,7 +105,7 @@ impl<R: Read> Frames<R> {
                     _ => {}
                 }
             } else if let Some(kind) = Kind::of(&self.buffer) {
-                match kind.end(&self.buffer, &mut self.jpeg) {
+                match kind.end(&self.buffer, &mut self.scan) {
                     End::At(end) if end <= self.buffer.len() => {
                         self.last = Some(kind);
                         let bytes = self.take(end);
@@ -195,7 +194,7 @@ impl<R: Read> Frames<R> {
     }
 
     fn take(&mut self, end: usize) -> Vec<u8> {
-        self.jpeg = EndScan::default();
+        self.scan = Scan::default();
         let rest = self.buffer.split_off(end);
         std::mem::replace(&mut self.buffer, rest)
     }

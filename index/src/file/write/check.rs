@@ -3,10 +3,15 @@
 use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
 use crate::file::input::{BuildError, EntryFault, IndexParams, NewEntry};
 use crate::file::kept::Originals;
+use crate::file::layout::MOST_NAMES;
 use crate::search::build::{HashParams, RandomParams};
 use crate::search::random::MAX_PLANES;
 use half::f16;
 use std::sync::Arc;
+
+/// The most values of a vector for a learned hash: its axes are eigenvectors of a matrix of as many
+/// rows and columns, 134 MB for this many.
+const MOST_LEARNED: usize = 4096;
 
 /// The pixels of a thumbnail.
 pub(super) fn pixels(params: &IndexParams) -> usize {
@@ -28,7 +33,8 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     if params.kept.labels && unnamed {
         return Err(BuildError::Params("an index needs at least one class, one hand shape and one stage"));
     }
-    if params.classes.len() > 1 << 16 || params.hand_shapes.len() > 1 << 16 || params.stages.len() > 1 << 8 {
+    let names = [params.classes.len(), params.hand_shapes.len(), params.stages.len()];
+    if names.iter().zip(MOST_NAMES).any(|(count, most)| *count > most) {
         return Err(BuildError::Params(
             "at most 65,536 classes, 65,536 hand shapes and 256 stages can be numbered",
         ));
@@ -44,6 +50,11 @@ pub(super) fn check_params(params: &IndexParams) -> Result<(), BuildError> {
     check_held_out(&params.held_out, &params.held_out_classes, params)?;
     if params.originals != Originals::F32 && params.hash != HashParams::Learned {
         return Err(BuildError::Params("a random hash needs the original descriptors as they are (f32)"));
+    }
+    if params.hash == HashParams::Learned && params.descriptor.dim() > MOST_LEARNED {
+        return Err(BuildError::Params(
+            "a learned hash takes vectors of at most 4,096 values: reduce them first, or take a random hash",
+        ));
     }
     if let HashParams::Random(RandomParams::Fixed { k, t, buckets }) = params.hash
         && !((1..=MAX_PLANES).contains(&k) && (1..=1024).contains(&t) && (1..=1 << 20).contains(&buckets))

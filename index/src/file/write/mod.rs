@@ -141,7 +141,8 @@ impl IndexWriter {
     ///
     /// # Errors
     /// [`BuildError::Entry`], where it does not fit the index's parameters; the index is then as it
-    /// was. [`BuildError::Write`], where the disk is full; the index is then lost.
+    /// was. [`BuildError::TooMany`], where entries or names can no longer be numbered.
+    /// [`BuildError::Write`], where the disk is full; the index is then lost.
     pub fn push(&mut self, entry: NewEntry) -> Result<(), BuildError> {
         if let Err(what) = check_entry(&self.params, &entry) {
             return Err(BuildError::Entry { file: entry.file, what });

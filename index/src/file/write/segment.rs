@@ -138,6 +138,10 @@ impl Filled {
                 let buckets = Buckets { directory, ids: index.bucket_ids() };
                 for bucket in 0..directory.len().saturating_sub(1) as u32 {
                     filled.ids.extend(buckets.get(bucket).iter().filter_map(|&id| own(id)));
+                    // A directory that goes back and forth would hand out the same ids for ever.
+                    if filled.ids.len() > buckets.ids.len() {
+                        return Err(DAMAGED);
+                    }
                     filled.directory.push(filled.ids.len() as u32);
                 }
                 let tables = filled.ids.len() / entries.len();
@@ -150,6 +154,9 @@ impl Filled {
                 for bounds in directory.windows(2) {
                     let [start, end] = *bounds else { continue };
                     entered += filled.put(all.run(start, end), &hash, own);
+                    if entered > entries.len() {
+                        return Err(DAMAGED);
+                    }
                     filled.directory.push(filled.entry_blocks);
                 }
                 (entered == entries.len()).then_some(filled).ok_or(DAMAGED)

@@ -1,7 +1,7 @@
 //! The learned hash: hyperplanes fitted to the data instead of drawn at random.
 //!
 //! A table of `K` hyperplanes has `2^K` buckets, as in the paper, but each plane depends on the
-//! bits before it: it stands upright on the direction in which the entries that share those bits
+//! bits before it: it is perpendicular to the direction in which the entries that share those bits
 //! vary most ([`fit`]). Then every entry moves to the bucket whose centre is nearest, so that a
 //! bucket is the cell of its centre.
 //!

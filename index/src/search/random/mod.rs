@@ -101,7 +101,7 @@ impl Random<'_> {
 /// [`RandomHyperplanes`] has them. A table's planes depend on the rows, the seed and its own number
 /// alone, and the first planes of a table do not depend on how many follow.
 ///
-/// A plane stands upright on the line between two drawn rows, half-way: so it passes through the
+/// A plane is perpendicular to the line between two drawn rows, half-way: so it passes through the
 /// region where the data lies and its direction is one in which the data varies. (A direction drawn
 /// evenly from all of space mostly crosses a cloud that is flat in most of them without telling its
 /// points apart.)

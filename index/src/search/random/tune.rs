@@ -60,12 +60,15 @@ pub(crate) fn choose<E>(
         let (success, share) = totals(&reach, planes, tables);
         (success, share * rows.len() as f64 + f64::from(planes * tables))
     };
-    let sizes = (1..=MAX_PLANES).flat_map(|planes| (1..=MAX_TABLES).map(move |tables| (planes, tables)));
+    // The places of ids are u32.
+    let most = u32::try_from(u32::MAX as usize / rows.len().max(1)).unwrap_or(u32::MAX);
+    let most = most.clamp(1, MAX_TABLES);
+    let sizes = (1..=MAX_PLANES).flat_map(|planes| (1..=most).map(move |tables| (planes, tables)));
     let good_enough = sizes.map(|(planes, tables)| (cost(planes, tables), planes, tables));
     let cheapest = good_enough
         .filter(|((success, _), ..)| *success >= AIM)
         .min_by(|((_, a), ..), ((_, b), ..)| a.total_cmp(b));
-    let (planes, tables) = cheapest.map_or((1, MAX_TABLES), |(_, planes, tables)| (planes, tables));
+    let (planes, tables) = cheapest.map_or((1, most), |(_, planes, tables)| (planes, tables));
     Ok(RandomHash { planes, tables, buckets: buckets_for(rows.len()) })
 }
 

@@ -4,8 +4,8 @@
 //! and all floating-point work is done in one order without fused multiply-adds.
 //!
 //! `unsafe` stands in the two files of intrinsics and in the calls below, which are sound because
-//! [`Simd::best`] is the only way to get a value other than [`Level::Portable`] and asks the
-//! processor first.
+//! [`Simd::best`] and [`Simd::available`] are the only ways to get a value other than
+//! [`Level::Portable`], and both ask the processor first.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -110,7 +110,7 @@ impl Simd {
         }
     }
 
-    /// The squared distance of `query` from each of the rows that `row` gives:
+    /// The squared distance of `query` from each of `rows`:
     /// [`super::distance::squared`], to the bit.
     pub(crate) fn distances<'a>(
         self,

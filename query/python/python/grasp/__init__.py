@@ -2,7 +2,7 @@
 
 `Index` opens an index and searches it for vectors, `build` makes one of vectors, `Recogniser`
 answers pictures with an `Answer` each, a `Sequence` those of one hand one after the other, and
-`strategy` says what a robot does to grasp alike. Errors are `GraspError` and its subclasses. The
+`strategy` says what a robot does to make the same grasp. Errors are `GraspError` and its subclasses. The
 programs `grasp-builder` and `grasp-query` make indexes of pictures, and do the same on the command
 line.
 """

@@ -1,4 +1,4 @@
-"""What a robot does to grasp alike."""
+"""What a robot does to make the same grasp."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 //! The networks as the files that a user has.
 
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +11,7 @@ use thiserror::Error;
 use super::hand::{self, HAND_SIDE, Hand};
 use super::network::{Network, NetworkFault};
 use super::palm::{self, PALM_SIDE, Palm};
+use crate::bounded;
 
 /// No file of either network has more bytes: they have 4 and 11 millions.
 const MOST_BYTES: u64 = 64 << 20;
@@ -35,12 +35,6 @@ pub enum HandNetworksError {
         path: PathBuf,
         /// Why.
         source: io::Error,
-    },
-    /// A file is too large to be one of the networks.
-    #[error("{} is larger than {} MiB: it is no network of hands", path.display(), MOST_BYTES >> 20)]
-    Large {
-        /// The file.
-        path: PathBuf,
     },
     /// A file is another network's, or none's.
     #[error("cannot use {name}: {fault}")]
@@ -111,11 +105,7 @@ fn run(network: &Network, pixels: &[f32], file: usize) -> Result<Vec<Vec<f32>>, 
 
 fn read(path: &Path) -> Result<Vec<u8>, HandNetworksError> {
     let failed = |source| HandNetworksError::Read { path: path.to_owned(), source };
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(failed)?;
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    let is_large = bytes.len() as u64 > MOST_BYTES;
-    if is_large { Err(HandNetworksError::Large { path: path.to_owned() }) } else { Ok(bytes) }
+    bounded::read(path, MOST_BYTES).map_err(failed)
 }
 
 impl fmt::Debug for HandNetworks {

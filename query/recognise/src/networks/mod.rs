@@ -8,8 +8,13 @@ use std::sync::{Arc, LazyLock};
 
 use thiserror::Error;
 
+use crate::bounded;
+
 pub(crate) use network::{GRASP, Heads, MASKS, SIDE, STAGES, normalised};
 pub use network::{SceneNetwork, SceneNetworkError};
+
+/// No network of this program has more bytes: the largest has 2.5 millions.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// The grasps that the networks know, as `grasp-builder train` orders them.
 const GRASPS: [&str; 6] =
@@ -89,9 +94,9 @@ impl Networks {
         Ok(Self { own })
     }
 
-    /// Reads those of the program's own that are asked, in the order in which they are. Where a
-    /// processor sums products of bytes, there is little to do; others want integers as floats, and
-    /// without this wait for them when a network is first asked.
+    /// Loads the built-in networks in the order of their first use. Where a processor sums products of
+    /// bytes, there is little to do; elsewhere weights are converted first, which the first look
+    /// would otherwise wait for.
     pub fn read_ahead(&self) {
         for read in [Self::finding, Self::cutting, Self::naming, Self::things] {
             read(self);
@@ -132,7 +137,7 @@ impl PartialEq for Networks {
 
 /// `None` where there is no such file.
 fn read(path: PathBuf) -> Result<Option<Arc<SceneNetwork>>, NetworksError> {
-    let bytes = match std::fs::read(&path) {
+    let bytes = match bounded::read(&path, MOST_BYTES) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(NetworksError::Read { path, source }),

@@ -31,7 +31,8 @@ const FIRST_LEAST: f64 = 0.8;
 /// far they are apart, in shares of the shorter side.
 const TILE: f64 = 0.6;
 const TILE_STEP: f64 = 0.3;
-/// The most of them along a side: a picture that is hardly more than a line shows no hand.
+/// The most of them along a side, the first not counted: a picture that is hardly more than a line
+/// shows no hand.
 const MOST_TILES: f64 = 6.0;
 /// The least share of a square that a hand has.
 const LEAST: f64 = 0.004;
@@ -106,7 +107,9 @@ pub fn find_by_joints(
 ) -> Result<Option<Detection>, HandNetworksError> {
     let mut seeker = Seeker::new(hand_networks, picture);
     let mut seen = seeker.in_picture()?;
-    if let (None, Some(found)) = (&seen, find(networks, picture)) {
+    if seen.is_none()
+        && let Some(found) = find(networks, picture)
+    {
         seen = seeker.about(&found.square())?;
     }
     Ok(seen.map(|HandJoints { joints, right_odds, .. }| Detection {
@@ -118,8 +121,8 @@ pub fn find_by_joints(
 /// The hand that was found in the frame before this one, where it is still about there; `None`
 /// where it is not, or another is larger by now: [`find`] has to look for it then.
 ///
-/// A look at the whole picture and two at the hand's square take the place of the ten that [`find`]
-/// needs at most: where the arm comes from is known, and only how it has turned since is looked at.
+/// A look at the whole picture and two at the hand's square take the place of the ten or more that
+/// [`find`] needs: where the arm comes from is known, and only how it has turned since is looked at.
 pub fn follow(networks: &Networks, picture: &Picture, before: &Detection) -> Option<Detection> {
     let (network, mut eye) = (networks.finding(), Eye::new(picture));
     let (square, area) = (before.masks.square, before.coarse.hand_area());

@@ -60,8 +60,7 @@ fn outline(mask: &Mask) -> f64 {
     let across: usize = rows().map(|row| differences(row, &row[1..])).sum();
     let down: usize = rows().zip(rows().skip(1)).map(|(above, below)| differences(above, below)).sum();
     let on_border: usize = mask.on_sides().iter().sum();
-    // The first pixel is in the first row and the first column, and counts once.
-    (across + down + on_border - usize::from(mask.get(0, 0))) as f64 * std::f64::consts::FRAC_PI_4
+    (across + down + on_border) as f64 * std::f64::consts::FRAC_PI_4
 }
 
 #[cfg(test)]

@@ -19,6 +19,10 @@ const BUILT_IN: [(&str, &str); 3] = [
     ("ur5e", include_str!("../../../data/arms/ur5e.toml")),
 ];
 
+/// The largest arm: whoever describes one to a service decides how long the service works on it.
+const MOST_JOINTS: usize = 32;
+const MOST_SEGMENTS: usize = 64;
+
 /// An arm and where it stands: six axes of which the last three meet in a point, or any chain of
 /// joints.
 #[derive(Clone, Debug)]
@@ -92,6 +96,15 @@ impl Arm {
         if file.joints.len() != file.limits.len() {
             let (joints, limits) = (file.joints.len(), file.limits.len());
             return Err(source.error(DescriptionFault::JointCount { joints, limits }));
+        }
+        let segments = file.segment.as_ref().map_or(0, Vec::len);
+        if file.joints.len() > MOST_JOINTS || segments > MOST_SEGMENTS {
+            return Err(source.error(DescriptionFault::ArmSize {
+                joints: file.joints.len(),
+                most_joints: MOST_JOINTS,
+                segments,
+                most_segments: MOST_SEGMENTS,
+            }));
         }
         for (joint, [low, high]) in file.joints.iter().zip(&file.limits) {
             // Within two turns, as the solver asks of angles that it is to keep near.

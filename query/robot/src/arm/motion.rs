@@ -52,7 +52,7 @@ pub enum Hindrance {
     OutOfReach,
     /// A joint would have to turn beyond its limits.
     JointLimit,
-    /// A joint would have to turn over at once, where the wrist is stretched.
+    /// A joint would have to jump through a large angle, where the wrist is stretched.
     Leap,
 }
 

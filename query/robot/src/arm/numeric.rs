@@ -9,9 +9,9 @@ use crate::chain::{Segment, frames};
 use crate::read::Source;
 use crate::{DescriptionFault, RobotError};
 
-/// From so many postures the way to the first pose is begun.
+/// How many postures the search for the first pose begins from.
 const BEGINNINGS: u32 = 96;
-/// After so many steps a pose is not reached.
+/// How many steps are tried before a pose counts as out of reach.
 const STEPS: usize = 120;
 /// A pose is reached where position (metres) and rotation (radians) are as near as this.
 const NEAR: f64 = 1e-7;

@@ -70,14 +70,28 @@ pub enum DescriptionFault {
         high: f64,
     },
     /// How far a hand's joint moves.
-    #[error("limits.{joint} = {ends:?}: the lower one first")]
+    #[error("limits.{joint} = {ends:?}: two finite numbers, the lower one first")]
     Range {
         /// The joint.
         joint: String,
         /// In radians, or metres where it slides.
         ends: [f64; 2],
     },
-    /// An arm whose joints and limits are not as many.
+    /// An arm that would take too long to move.
+    #[error(
+        "there are {joints} joints and {segments} segments: an arm has at most {most_joints} and {most_segments}"
+    )]
+    ArmSize {
+        /// How many joints.
+        joints: usize,
+        /// The most.
+        most_joints: usize,
+        /// How many segments.
+        segments: usize,
+        /// The most.
+        most_segments: usize,
+    },
+    /// An arm with more joints than limits, or fewer.
     #[error("there are {joints} joints and {limits} limits: each needs its own")]
     JointCount {
         /// How many joints.

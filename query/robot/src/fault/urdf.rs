@@ -12,7 +12,7 @@ pub enum UrdfFault {
         /// The most.
         most: usize,
     },
-    /// It is to become a URDF yet.
+    /// It is not a URDF yet.
     #[error("it holds xacro: expand it first (xacro FILE.xacro > FILE.urdf)")]
     Xacro,
     /// Elements in elements in elements.

@@ -11,6 +11,11 @@ use rapier3d::math::{Pose, Rotation, Vector};
 
 /// Fingers; the last, the "thumb", does not spread.
 pub(super) const FINGERS: usize = 3;
+/// The joints' names in a HAND.toml, as Barrett's own URDF has them: of each finger the inner and
+/// the distal one, then what spreads fingers 1 and 2.
+pub(super) const INNER_JOINTS: [&str; FINGERS] = ["bh_j12_joint", "bh_j22_joint", "bh_j32_joint"];
+pub(super) const DISTAL_JOINTS: [&str; FINGERS] = ["bh_j13_joint", "bh_j23_joint", "bh_j33_joint"];
+pub(super) const SPREAD_JOINT: &str = "bh_j11_joint";
 /// From an inner joint's axis to the distal joint's, in metres.
 pub(super) const INNER_LENGTH: f32 = 0.070;
 /// From the distal joint's axis to the end of the finger, in metres.

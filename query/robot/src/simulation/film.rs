@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 use rapier3d::math::{Pose, Vector};
 
-use super::trial::{Error, Outcome, Plan};
+use super::trial::{Offset, Outcome, Plan};
 use super::world::World;
 use crate::{ApproachSide, Object, Shape};
 
@@ -45,10 +45,10 @@ impl Film {
 
 impl Plan {
     /// [`Self::run`], and what was seen of it.
-    pub fn film(&self, error: Error) -> (Outcome, Film) {
+    pub fn film(&self, offset: Offset) -> (Outcome, Film) {
         let mut frames = Vec::new();
         let moments = self.moments();
-        let (outcome, _) = self.run_watched(error, |world, now| {
+        let (outcome, _) = self.run_watched(offset, |world, now| {
             if moments.get(frames.len()).is_some_and(|moment| now >= *moment) {
                 frames.push(frame(world, self.object()));
             }

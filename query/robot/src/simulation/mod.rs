@@ -11,4 +11,4 @@ mod world;
 pub use film::Film;
 pub use quality::Quality;
 pub use scenes::{SCENES, Scene};
-pub use trial::{Error, Outcome, Plan};
+pub use trial::{Offset, Outcome, Plan};

@@ -5,7 +5,7 @@ use nalgebra::{Vector3, Vector6};
 use rapier3d::math::Vector;
 use serde::Serialize;
 
-use super::trial::{Error, Plan};
+use super::trial::{Offset, Plan};
 use super::world::{DT, Touch};
 
 /// How fast the acceleration grows, in m/s^3, and up to what, in m/s^2.
@@ -33,10 +33,10 @@ pub struct Quality {
 }
 
 impl Plan {
-    /// How good the grasp is, the world being off by `error`; `None` where the object was not
+    /// How good the grasp is, the world being off by `offset`; `None` where the object was not
     /// lifted.
-    pub fn quality(&self, error: Error) -> Option<Quality> {
-        let (outcome, world) = self.run_watched(error, |_, _| {});
+    pub fn quality(&self, offset: Offset) -> Option<Quality> {
+        let (outcome, world) = self.run_watched(offset, |_, _| {});
         if !outcome.success {
             return None;
         }
@@ -44,13 +44,13 @@ impl Plan {
         let epsilon = epsilon(&world.touches(), self.object().friction as f32, radius);
         let axes = [Vector::X, Vector::Y, Vector::Z];
         let shaken =
-            axes.into_iter().flat_map(|axis| [axis, -axis]).filter_map(|axis| self.shake(error, axis));
+            axes.into_iter().flat_map(|axis| [axis, -axis]).filter_map(|axis| self.shake(offset, axis));
         Some(Quality { shake_m_s2: shaken.reduce(f64::min), epsilon })
     }
 
     /// The acceleration at which the held object slips in a direction.
-    fn shake(&self, error: Error, direction: Vector) -> Option<f64> {
-        let (_, mut world) = self.run_watched(error, |_, _| {});
+    fn shake(&self, offset: Offset, direction: Vector) -> Option<f64> {
+        let (_, mut world) = self.run_watched(offset, |_, _| {});
         let held = world.palm_from_object().translation;
         for step in 1..=(HARDEST / RAMP / DT) as u32 {
             let acceleration = RAMP * DT * step as f32;

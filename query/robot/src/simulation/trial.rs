@@ -1,13 +1,15 @@
 //! One trial: settle, approach, close, lift, hold.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapier3d::math::Vector;
 use serde::Serialize;
 
-use super::barrett::FINGERS;
+use super::barrett::{DISTAL_JOINTS, FINGERS, INNER_JOINTS, SPREAD_JOINT};
 use super::world::{Begin, DT, World};
 use crate::placed::Placed;
-use crate::{ApproachSide, Frame, Object, RobotError, RobotHand};
+use crate::{ApproachSide, Frame, Object, RobotError, RobotHand, Value};
 
 /// The phases' lengths in seconds.
 const SETTLE: f32 = 0.15;
@@ -26,19 +28,22 @@ const SLIP: f32 = 0.010;
 /// Where the hand closes, and how.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// In a world whose z axis stands in the object's middle: the table is around it, and `f32` is
+    /// fine enough however far off the object is.
     pub(super) begin: Begin,
     approach: Vector3<f64>,
     distance: f64,
+    /// In the same world.
     world_from_object: Isometry3<f64>,
     object: Object,
 }
 
 /// How far the object is from where the hand takes it to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Error {
-    /// The object's displacement on the table, in metres in the world.
+pub struct Offset {
+    /// The object's displacement on the table along the world's x axis, in metres.
     pub x: f64,
-    /// The same.
+    /// The same along its y axis.
     pub y: f64,
     /// The hand's turn about the vertical through the object's middle, in radians.
     pub yaw: f64,
@@ -101,16 +106,24 @@ impl Plan {
         let world_from_object = object.checked(object.pose)?;
         let middle = world_from_object.translation.vector.into();
         let placed = Placed::new(hand, grasp, object, &world_from_object, turned, middle)?;
-        let joint = |posture: &std::collections::BTreeMap<String, crate::Value>, name: String| {
-            posture.get(&name).map_or(0.0, |value| value.at(placed.width)) as f32
+        // Every posture has a value for each joint that has limits: the file was checked.
+        let known = |joint: &&&str| hand.limits.contains_key(**joint);
+        let joints = INNER_JOINTS.iter().chain(&DISTAL_JOINTS).chain([&SPREAD_JOINT]);
+        if let Some(joint) = joints.clone().find(|joint| !known(joint)) {
+            return Err(RobotError::NoJoint { hand: hand.name.clone(), joint });
+        }
+        let angle = |posture: &BTreeMap<String, Value>, joint: &str| {
+            posture.get(joint).map_or(0.0, |value| value.at(placed.width)) as f32
         };
-        let open = [1, 2, 3].map(|finger| {
-            [2, 3].map(|joint_number| joint(&grasp.open, format!("bh_j{finger}{joint_number}_joint")))
+        let open = std::array::from_fn(|finger| {
+            [INNER_JOINTS[finger], DISTAL_JOINTS[finger]].map(|joint| angle(&grasp.open, joint))
         });
-        let end = [1, 2, 3].map(|finger| joint(&grasp.closed, format!("bh_j{finger}2_joint")));
+        let end = INNER_JOINTS.map(|joint| angle(&grasp.closed, joint));
+        let [x, y, _] = world_from_object.translation.vector.into();
+        let to_object = Translation3::new(-x, -y, 0.0_f64);
         let begin = Begin {
-            palm: placed.world_from_palm,
-            spread: joint(&grasp.open, "bh_j11_joint".into()),
+            palm: to_object * placed.world_from_palm,
+            spread: angle(&grasp.open, SPREAD_JOINT),
             open,
             end,
             clutch: grasp.breakaway,
@@ -119,7 +132,7 @@ impl Plan {
             begin,
             approach: placed.approach,
             distance: hand.approach.distance,
-            world_from_object,
+            world_from_object: to_object * world_from_object,
             object: object.clone(),
         })
     }
@@ -143,20 +156,20 @@ impl Plan {
         &self.object
     }
 
-    /// Carries the grasp out, the world being off by `error`. `watch` sees every step of it.
-    pub fn run(&self, error: Error) -> Outcome {
-        self.run_watched(error, |_, _| {}).0
+    /// Carries the grasp out, the world being off by `offset`. `watch` sees every step of it.
+    pub fn run(&self, offset: Offset) -> Outcome {
+        self.run_watched(offset, |_, _| {}).0
     }
 
     /// [`Self::run`], with the world in the end.
-    pub(super) fn run_watched(&self, error: Error, mut watch: impl FnMut(&World, f32)) -> (Outcome, World) {
+    pub(super) fn run_watched(&self, offset: Offset, mut watch: impl FnMut(&World, f32)) -> (Outcome, World) {
         let middle = Translation3::from(self.world_from_object.translation.vector);
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), error.yaw);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), offset.yaw);
         let yawed = middle * turn * middle.inverse();
         let approach = turn * self.approach;
         let mut begin = self.begin.clone();
         begin.palm = Translation3::from(-approach * self.distance) * (yawed * begin.palm);
-        let object = Translation3::new(error.x, error.y, 0.0) * self.world_from_object;
+        let object = Translation3::new(offset.x, offset.y, 0.0) * self.world_from_object;
         let mut world = World::new(&self.object, &object, &begin);
         let mut clock = Clock { now: 0.0, watch: &mut watch };
 

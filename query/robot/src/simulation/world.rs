@@ -88,7 +88,8 @@ pub(super) struct Touch {
 }
 
 impl World {
-    /// An object on a table at height 0, where there is one, and a hand in its open posture.
+    /// An object on its table, where it has one, and a hand in its open posture. The table is 2 m
+    /// wide and its middle on the world's z axis.
     pub(super) fn new(object: &Object, world_from_object: &Isometry3<f64>, begin: &Begin) -> Self {
         let mut world = Self {
             pipeline: PhysicsPipeline::new(),

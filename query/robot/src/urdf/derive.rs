@@ -7,10 +7,11 @@ use super::tree::{Tree, Way};
 use super::values::numbers;
 use crate::chain::{Segment, frames};
 use crate::human::HumanGrasp;
+use crate::object::LARGEST;
 use crate::read::Source;
 use crate::{RobotError, UrdfFault};
 
-/// Into so many parts the joint's range is divided to see how the tips move.
+/// The joint's range is divided into this many parts to see how the tips move.
 const PARTS: u32 = 200;
 /// How much more than the object the tips open, in metres, where they can.
 const ROOM: f64 = 0.02;
@@ -79,12 +80,13 @@ impl Gripper {
             let (shut, widest) = (shut.wide, widest.wide);
             return Err(source.error(UrdfFault::Opening { joint: joint.to_owned(), shut, widest }.into()));
         }
-        // What opens just so wide, or the widest.
+        // The first opening of at least a width, or the widest.
         let wide = |width: f64| {
             let at = openings.partition_point(|opening| opening.wide < width);
             openings.get(at).copied().unwrap_or(widest)
         };
-        let largest = widest.wide - CLEAR;
+        // A joint may have limits far beyond any object.
+        let largest = (widest.wide - CLEAR).min(LARGEST);
         let steps = (largest / STEP).floor().max(1.0) as u32;
         let widths: Vec<f64> = (0..=steps).map(|step| f64::from(step) * STEP).collect();
         let by_width = |value: &dyn Fn(f64) -> f64| {

@@ -1,4 +1,4 @@
-//! `moveit_msgs/Grasp`: what a robot does to grasp alike.
+//! `moveit_msgs/Grasp`: what a robot does to make the same grasp.
 
 use std::path::Path;
 

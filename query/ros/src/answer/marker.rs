@@ -9,7 +9,7 @@ use crate::messages::geometry::{Point, Pose};
 use crate::messages::standard::{ColorRgba, Header, Time};
 use crate::messages::visualization::{Marker, MarkerArray};
 
-/// Markers of a camera that has stopped go after as many seconds.
+/// After this many seconds the markers of a camera that has stopped disappear.
 const LIFETIME: Time = Time { sec: 1, nanosec: 0 };
 /// The length of the axes, in metres: about that of the back of a hand.
 const AXIS: f64 = 0.1;

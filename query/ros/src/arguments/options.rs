@@ -81,12 +81,12 @@ pub(crate) struct Options {
     /// neighbours are nearest.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(1..=MOST_ROLLS as i64))]
     rolls: u32,
-    /// How far before the camera the hand is said to be, in metres, where no object's pose says
+    /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose says
     /// it: one picture does not.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_depth)]
     pub(crate) depth: f64,
-    /// Publish what this robot hand does to grasp alike: barrett, parallel-gripper, or a HAND.toml
-    /// that describes another. Needs --object and --camera.
+    /// Publish how this robot hand makes the same grasp: one that comes with the program (barrett,
+    /// allegro, ...), or a HAND.toml that describes another. Needs --object and --camera.
     #[arg(long, value_name = "HAND", default_value = "", hide_default_value = true)]
     robot: String,
     /// The object: shape, size, and the pose that it has until object_pose says another.
@@ -95,7 +95,8 @@ pub(crate) struct Options {
     /// The camera: its pose in the world.
     #[arg(long, value_name = "CAMERA.toml", value_parser = clap::value_parser!(OsString), default_value = "", hide_default_value = true)]
     camera: OsString,
-    /// The arm whose reach limits the grasp: kuka-kr6-r700, or an ARM.toml that describes another.
+    /// The arm whose reach limits the grasp: one that comes with the program (kuka-kr6-r700, ur5e,
+    /// ...), or an ARM.toml that describes another.
     #[arg(long, value_name = "ARM", default_value = "", hide_default_value = true)]
     arm: String,
     /// What the world is called among frames.

@@ -21,7 +21,7 @@ pub enum AddressError {
     /// Neither form.
     #[error("an address is http://HOST:PORT or unix:PATH")]
     Form,
-    /// Encryption is for others to do.
+    /// TLS is left to a proxy.
     #[error("https is not supported: name a proxy on this machine, or a tunnel, by http://")]
     Https,
 }

@@ -187,7 +187,7 @@ impl Client {
             let answer = answer.map_err(|error| self.failed(error))?;
             let wait = answer.headers().get(header::RETRY_AFTER);
             let wait = wait.and_then(|wait| wait.to_str().ok()?.parse().ok()).unwrap_or(1);
-            let wait = Duration::from_secs(wait);
+            let wait = Duration::from_secs(wait.max(1));
             let left = until.saturating_duration_since(Instant::now());
             if answer.status() != StatusCode::TOO_MANY_REQUESTS || wait > left {
                 return Ok(answer);

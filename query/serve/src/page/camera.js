@@ -67,6 +67,7 @@ function frameOf(video, side) {
 async function takePicture() {
   stopLive();
   const blob = await frameOf($("video"), Infinity);
+  if (!blob) return tell("The camera has given no picture: take it once more.");
   recognise(new File([blob], "camera.jpg", { type: "image/jpeg" }));
 }
 

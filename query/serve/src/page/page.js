@@ -19,8 +19,8 @@ function percent(share) {
   return `${Math.round(100 * share)} %`;
 }
 
-// A message of the service in the words of this page: options of the command line are fields here.
-const onPage = (message) => message.replaceAll("with --mask", "above, under “It is found”").replaceAll("with --hand", "above, under “Hand”");
+// A message of the service, with where on this page its advice is followed.
+const onPage = (message) => message.replaceAll("a mask can be given", "a mask can be given above, under “It is found”").replaceAll("say which it is", "say which it is above, under “Hand”");
 
 function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);

@@ -17,5 +17,8 @@ pub use token::Token;
 pub(crate) const STATUS: HeaderName = HeaderName::from_static("grasp-status");
 /// The header that says which index answered, counted from 1.
 pub(crate) const GENERATION: HeaderName = HeaderName::from_static("grasp-index-generation");
+/// The most neighbours that one request for raw neighbours is answered with, candidates included:
+/// some 10 MB of JSON.
+pub const MOST_NEIGHBOURS: usize = 100_000;
 /// What `robot` and `arm` say where a part of the form describes them.
 pub const DESCRIBED: &str = "described";

@@ -29,7 +29,7 @@ pub struct PictureParameters {
     #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandChoice>,
-    /// Turn the picture so many times, evenly over the circle, 1 to 36.
+    /// Try this many turns of the picture, evenly over the circle, 1 to 36.
     #[param(minimum = 1, maximum = 36)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
@@ -72,7 +72,7 @@ pub struct PictureParameters {
     #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
-    /// Look into so many buckets of each table.
+    /// Look into this many buckets of each table.
     #[param(minimum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
@@ -88,7 +88,7 @@ pub struct PictureParameters {
     /// NEAR..FAR: what of the depth picture is hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<String>,
-    /// Say what this robot hand does to grasp alike: allegro, barrett, franka-hand,
+    /// Plan the same grasp for this robot hand: allegro, barrett, franka-hand,
     /// parallel-gripper, robotiq-2f-85, or `described` by the form's part `robot`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
@@ -145,7 +145,7 @@ pub struct SearchParameters {
     #[param(exclusive_minimum = 0, maximum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
-    /// Look into so many buckets of each table.
+    /// Look into this many buckets of each table.
     #[param(minimum = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
@@ -317,7 +317,8 @@ impl Efforts {
         }
     }
 
-    /// The effort that is meant. Whether the numbers can be is checked when it is searched.
+    /// The effort that is meant. The numbers are checked here, but for `probes`, which depends on the
+    /// index.
     fn effort(self) -> Result<Effort, ParameterError> {
         let Self { recall, eps, success, probes, exact } = self;
         let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];

@@ -1,9 +1,11 @@
 //! `--explain OUT`: which file a picture's drawing is written to.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf, is_separator};
 
 use anyhow::{Context as _, bail};
 
+use super::feed::is_stream;
 use grasp_answer::explain::Format;
 
 /// Where drawings go.
@@ -16,7 +18,7 @@ pub(super) enum Drawings {
 }
 
 impl Drawings {
-    /// What `out` means where so many pictures are given: a folder if it ends in a slash, is one
+    /// What `out` means where this many pictures are given: a folder if it ends in a slash, is one
     /// already, or several pictures are given; otherwise a file, whose extension names its format.
     ///
     /// # Errors
@@ -50,6 +52,27 @@ impl Drawings {
             .with_context(|| format!("cannot make the folder {}", folder.display()))
     }
 
+    /// The files of named pictures' drawings.
+    ///
+    /// # Errors
+    /// Where two pictures would have the same.
+    pub(super) fn files(&self, pictures: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+        let Self::Folder(folder) = self else { return self.path("", None).map(|file| vec![file]) };
+        let mut drawn: HashMap<String, &PathBuf> = HashMap::with_capacity(pictures.len());
+        for picture in pictures.iter().filter(|picture| !is_stream(picture)) {
+            let name = name_in_folder(&picture.display().to_string(), None);
+            if let Some(other) = drawn.insert(name, picture)
+                && other != picture
+            {
+                let (other, picture) = (other.display(), picture.display());
+                bail!(
+                    "--explain would draw {other} and {picture} into one file: recognise one after the other"
+                );
+            }
+        }
+        Ok(drawn.into_keys().map(|name| folder.join(name)).collect())
+    }
+
     /// The file of a picture's drawing.
     ///
     /// # Errors
@@ -75,11 +98,11 @@ fn folder_like(out: &Path) -> String {
 }
 
 /// The file name of a drawing in a folder: the picture's path with its separators flattened, so
-/// that `a/1.jpg` and `b/1.jpg` do not overwrite each other where only the last part would be the
-/// same.
+/// that `a/1.jpg` and `b/1.jpg` have two.
 fn name_in_folder(picture: &str, frame: Option<u64>) -> String {
     let flat = picture.trim_start_matches(['.', '/', '\\']).replace(['/', '\\', ':'], "_");
     match frame {
+        Some(frame) if flat != "-" && is_stream(Path::new(picture)) => format!("{flat}-{frame:06}.png"),
         Some(frame) => format!("frame-{frame:06}.png"),
         None if flat == "-" || flat.is_empty() => "stdin.png".into(),
         None => format!("{flat}.png"),
@@ -112,7 +135,28 @@ mod tests {
         assert_eq!(name_in_folder("a/1.jpg", None), "a_1.jpg.png");
         assert_ne!(name_in_folder("a/1.jpg", None), name_in_folder("b/1.jpg", None));
         assert_eq!(name_in_folder("-", Some(12)), "frame-000012.png");
+        assert_eq!(name_in_folder("a/seen.mjpg", Some(12)), "a_seen.mjpg-000012.png");
         assert_eq!(name_in_folder("-", None), "stdin.png");
+    }
+
+    #[test]
+    fn two_pictures_are_not_drawn_into_one_file() {
+        let drawings = Drawings::Folder("why".into());
+        let files = |names: &[&str]| {
+            let pictures: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            let mut files = drawings.files(&pictures).map_err(|error| error.to_string())?;
+            files.sort();
+            Ok::<_, String>(files)
+        };
+        let why = |name: &str| Path::new("why").join(name);
+        assert_eq!(files(&["a/1.jpg", "b/1.jpg", "-"]), Ok(vec![why("a_1.jpg.png"), why("b_1.jpg.png")]));
+        assert_eq!(files(&["a.jpg", "a.jpg"]), Ok(vec![why("a.jpg.png")]));
+        for [one, other] in [["a/b.jpg", "a_b.jpg"], ["../a/1.jpg", "a/1.jpg"]] {
+            let error = files(&[one, other]).unwrap_err();
+            assert!(error.contains(one) && error.contains(other), "{error}");
+        }
+        let one = Drawings::File("why.png".into()).files(&["a.jpg".into()]).unwrap();
+        assert_eq!(one, [PathBuf::from("why.png")]);
     }
 
     #[test]

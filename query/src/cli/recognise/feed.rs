@@ -1,7 +1,8 @@
-//! What gives frame after frame: standard input, or a camera.
+//! What gives frame after frame: standard input, a file of frames, or a camera.
 
-use std::io;
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
@@ -17,9 +18,19 @@ use crate::live::{Ahead, Keep, Source, SourceError};
 /// The name of standard input, among the pictures and in records.
 pub(super) const STANDARD_INPUT: &str = "-";
 
+/// The extensions of files that hold one frame after another.
+const STREAMS: [&str; 3] = ["mjpg", "mjpeg", "y4m"];
+
+/// Whether a name stands for frames instead of a picture: standard input, or a file of them.
+pub(super) fn is_stream(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    path == Path::new(STANDARD_INPUT) || STREAMS.iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
 /// What gives frame after frame.
 pub(super) enum Feed {
-    StandardInput,
+    /// What [`is_stream`].
+    Stream(PathBuf),
     Camera(Camera),
 }
 
@@ -37,7 +48,7 @@ impl Feed {
     /// What records call it.
     pub(super) fn name(&self) -> String {
         match self {
-            Self::StandardInput => STANDARD_INPUT.to_owned(),
+            Self::Stream(path) => path.display().to_string(),
             Self::Camera(camera) => camera.path().display().to_string(),
         }
     }
@@ -49,19 +60,29 @@ impl Feed {
     ) -> anyhow::Result<()> {
         let name = self.name();
         match self {
-            Self::StandardInput => of_standard_input(&name, answer),
+            Self::Stream(path) => of_stream(&name, &path, answer),
             Self::Camera(camera) => of_camera(&name, camera, answer),
         }
     }
 }
 
-/// Standard input: each frame is answered as soon as it has come, and the next is awaited only
-/// then.
-fn of_standard_input(
+/// Each frame is answered as soon as it has come, and the next is awaited only then.
+fn of_stream(
     name: &str,
+    path: &Path,
     mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let mut frames = Frames::new(io::stdin().lock());
+    let input: Box<dyn Read> = match path == Path::new(STANDARD_INPUT) {
+        true => Box::new(io::stdin().lock()),
+        false => match File::open(path) {
+            Ok(file) => Box::new(file),
+            Err(reason) => {
+                let error = DecodeError::Read { path: path.to_owned(), reason }.into();
+                return answer(None, Err(Record::not_recognised(name.into(), None, &error)));
+            }
+        },
+    };
+    let mut frames = Frames::new(input);
     let mut next = 0;
     for frame in frames.by_ref() {
         // A picture alone is frame 0: whether another follows is not known yet.
@@ -79,7 +100,7 @@ fn of_standard_input(
     let skipped = frames.skipped_at_end();
     if next > 0 && skipped > 0 {
         tracing::warn!(
-            subject = "-",
+            subject = name,
             skipped,
             "warning: {skipped} bytes behind the last frame are no picture"
         );

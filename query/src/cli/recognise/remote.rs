@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::{Drawings, Feed, Form, Output, Recognise, STANDARD_INPUT};
+use super::{Drawings, Feed, Form, Output, Recognise, is_stream};
 use grasp_answer::explain;
 use grasp_answer::human;
 use grasp_answer::record::Record;
@@ -19,6 +19,16 @@ enum Reply {
     /// The picture's name, and what the service says.
     Service(String, Answer),
     Own(Record),
+}
+
+/// What is asked of every picture, and whom.
+struct Asking<'a> {
+    client: Client,
+    drawings: Option<&'a Drawings>,
+    parameters: PictureParameters,
+    /// All but the picture.
+    parts: Parts,
+    wanted: Format,
 }
 
 impl Recognise {
@@ -35,23 +45,25 @@ impl Recognise {
         self.recognise.refuse_networks()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
-        let client = Client::new(address.clone(), token);
+        let asking = self.asking(Client::new(address.clone(), token), drawings)?;
         let mut output =
             Output { form: self.form(), status: grasp_program::status::SUCCESS, out: io::stdout().lock() };
         if let Some(camera) = self.robot.device()? {
-            self.feed_remote(Feed::camera(camera)?, &client, drawings, &mut output)?;
+            self.feed_remote(Feed::camera(camera)?, &asking, &mut output)?;
         }
         let at_once = 4 * rayon::current_num_threads();
         for group in super::groups(images) {
-            if group == [Path::new(STANDARD_INPUT)] {
-                self.feed_remote(Feed::StandardInput, &client, drawings, &mut output)?;
+            if let [only] = group
+                && is_stream(only)
+            {
+                self.feed_remote(Feed::Stream(only.clone()), &asking, &mut output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
                 let ask = |path: &PathBuf| {
                     let name = path.display().to_string();
                     match picture::read(path) {
-                        Ok(bytes) => self.ask(&client, drawings, name, None, bytes),
+                        Ok(bytes) => self.ask(&asking, name, None, bytes),
                         Err(error) => Ok(Reply::Own(Record::not_recognised(name, None, &error.into()))),
                     }
                 };
@@ -70,46 +82,27 @@ impl Recognise {
     fn feed_remote(
         &self,
         feed: Feed,
-        client: &Client,
-        drawings: Option<&Drawings>,
+        asking: &Asking<'_>,
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
         let name = feed.name();
         feed.each_frame(|frame, bytes| {
             let reply = match bytes {
-                Ok(bytes) => self.ask(client, drawings, name.clone(), frame, bytes)?,
+                Ok(bytes) => self.ask(asking, name.clone(), frame, bytes)?,
                 Err(record) => Reply::Own(record),
             };
             output.write_reply(&reply)
         })
     }
 
-    fn ask(
-        &self,
-        client: &Client,
-        drawings: Option<&Drawings>,
-        name: String,
-        frame: Option<u64>,
-        bytes: Vec<u8>,
-    ) -> anyhow::Result<Reply> {
+    /// What is asked of every picture.
+    fn asking<'a>(&self, client: Client, drawings: Option<&'a Drawings>) -> anyhow::Result<Asking<'a>> {
         let read = |path: &Path| picture::read(path);
         let (robot, described) = self.robot.hand()?.unzip();
         let described = described.flatten();
         let [object, camera] = self.robot.files();
         let (arm, arm_file) = self.robot.arm().map_or((None, None), |(name, file)| (Some(name), file));
-        let parts = Parts {
-            picture: bytes,
-            mask: self.mask.as_deref().map(read).transpose()?,
-            depth: self.depth.as_deref().map(read).transpose()?,
-            landmarks: self.landmarks_json.as_deref().map(read).transpose()?,
-            robot: described.clone().map(String::into_bytes),
-            object: object.map(read).transpose()?,
-            camera: camera.map(read).transpose()?,
-            arm: arm_file.map(read).transpose()?,
-        };
         let parameters = PictureParameters {
-            file: Some(name.clone()),
-            frame,
             segmented: self.segmented,
             depth_range: self.depth_range.map(|range| range.to_string()),
             timings: self.timings,
@@ -117,12 +110,35 @@ impl Recognise {
             arm: arm.map(|name| if arm_file.is_some() { DESCRIBED } else { name }.to_owned()),
             ..PictureParameters::from_options(&self.recognise.options()?)
         };
+        let parts = Parts {
+            picture: Vec::new(),
+            mask: self.mask.as_deref().map(read).transpose()?,
+            depth: self.depth.as_deref().map(read).transpose()?,
+            landmarks: self.landmarks_json.as_deref().map(read).transpose()?,
+            robot: described.map(String::into_bytes),
+            object: object.map(read).transpose()?,
+            camera: camera.map(read).transpose()?,
+            arm: arm_file.map(read).transpose()?,
+        };
         let wanted = match self.form() {
             Form::Json => Format::Json,
             Form::Text => Format::Text,
             Form::Moveit => Format::Moveit,
         };
-        let answer = match client.recognise(&parameters, &parts, wanted) {
+        Ok(Asking { client, drawings, parameters, parts, wanted })
+    }
+
+    fn ask(
+        &self,
+        asking: &Asking<'_>,
+        name: String,
+        frame: Option<u64>,
+        picture: Vec<u8>,
+    ) -> anyhow::Result<Reply> {
+        let Asking { client, drawings, wanted, .. } = asking;
+        let parameters = PictureParameters { file: Some(name.clone()), frame, ..asking.parameters.clone() };
+        let parts = Parts { picture, ..asking.parts.clone() };
+        let answer = match client.recognise(&parameters, &parts, *wanted) {
             Ok(answer) => answer,
             Err(ClientError::Refused { is_picture: true, message, .. }) => {
                 return Ok(Reply::Own(Record::failed(name, frame, "too_large", message)));
@@ -156,7 +172,7 @@ impl<W: Write> Output<W> {
         } else if self.form == Form::Json || answer.is_answer {
             self.out.write_all(&answer.body)?;
         } else {
-            super::warn(name, &String::from_utf8_lossy(&answer.body));
+            super::report(answer.exit, name, &String::from_utf8_lossy(&answer.body));
         }
         Ok(self.out.flush()?)
     }

@@ -2,19 +2,22 @@
 
 use std::collections::HashMap;
 
+use anyhow::{Context as _, ensure};
 use grasp_index::Neighbour;
 use grasp_index::npy::{NpyHeader, NpyType};
 use serde::Deserialize;
 
 use super::Search;
 use grasp_serve::client::{Address, Client};
+use grasp_serve::wire::MOST_NEIGHBOURS;
 use grasp_serve::wire::parameters::SearchParameters;
 
-/// The most neighbours that a service tells at a time.
-const MOST_NEIGHBOURS: usize = 100_000;
 /// The most bytes of queries that are sent at a time: as many as a service takes unless told
 /// otherwise, with some to spare.
 const MOST_BYTES: usize = 16_000_000;
+
+/// What is wrong with an answer that has not a line for each query.
+const NO_SERVICE: &str = "the answer is not that of a grasp-query service of this version";
 
 /// What a service has found.
 pub(super) struct Found {
@@ -27,6 +30,7 @@ pub(super) struct Found {
 /// A line of what a service says.
 #[derive(Deserialize)]
 struct Line {
+    query: usize,
     neighbours: Vec<Near>,
 }
 
@@ -58,8 +62,11 @@ impl Search {
             let mut body = header.to_bytes();
             body.extend(queries.iter().flat_map(|value| value.to_le_bytes()));
             let answer = client.search(&parameters, &body)?;
+            let mut answered = 0;
             for line in answer.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
-                let line: Line = serde_json::from_slice(line)?;
+                let line: Line = serde_json::from_slice(line).context(NO_SERVICE)?;
+                ensure!(line.query == answered, NO_SERVICE);
+                answered += 1;
                 let end = found.neighbours.len() + self.k;
                 for near in line.neighbours.into_iter().take(self.k) {
                     found.neighbours.push(Neighbour { id: near.id, distance: near.distance });
@@ -67,6 +74,7 @@ impl Search {
                 }
                 found.neighbours.resize(end, Neighbour { id: u32::MAX, distance: f32::INFINITY });
             }
+            ensure!(answered as u64 == rows, NO_SERVICE);
         }
         Ok(found)
     }

@@ -1,7 +1,7 @@
 //! Where frames and records go.
 
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_answer::human;
@@ -12,6 +12,8 @@ use image::codecs::jpeg::JpegEncoder;
 
 /// JPEG's quality: that of a video that is looked at, and written in time.
 const QUALITY: u8 = 85;
+/// Extensions of videos in a container.
+const CONTAINERS: [&str; 6] = ["mp4", "m4v", "mov", "avi", "mkv", "webm"];
 /// What stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
 
@@ -28,31 +30,37 @@ pub(super) fn encoded(drawing: &RgbImage) -> anyhow::Result<Vec<u8>> {
 enum Sink {
     /// Standard output, which others read as it comes.
     Standard(io::Stdout),
-    /// A file that is there once it is whole.
-    File(BufWriter<AtomicFile>),
+    /// A file that is there once it is whole, and its path.
+    File(BufWriter<AtomicFile>, PathBuf),
 }
 
 impl Sink {
     fn new(path: &Path) -> anyhow::Result<Self> {
         Ok(match path == Path::new(STANDARD_OUTPUT) {
             true => Self::Standard(io::stdout()),
-            false => Self::File(BufWriter::new(AtomicFile::create(path)?)),
+            false => Self::File(BufWriter::new(AtomicFile::create(path)?), path.to_owned()),
         })
     }
 
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+    fn write(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
         match self {
-            Self::Standard(out) => out.write_all(bytes).and_then(|()| out.flush()),
-            Self::File(out) => out.write_all(bytes),
+            // Without a context: who closes a pipe is recognised by the error itself.
+            Self::Standard(out) => Ok(out.write_all(bytes).and_then(|()| out.flush())?),
+            Self::File(out, path) => out.write_all(bytes).with_context(|| cannot_write(path)),
         }
     }
 
     fn finish(self) -> anyhow::Result<()> {
-        if let Self::File(out) = self {
-            out.into_inner().map_err(io::IntoInnerError::into_error)?.commit()?;
+        if let Self::File(out, path) = self {
+            let out = out.into_inner().map_err(io::IntoInnerError::into_error);
+            out.with_context(|| cannot_write(&path))?.commit()?;
         }
         Ok(())
     }
+}
+
+fn cannot_write(path: &Path) -> String {
+    format!("cannot write {}", path.display())
 }
 
 /// Where frames and records go.
@@ -72,6 +80,13 @@ impl Output {
             bail!(
                 "frames and records cannot both go to {}: name a file for one, as in --json=FILE",
                 frames.display()
+            );
+        }
+        let extension = frames.extension().unwrap_or_default();
+        if CONTAINERS.iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+            let out = frames.display();
+            bail!(
+                "frames are written as MJPEG, which {out} would not be: name it .mjpg, or let ffmpeg make it, `grasp-query watch ... --out - | ffmpeg -f mjpeg -i - {out}`"
             );
         }
         let frames_sink = Sink::new(frames)?;
@@ -112,7 +127,7 @@ impl Output {
         // Standard output is the video where that goes there.
         match &self.frames {
             Sink::Standard(_) => io::stderr().write_all(line.as_bytes()).or(Ok(())),
-            Sink::File(_) => {
+            Sink::File(..) => {
                 let mut out = io::stdout();
                 out.write_all(line.as_bytes()).and_then(|()| out.flush())
             }

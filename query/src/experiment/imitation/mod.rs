@@ -13,8 +13,9 @@ use serde::Serialize;
 
 use crate::evaluate::Outcome;
 use crate::evaluate::confusion::Share;
+use crate::evaluate::errors::median;
 use grasp_recognise::Side;
-use grasp_robot::simulation::{Error, Plan, Scene};
+use grasp_robot::simulation::{Offset, Plan, Scene};
 use grasp_robot::{RobotError, RobotHand, hand_from_palm};
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
@@ -152,7 +153,7 @@ impl Case {
         let attempt = |error: UnitQuaternion<f64>| -> Result<bool, RobotError> {
             let turned = turned(scene, &label.grasp, &guess.grasp, side, guess.hand, error)?;
             match Plan::new(hand, guessed, &scene.object()?, turned) {
-                Ok(plan) => Ok(plan.run(Error::default()).success),
+                Ok(plan) => Ok(plan.run(Offset::default()).success),
                 // A failure of this hand on this object, as it would be with a real one.
                 Err(RobotError::TooWide { .. }) => Ok(false),
                 Err(error) => Err(error),
@@ -182,8 +183,7 @@ impl ClassResult {
     fn new(grasp: &str, cases: &[Case], holds: impl Fn(&Case) -> bool) -> Self {
         let own: Vec<&Case> = cases.iter().filter(|case| holds(case)).collect();
         let count = |what: fn(&Case) -> bool| own.iter().filter(|case| what(case)).count();
-        let mut errors: Vec<f64> = own.iter().filter_map(|case| case.error_deg).collect();
-        errors.sort_by(f64::total_cmp);
+        let errors = own.iter().filter_map(|case| case.error_deg).collect();
         let success = count(|case| case.success);
         let share = Share { n: own.len(), right: success };
         Self {
@@ -196,7 +196,7 @@ impl ClassResult {
             share: share.top1(),
             interval: share.interval(),
             success_with_true_orientation: count(|case| case.true_orientation),
-            orientation_error_deg: errors.get(errors.len() / 2).copied(),
+            orientation_error_deg: median(errors),
         }
     }
 }

@@ -58,7 +58,7 @@ pub struct SetResult {
     pub top1: f64,
     /// Where the true share lies, with 95 % confidence.
     pub top1_interval: [f64; 2],
-    /// Pictures in which no hand was found.
+    /// Pictures in which no hand was found, or whose class is unknown.
     pub unknown: usize,
     /// Figure 7: which class was taken for which.
     pub confusion: Confusion,

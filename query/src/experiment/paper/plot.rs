@@ -31,7 +31,7 @@ pub(super) fn confusion(paper: &Paper) -> String {
     let rows = paper.classes.len() as f64;
     let row = MATRIX_HEAD + rows * CELL + MATRIX_FOOT;
     let height = HEAD - 22.0 + row * paper.kinds.len() as f64;
-    let below = "in % of the pictures of each labelled grasp; columns: Cutkosky's numbers, or none where no hand was found; in brackets: 95 % confidence";
+    let below = "in % of the pictures of each labelled grasp; columns: Cutkosky's numbers, or none where no hand was found or its grasp is unknown; in brackets: 95 % confidence";
     // Columns narrow where there are more classes than the paper's six.
     let columns = rows + 1.0;
     let cell = CELL.min((WIDTH - NAMES - 2.0 * GAP - 24.0) / 3.0 / columns);

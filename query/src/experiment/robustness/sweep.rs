@@ -1,12 +1,14 @@
 //! The trials of a sweep, and what each grasp tolerates by them.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use grasp_robot::RobotHand;
-use grasp_robot::simulation::{Error, Outcome, Plan, SCENES, Scene};
+use grasp_robot::simulation::{Offset, Outcome, Plan, SCENES, Scene};
 
 use super::table::{Row, Table};
 
@@ -20,11 +22,11 @@ pub struct Sweep {
     pub scenes: Vec<&'static Scene>,
     /// Positions go from minus to plus this, in millimetres.
     pub reach_mm: u32,
-    /// In steps of so many millimetres.
+    /// The step, in millimetres.
     pub step_mm: u32,
     /// Yaws go from minus to plus this, in degrees.
     pub yaw_deg: u32,
-    /// In steps of so many degrees.
+    /// The step, in degrees.
     pub yaw_step_deg: u32,
 }
 
@@ -110,19 +112,22 @@ impl Robustness {
         tick: impl Fn(Progress) + Sync,
     ) -> anyhow::Result<Self> {
         let made_with = format!("{} {:016x} {ENGINE}", hand.name, hand.fingerprint());
-        let mut plans = Vec::new();
-        for scene in &SCENES {
-            plans.push(Plan::new(hand, scene.grasp, &scene.object()?, scene.from.turned())?);
-        }
         let cells = sweep.cells();
+        // Only of the scenes that are asked for: the hand may not have what others need.
+        let mut plans = BTreeMap::new();
+        for at in cells.iter().map(|cell| cell.scene) {
+            if let (Entry::Vacant(place), Some(scene)) = (plans.entry(at), SCENES.get(at)) {
+                place.insert(Plan::new(hand, scene.grasp, &scene.object()?, scene.from.turned())?);
+            }
+        }
         let table = Table::open(folder, made_with.clone())?;
         let missing: Vec<Cell> = cells.iter().copied().filter(|cell| !table.holds(cell.key())).collect();
         tick(Progress::Trials(missing.len()));
         missing.par_iter().try_for_each(|cell| {
-            let (Some(plan), Some(scene)) = (plans.get(cell.scene), SCENES.get(cell.scene)) else {
+            let (Some(plan), Some(scene)) = (plans.get(&cell.scene), SCENES.get(cell.scene)) else {
                 return Ok(());
             };
-            let outcome = plan.run(cell.error());
+            let outcome = plan.run(cell.offset());
             tick(Progress::Ended);
             table.append(cell.row(scene, &outcome, &made_with))
         })?;
@@ -150,15 +155,15 @@ impl Robustness {
 /// What a sweep tells while it runs.
 #[derive(Clone, Copy, Debug)]
 pub enum Progress {
-    /// As many trials are to come.
+    /// This many trials remain.
     Trials(usize),
     /// One has ended.
     Ended,
 }
 
 impl Cell {
-    fn error(&self) -> Error {
-        Error {
+    fn offset(&self) -> Offset {
+        Offset {
             x: 1e-3 * f64::from(self.x_mm),
             y: 1e-3 * f64::from(self.y_mm),
             yaw: f64::from(self.yaw_deg).to_radians(),

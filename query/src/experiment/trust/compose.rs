@@ -1,4 +1,4 @@
-//! Hands before backgrounds that are hard to tell from skin, and such backgrounds alone.
+//! Hands in front of backgrounds that are hard to tell from skin, and such backgrounds alone.
 
 use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma, Rgb, Rgb32FImage, Rgba, RgbaImage};

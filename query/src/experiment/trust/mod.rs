@@ -24,9 +24,9 @@ use grasp_recognise::{
     Recognition, Side, Timings, Trust, temper,
 };
 
-/// Backgrounds that each segmented picture is put before.
+/// How many backgrounds each segmented picture is put in front of.
 const BACKGROUNDS: usize = 3;
-/// One background alone for so many segmented pictures: see [`Recognisers::empty`].
+/// One background alone for this many segmented pictures: see [`Recognisers::empty`].
 pub const HANDS_PER_NONE: usize = 2;
 
 /// What a picture of the experiment is.
@@ -35,7 +35,7 @@ pub const HANDS_PER_NONE: usize = 2;
 pub enum Scene {
     /// A labelled camera picture as it is.
     Camera,
-    /// A segmented hand before a background.
+    /// A segmented hand in front of a background.
     Composed,
     /// A background.
     Empty,

@@ -8,7 +8,6 @@ use serde::Serialize;
 use crate::evaluate::labels::{OTHER, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
-use grasp_recognise::Trust;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -31,7 +30,18 @@ pub struct Unknown {
     pub errors: Vec<RowReport>,
 }
 
-/// The shares beyond the index's limits, 0..=1 each.
+/// Beyond which a hand is unknown.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The farthest distance of the nearest entry.
+    pub farthest: f64,
+    /// The least probability, as the neighbours say it.
+    pub least_probability: f64,
+    /// The least trust in a hand that was found in a camera picture.
+    pub least_trust: f64,
+}
+
+/// The shares beyond the limits, 0..=1 each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AtLimits {
     /// The farthest distance of the nearest entry.
@@ -73,14 +83,9 @@ pub struct Point {
 
 impl Unknown {
     /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
-    /// not be read. The outcomes must not have been told from one another yet. `limits` are the
-    /// index's own: the farthest distance and the least probability.
-    pub fn new(
-        labels: String,
-        outcomes: &[Outcome],
-        broken: &[RowError],
-        limits: Option<(f64, f64)>,
-    ) -> Self {
+    /// not be read. The outcomes must not have been told from one another yet. `limits` are
+    /// those of the index and of the model of trust, where the index has any.
+    pub fn new(labels: String, outcomes: &[Outcome], broken: &[RowError], limits: Option<Limits>) -> Self {
         let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
         let (others, known): (Vec<&Outcome>, Vec<&Outcome>) =
             outcomes.iter().partition(|outcome| outcome.label.grasp == OTHER);
@@ -99,8 +104,7 @@ impl Unknown {
             curve("probability", &|guess| guess.probability, -1.0),
             curve("trust", &|guess| guess.trust.unwrap_or(1.0), -1.0),
         ];
-        let least_trust = Trust::built_in().least;
-        let at_limits = limits.map(|(farthest, least_probability)| {
+        let at_limits = limits.map(|Limits { farthest, least_probability, least_trust }| {
             let beyond = |guesses: &[&Guess]| {
                 let is_beyond = |guess: &&&Guess| {
                     guess.nearest > farthest

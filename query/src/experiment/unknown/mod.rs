@@ -11,7 +11,7 @@ use anyhow::Context as _;
 use serde::Serialize;
 
 use super::{csv_of, write_file};
-pub use figures::{AtLimits, Curve, Point, Unknown};
+pub use figures::{AtLimits, Curve, Limits, Point, Unknown};
 
 /// A row of `unknown.csv`. Columns are an interface, like keys.
 #[derive(Serialize)]

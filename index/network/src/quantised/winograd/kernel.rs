@@ -97,7 +97,7 @@ fn write_outputs(
     }
 }
 
-/// The first values of some memory, of which there is more as soon as it is needed.
+/// The first `count` values of a buffer, which grows where it is shorter.
 #[inline(always)]
 fn at_least<T: Clone + Default>(memory: &mut Vec<T>, count: usize) -> &mut [T] {
     if memory.len() < count {

@@ -80,7 +80,7 @@ fn unit(mut sizes: Vec<f32>, bits: CodeBits) -> f32 {
     let least = f32::MIN_POSITIVE * 1e6;
     match bits {
         CodeBits::Four => {
-            let square: f64 = sizes.iter().map(|&size| f64::from(size).powi(2)).sum();
+            let square: f64 = sizes.iter().map(|&size| f64::from(size) * f64::from(size)).sum();
             ((square / sizes.len() as f64).sqrt() as f32).max(least) * STEP
         }
         CodeBits::Eight => {

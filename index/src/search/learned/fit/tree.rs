@@ -1,6 +1,6 @@
 //! The tree of hyperplanes.
 //!
-//! Each plane stands upright on the direction in which the entries that reach it vary most, and
+//! Each plane is perpendicular to the direction in which the entries that reach it vary most, and
 //! cuts them at the widest gap in their middle third.
 
 use rayon::prelude::*;
@@ -124,7 +124,7 @@ fn direction<'a>(axes: usize, ids: &[u32], row: impl Fn(u32) -> &'a [i8]) -> Vec
             *variance += *value * *value;
         }
     }
-    // Near the answer already: principal axes of all entries are the frame.
+    // The axis of the largest variance, to begin with.
     let most = (0..axes).max_by(|&a, &b| variance[a].total_cmp(&variance[b])).unwrap_or(0);
     let mut direction = vec![0.0; axes];
     direction[most] = 1.0;
@@ -144,7 +144,7 @@ fn direction<'a>(axes: usize, ids: &[u32], row: impl Fn(u32) -> &'a [i8]) -> Vec
     direction
 }
 
-/// Eight sums side by side: the compiler makes vector instructions of them.
+/// Four sums side by side: the compiler makes vector instructions of them.
 fn dot(codes: &[i8], direction: &[f32]) -> f32 {
     let mut sums = [0.0f32; 4];
     for (codes, values) in codes.as_chunks::<4>().0.iter().zip(direction.as_chunks::<4>().0) {

@@ -1,0 +1,30 @@
+//! Pictures as a command line names them.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use grasp_recognise::picture;
+
+/// The named files, with the pictures of a named folder in its place.
+///
+/// # Errors
+/// Where a folder cannot be read, or holds no picture.
+pub(super) fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut pictures = Vec::with_capacity(named.len());
+    for path in named {
+        if !path.is_dir() {
+            pictures.push(path.clone());
+            continue;
+        }
+        let found = picture::pictures_in(path)
+            .with_context(|| format!("cannot read the folder {}", path.display()))?;
+        if found.is_empty() {
+            bail!(
+                "the folder {} holds no picture, and folders in it are not searched: name pictures, or a folder that holds some",
+                path.display()
+            );
+        }
+        pictures.extend(found);
+    }
+    Ok(pictures)
+}
