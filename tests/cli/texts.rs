@@ -34,7 +34,11 @@ fn a_folder_stands_for_its_pictures_in_the_order_of_their_names() {
     let empty = tempfile::tempdir().unwrap();
     let empty = query(&["recognise", &empty.path().display().to_string()]);
     assert_eq!(empty.status, 2);
-    assert!(empty.stderr.contains("holds no picture, and folders in it are not searched: name pictures"), "{}", empty.stderr);
+    assert!(
+        empty.stderr.contains("holds no picture, and folders in it are not searched: name pictures"),
+        "{}",
+        empty.stderr
+    );
 }
 
 #[test]

@@ -24,4 +24,4 @@ mod panic;
 pub use command::run;
 pub use form::LogForm;
 pub use level::LogLevel;
-pub use options::LogOptions;
+pub use options::{GLOBAL, LogOptions};

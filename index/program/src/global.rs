@@ -1,17 +1,17 @@
 //! Options that every subcommand understands.
 
-use grasp_log::{LogForm, LogOptions};
+use grasp_log::{GLOBAL, LogForm, LogOptions};
 use grasp_terminal::Progress;
 
 /// Options that every subcommand understands.
 #[derive(Debug, clap::Args)]
 pub struct Global {
     /// Worker threads; 0 takes one per core. The result is the same for any number.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, global = true, help_heading = GLOBAL, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
     /// Show no progress: no bar on a terminal, and no line every ten seconds on standard error
     /// elsewhere.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = GLOBAL)]
     no_progress: bool,
     #[command(flatten)]
     pub(crate) log: LogOptions,

@@ -17,7 +17,7 @@ pub(super) struct EffortArguments {
     /// of the queries.
     #[arg(long, help_heading = HEADING, value_name = "E", allow_negative_numbers = true, value_parser = parse_eps, conflicts_with_all = ["probes", "exact"])]
     eps: Option<f64>,
-    /// The share of queries for which --eps shall be reached; without it, 0.95.
+    /// The share of queries that must reach --eps; without it, 0.95.
     #[arg(long, help_heading = HEADING, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, requires = "eps")]
     success: Option<f64>,
     /// Look into N buckets of each table, whatever that finds.

@@ -6,6 +6,8 @@ mod experiment;
 mod figures;
 mod index_file;
 mod labelled;
+#[cfg(feature = "serve")]
+mod listen;
 mod name_or_file;
 mod opening_experiment;
 mod options;

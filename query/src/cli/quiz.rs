@@ -11,6 +11,7 @@ use tracing::{info, warn};
 use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
+use super::listen::parse_listen;
 use super::overwriting::refuse_overwriting;
 use super::selection::{Selected, Selection};
 use super::signals::signals;
@@ -50,7 +51,7 @@ pub(super) struct Quizzing {
     #[command(flatten)]
     index: IndexFile,
     /// Where the page is served; port 0 takes a free one.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:0")]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:0", value_parser = parse_listen)]
     listen: SocketAddr,
     /// What the order comes from.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_SEED)]
@@ -98,9 +99,15 @@ impl Quizzing {
                 .with_context(|| format!("cannot listen at {}: name another with --listen", self.listen))?;
             let address = listener.local_addr()?;
             let state = table.quiz().state();
+            let open = match address.ip().is_unspecified() {
+                true => {
+                    let port = address.port();
+                    format!("http://localhost:{port}/ in a browser here, or by this machine's address on another")
+                }
+                false => format!("http://{address}/ in a browser"),
+            };
             info!(
-                "{}, {} answered before, in the order of seed {}; answers go to {}\nopen http://{address}/ in a browser; Ctrl-C \
-                 ends the quiz",
+                "{}, {} answered before, in the order of seed {}; answers go to {}\nopen {open}; Ctrl-C ends the quiz",
                 counted(state.total, ["picture", "pictures"]),
                 state.answered,
                 state.seed,

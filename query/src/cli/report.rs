@@ -10,7 +10,7 @@ use crate::experiment::report::{Findings, Source};
 use grasp_program::Global;
 use grasp_program::status::{ERROR, SUCCESS};
 
-/// What is made of your own labelled pictures, as one page to read, to print and to pass on.
+/// Report on your own labelled pictures, as one self-contained page to read, print and pass on.
 ///
 /// The page has the accuracy with its intervals (in all, by grasp, stage and group), the confusion
 /// matrix, drawings of how probabilities come true and how far rotations are off, the speed, and

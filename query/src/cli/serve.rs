@@ -12,6 +12,7 @@ use tokio::net::TcpListener;
 use tracing::{info, warn};
 
 use super::index_file::IndexFile;
+use super::listen::parse_listen;
 use super::overwriting::refuse_overwriting;
 use super::quiz::{DEFAULT_SEED, QuizOptions, make};
 use super::selection::Selection;
@@ -48,7 +49,7 @@ pub(super) struct Serve {
     #[command(flatten)]
     index: IndexFile,
     /// Where to listen; port 0 takes a free one [default: 127.0.0.1:8750, unless --unix is given].
-    #[arg(long, value_name = "ADDRESS:PORT")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = parse_listen)]
     listen: Option<SocketAddr>,
     /// Listen at this path, for programs of the same user.
     #[cfg(unix)]

@@ -61,7 +61,7 @@ pub(super) struct Watch {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     json: Option<PathBuf>,
     /// The frames cannot wait: while one is looked at, only the newest of those that come is kept.
-    /// So it always is with a camera's device.
+    /// Always on for the device of a camera.
     #[arg(long)]
     live: bool,
     /// Say at the end how long a frame took, and in each record how long each step took.

@@ -165,7 +165,7 @@ fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
         Rgb([hand.pixels().get(at).copied().unwrap_or(0); 3])
     });
     canvas.picture((column(2), top + LINE), LARGE, &alone, [0; 3]);
-    let mut how = "in grey, as it is looked up".to_owned();
+    let mut how = "in grey, as it is compared".to_owned();
     if found.best.side == Side::Left {
         how.push_str(", flipped to a right hand");
     }
