@@ -1,5 +1,6 @@
 //! Ctrl-C: long work looks at one flag between two pieces and stops cleanly.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
@@ -36,4 +37,9 @@ pub fn flag() -> &'static AtomicBool {
 /// [`Interrupted`], and no other.
 pub fn check() -> Result<(), Interrupted> {
     if INTERRUPTED.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+}
+
+/// [`check`] for work that is asked at each step whether it goes on.
+pub fn flow() -> ControlFlow<()> {
+    if check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }

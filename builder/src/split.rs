@@ -1,7 +1,7 @@
 //! One index in several files: segments that are searched, on one machine or on many, as the index
 //! that they are.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -46,11 +46,7 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
         let note = format!("{number} of {count}: entries {} to {} of {}", start, end - 1, index.len());
         let provenance = vec![("segment".to_owned(), note)];
         let file = AtomicFile::create(&path)?;
-        let go_on = || match interrupt::check() {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(_) => ControlFlow::Break(()),
-        };
-        let bytes = match index.write_segment(entries.clone(), provenance, file, &go_on) {
+        let bytes = match index.write_segment(entries.clone(), provenance, file, &interrupt::flow) {
             Err(BuildError::Stopped) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{} was not written", path.display()))?,
         };

@@ -46,6 +46,19 @@ fn the_measured_search_keeps_what_it_promises() {
     let point = index.catalogue().measured.enough(effort).expect("some effort is enough");
     assert!(point.success() >= 0.95, "{point:?}");
     assert!(point.share_of_database < 0.5, "{point:?}");
+    // Views that it neither holds nor was measured by.
+    let mut near_enough = 0;
+    for n in 0..200_u16 {
+        let turn = f64::from(n);
+        let hand = support::hand(n % 4, 0.15, &support::view(turn * 7.3 + 1.0, 18.0 + turn % 47.0));
+        let query = index.describe(&hand).expect("pictures are described");
+        let nearest = |effort| {
+            let found = index.search(&query, &SearchOptions { k: 1, effort }).expect("the query fits");
+            f64::from(found.neighbours[0].distance)
+        };
+        near_enough += u32::from(nearest(effort) <= (1.0 + EPS) * nearest(Effort::Exact));
+    }
+    assert!(near_enough >= 180, "{near_enough} of 200");
 }
 
 #[test]

@@ -93,7 +93,8 @@ fn project(
         .zip(&drawing.normals)
         .map(|(v, n)| {
             let c = turn * v;
-            let near = 1.0 / (c.z + distance);
+            // What would lie behind the camera, an arm, is far out of the picture all the same.
+            let near = 1.0 / (c.z + distance).max(0.1 * distance);
             Projected { x: c.x * near, y: c.y * near, near, grey: even + far * n.dot(&to_light).max(0.0) }
         })
         .collect();

@@ -202,6 +202,9 @@ impl PlanOptions {
         let look = &mut plan.look;
         look.distance = self.distance.unwrap_or(look.distance);
         if let Some(millimetres) = self.forearm {
+            if !(0.0..=400.0).contains(&millimetres) {
+                bail!("--forearm {millimetres}: 0 to 400 millimetres are possible");
+            }
             look.forearm = millimetres / 1000.0;
             plan.variation.forearm = None;
         }

@@ -21,7 +21,7 @@ pub(crate) struct Verify {
 impl Verify {
     pub(crate) fn run(&self) -> anyhow::Result<()> {
         let name = self.index.display();
-        let index = Index::open(&self.index).with_context(|| format!("{name} is damaged"))?;
+        let index = Index::open(&self.index).with_context(|| format!("{name} is no sound index"))?;
         let found = index.verify();
         index.check_unchanged().with_context(|| format!("{name} was not verified"))?;
         if found.is_sound() {

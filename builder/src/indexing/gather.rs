@@ -1,6 +1,5 @@
 //! Described pictures, gathered into an index that is then finished.
 
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
@@ -95,7 +94,7 @@ impl Gathered {
                 0.0 => doing.into(),
                 share => format!("{doing} ({})", percent(share)),
             });
-            if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            interrupt::flow()
         });
         drop(spinner);
         let summary = match summary {

@@ -163,15 +163,15 @@ fn text(record: &Record<'_>) -> String {
     };
     let mut text = format!(
         "{} of {} on {}: {verdict} · rose {} mm, slipped {} mm, pushed {} mm while closing\n    \
-         pressed with {:.0} N in all, {:.0} N by one link ({}) · {:.2} s simulated\n",
+         pressed with {} N in all, {} N by one link ({}) · {:.2} s simulated\n",
         record.grasp,
         printable(record.robot),
         printable(record.object),
         fixed(outcome.rise_mm, 0),
         fixed(outcome.slip_mm, 1),
         fixed(outcome.pushed_mm, 1),
-        outcome.contact_force_n,
-        outcome.greatest_force_n,
+        fixed(outcome.contact_force_n, 0),
+        fixed(outcome.greatest_force_n, 0),
         if outcome.links.is_empty() { "nothing touches".into() } else { outcome.links.join(", ") },
         outcome.seconds,
     );

@@ -117,7 +117,7 @@ pub enum Unsupported {
     /// More corners or triangles than are drawn in time.
     #[error("its mesh has more than {most} {what}: reduce it")]
     TooFine {
-        /// `corners` or `triangles`.
+        /// `corners`, `triangles`, or `rows of numbers`, counted as often as they are read.
         what: &'static str,
         /// The most that are read.
         most: usize,

@@ -2,6 +2,8 @@
 //! what a skinned mesh needs is read, and nothing is believed: every range is checked before it is
 //! used, every count before it is stored.
 
+use std::cell::Cell;
+
 use serde::Deserialize;
 
 use super::error::HandModelError;
@@ -9,6 +11,8 @@ use super::fault::{ModelFault, Unsupported};
 
 /// Rows that one accessor may have: more than the largest mesh taken has corners.
 const MOST_ROWS: usize = 4_000_000;
+/// Rows that are read of a file altogether: every node may name the same large accessor.
+const MOST_ROWS_READ: usize = 8 * MOST_ROWS;
 const MAGIC: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
@@ -110,6 +114,8 @@ struct Buffer {
 pub(super) struct Glb<'a> {
     pub(super) document: Document,
     numbers: &'a [u8],
+    /// Rows that have been read.
+    read: Cell<usize>,
 }
 
 impl<'a> Glb<'a> {
@@ -139,7 +145,7 @@ impl<'a> Glb<'a> {
         let document: Document = serde_json::from_slice(json)?;
         // Parts start at multiples of four, the JSON document after 20 bytes.
         let numbers = chunk(20 + json.len().next_multiple_of(4), BIN).unwrap_or_default();
-        let glb = Glb { document, numbers };
+        let glb = Glb { document, numbers, read: Cell::new(0) };
         glb.check()?;
         Ok(glb)
     }
@@ -179,6 +185,10 @@ impl<'a> Glb<'a> {
         if found.count > MOST_ROWS {
             let rows = found.count;
             return Err(ModelFault::AccessorRows { accessor, rows, most: MOST_ROWS }.into());
+        }
+        self.read.set(self.read.get().saturating_add(found.count));
+        if self.read.get() > MOST_ROWS_READ {
+            return Err(Unsupported::TooFine { what: "rows of numbers", most: MOST_ROWS_READ }.into());
         }
         let component = Component::of(found.component_type, found.normalized)
             .ok_or(ModelFault::NumberType { accessor, kind: found.component_type })?;

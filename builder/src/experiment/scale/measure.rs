@@ -1,6 +1,5 @@
 //! One index: how long it takes to build, how large it is, and what a search finds at what cost.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -134,9 +133,7 @@ fn build(data: &Prepared, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<
     };
     let mut writer = IndexWriter::create(path, params)?;
     data.base.each(|row| Ok(writer.push(NewEntry { descriptor: row.to_vec(), ..NewEntry::default() })?))?;
-    let stop =
-        |_, _| if interrupt::check().is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
-    match writer.finish(&stop) {
+    match writer.finish(&|_, _| interrupt::flow()) {
         Err(BuildError::Stopped) => Err(Interrupted.into()),
         other => other.map(drop).with_context(|| format!("{} was not written", path.display())),
     }
@@ -144,11 +141,7 @@ fn build(data: &Prepared, hash: Hash, seed: u64, path: &Path) -> anyhow::Result<
 
 /// The true neighbours, by comparing with every entry, on all threads.
 fn exact(index: &Index, queries: &[f32]) -> anyhow::Result<Truth> {
-    let go_on = |_| match interrupt::check() {
-        Ok(()) => ControlFlow::Continue(()),
-        Err(_) => ControlFlow::Break(()),
-    };
-    Ok(index.searcher().exact(queries, K, &go_on)?.ok_or(Interrupted)?)
+    Ok(index.searcher().exact(queries, K, &|_| interrupt::flow())?.ok_or(Interrupted)?)
 }
 
 fn median_ns(rounds: &[Duration]) -> f64 {

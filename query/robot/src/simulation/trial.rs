@@ -194,7 +194,8 @@ impl Plan {
         let slip = (world.palm_from_object().translation - held.translation).length();
         let touches = world.touches();
         let force = |part: usize| -> f32 {
-            touches.iter().filter(|touch| touch.part == part).map(|touch| touch.force).sum()
+            // The sum of nothing is -0.
+            touches.iter().filter(|touch| touch.part == part).map(|touch| touch.force).fold(0.0, |a, b| a + b)
         };
         let forces: Vec<f32> = (0..LINKS.len()).map(force).collect();
         let lifted = rise > LIFTED;
@@ -204,7 +205,7 @@ impl Plan {
             rise_mm: millimetres(rise),
             slip_mm: millimetres(slip),
             pushed_mm: millimetres(pushed),
-            contact_force_n: f64::from(forces.iter().sum::<f32>()),
+            contact_force_n: f64::from(forces.iter().fold(0.0_f32, |sum, force| sum + force)),
             greatest_force_n: f64::from(forces.iter().copied().fold(0.0, f32::max)),
             links: LINKS
                 .into_iter()
