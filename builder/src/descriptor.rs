@@ -1,4 +1,5 @@
-//! Descriptors by name, the network that comes with the program, and what in a picture is described.
+//! Descriptors by name, the network that comes with the program, and what in a picture is
+//! described.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! `grasp-query recognise --robot`: what a robot does to make the same grasp, as text, JSON and a message
-//! for MoveIt.
+//! `grasp-query recognise --robot`: what a robot does to make the same grasp, as text, JSON and a
+//! message for MoveIt.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! What is done with bytes that anyone may have made: a function for each format that is read.
 //!
-//! Each returns whether the bytes were accepted. What is wrong with them is for the readers to find;
-//! a panic, a hang or memory without bound is what a fuzzer reports. The targets of cargo-fuzz call
-//! them, and so do the bounded property tests beside them (`bounded.rs`).
+//! Each returns whether the bytes were accepted. What is wrong with them is for the readers to
+//! find; a panic, a hang or memory without bound is what a fuzzer reports. The targets of
+//! cargo-fuzz call them, and so do the bounded property tests beside them (`bounded.rs`).
 
 // The index's own tests use files made to deceive in the same way.
 #[path = "../../index/tests/support/hostile.rs"]

@@ -16,8 +16,8 @@ use crate::{export, interrupt};
 /// table.
 ///
 /// `grasp-builder build --descriptors X.npy --labels Y.csv --descriptor NAME` makes an index of
-/// them again, which finds the same neighbours. Its probabilities differ unless --held-out is given:
-/// without, they are not calibrated.
+/// them again, which finds the same neighbours. Its probabilities differ unless --held-out is
+/// given: without, they are not calibrated.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("what").required(true).multiple(true)), after_help = "\
 Examples:
@@ -29,14 +29,15 @@ pub(crate) struct Export {
     /// The index; of a part that `shard` has made, --parquet can be written too.
     #[arg(value_name = "FILE")]
     index: PathBuf,
-    /// Write the descriptors here: 32-bit floating-point numbers in NumPy's format, one row per entry.
+    /// Write the descriptors here: 32-bit floating-point numbers in NumPy's format, one row per
+    /// entry.
     #[arg(long, value_name = "X.npy", group = "what")]
     descriptors: Option<PathBuf>,
     /// Write the labels here: a table, one line per entry.
     #[arg(long, value_name = "Y.csv", group = "what")]
     labels: Option<PathBuf>,
-    /// Write both as one Parquet file: one row per entry, columns named as in the labels, and the list
-    /// `descriptor`.
+    /// Write both as one Parquet file: one row per entry, columns named as in the labels, and the
+    /// list `descriptor`.
     #[arg(long, value_name = "Z.parquet", group = "what")]
     parquet: Option<PathBuf>,
 }

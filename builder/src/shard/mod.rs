@@ -65,8 +65,8 @@ pub fn shard(
         params: recipe.params(&names),
         origin: source.origin(recipe)?,
     };
-    // Two workers that were given the same part do not mix: the second is refused while the first is
-    // at work, and finds the part whole afterwards.
+    // Two workers that were given the same part do not mix: the second is refused while the first
+    // is at work, and finds the part whole afterwards.
     let file = AtomicFile::create(&path)?;
     if let Some((entries, without_hand)) = part::holds(&path, &header) {
         return Ok(Report { path, entries, without_hand, was_there: true });

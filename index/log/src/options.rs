@@ -16,8 +16,8 @@ pub const GLOBAL: &str = "Global options";
 /// How messages on standard error are written; the same options for each program.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct LogOptions {
-    /// How messages are written on standard error: as lines for people, or as JSON, one
-    /// object per line, which also says when each piece of work begins and ends.
+    /// How messages are written on standard error: as lines for people, or as JSON, one object per
+    /// line, which also says when each piece of work begins and ends.
     #[arg(long, global = true, help_heading = GLOBAL, value_name = "FORM", default_value = "text", hide_possible_values = true, value_parser = clap::value_parser!(LogForm))]
     log: LogForm,
     /// The least level of message that is written: error, warn, info or debug; `debug` also logs

@@ -41,8 +41,8 @@ enum Weights {
 }
 
 impl Network {
-    /// The largest magnitude of an input. For inputs to here, [`Self::from_weights`] has made sure that
-    /// no sum overflows: outputs are finite.
+    /// The largest magnitude of an input. For inputs to here, [`Self::from_weights`] has made sure
+    /// that no sum overflows: outputs are finite.
     pub const MAX_INPUT: f32 = weights::MAX_INPUT;
 
     /// A network of `weights` in the order that [`Architecture`] describes, which are rounded to

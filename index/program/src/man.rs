@@ -40,8 +40,8 @@ impl Man {
     }
 }
 
-/// The subcommand of that name, as pages name it: below another, it has that one's name and a hyphen
-/// before its own.
+/// The subcommand of that name, as pages name it: below another, it has that one's name and a
+/// hyphen before its own.
 fn found<'a>(command: &'a Command, name: &str) -> Option<&'a Command> {
     if name.is_empty() {
         return Some(command);

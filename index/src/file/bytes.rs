@@ -84,16 +84,15 @@ impl Bytes {
     pub(crate) fn read(path: &Path) -> Result<Self, OpenError> {
         let stamp = Stamp::new(open_regular(path)?)?;
         let mut file = stamp.file();
-        let no_memory = |_| OpenError::NoMemory { length: stamp.length() };
-        let length =
-            usize::try_from(stamp.length()).map_err(|_| OpenError::NoMemory { length: stamp.length() })?;
+        let no_memory = || OpenError::NoMemory { length: stamp.length() };
+        let length = usize::try_from(stamp.length()).map_err(|_| no_memory())?;
         // A length is only believed, and memory taken for it, where a header states it as well.
         let mut head = [0; header::LENGTH];
         let held = head.len().min(length);
         file.read_exact(&mut head[..held])?;
         Header::parse(&head[..held], length as u64)?;
         // Not from the allocator, which ends the program where memory is short.
-        let mut bytes = MmapMut::map_anon(length).map_err(no_memory)?;
+        let mut bytes = MmapMut::map_anon(length).map_err(|_| no_memory())?;
         bytes[..held].copy_from_slice(&head[..held]);
         let filled = file.read_exact(&mut bytes[held..]);
         stamp.check()?;

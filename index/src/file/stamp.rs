@@ -13,8 +13,8 @@ const STEP: Duration = Duration::from_millis(20);
 /// An open file, and what it was like when it was opened.
 ///
 /// Systems set a file's time of modification before a write changes the first byte, and its length
-/// with truncation. If both are unchanged afterwards, everything read came from one version of the file.
-/// Asking costs one system call (0.3 us).
+/// with truncation. If both are unchanged afterwards, everything read came from one version of the
+/// file. Asking costs one system call (0.3 us).
 #[derive(Debug)]
 pub(crate) struct Stamp {
     file: File,

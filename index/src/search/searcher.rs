@@ -20,7 +20,8 @@ pub struct Searcher<'a> {
     simd: Simd,
     in_flight: [InFlight<'a>; STAGES],
     files: Vec<&'a dyn ReadAhead>,
-    /// Of each file, whether it has not been searched yet: what its first search needs is read ahead.
+    /// Of each file, whether it has not been searched yet: what its first search needs is read
+    /// ahead.
     is_cold: Vec<&'a AtomicBool>,
 }
 

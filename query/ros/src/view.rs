@@ -23,8 +23,8 @@ impl View {
         is_sound.then_some(Self { focal, principal })
     }
 
-    /// The point that is seen at a place of the picture, in pixels, as far in front of the camera as
-    /// `depth` metres, in its optical frame.
+    /// The point that is seen at a place of the picture, in pixels, as far in front of the camera
+    /// as `depth` metres, in its optical frame.
     pub(crate) fn point(&self, place: [f64; 2], depth: f64) -> [f64; 3] {
         let along = |axis: usize| (place[axis] - self.principal[axis]) / self.focal[axis] * depth;
         [along(0), along(1), depth]

@@ -251,8 +251,8 @@ impl From<RecogniseError> for Nothing {
     }
 }
 
-/// How far in front of the camera the object is, in metres, where its pose is in the picture's frame:
-/// the hand that holds it is about as far.
+/// How far in front of the camera the object is, in metres, where its pose is in the picture's
+/// frame: the hand that holds it is about as far.
 fn depth_of(object: &PoseStamped, picture: &Header) -> Option<f64> {
     let is_seen = object.header.frame_id == picture.frame_id;
     Some(object.pose.position.z).filter(|depth| is_seen && *depth > 0.0 && depth.is_finite())

@@ -136,8 +136,8 @@ struct UnknownArguments {
 /// query/recognise/data: trust-scene.toml, and for --segment skin trust-learned.toml and, for
 /// descriptors of gradients, trust.toml.
 ///
-/// Camera pictures are recognised as they are; segmented ones are put in front of backgrounds that are
-/// hard to tell from skin, and such backgrounds are tried alone. The model is fitted to seven
+/// Camera pictures are recognised as they are; segmented ones are put in front of backgrounds that
+/// are hard to tell from skin, and such backgrounds are tried alone. The model is fitted to seven
 /// tenths of them all and measured on the rest.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\

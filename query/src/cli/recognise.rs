@@ -431,8 +431,8 @@ impl<W: Write> Output<W> {
     }
 }
 
-/// Says why an input has no answer on standard output, in lines that name it: as an error where that
-/// is what `status` says.
+/// Says why an input has no answer on standard output, in lines that name it: as an error where
+/// that is what `status` says.
 fn report(status: u8, file: &str, lines: &str) {
     let lines = lines.trim_end();
     match status {

@@ -25,7 +25,7 @@ pub(super) fn sums_bytes(path: Path) -> bool {
 }
 
 /// Computes a layer, window by window; see [`compute`]. The numbers of pixels are the fastest that
-/// were measured. A dense layer has only one, which would be computed as often.
+/// were measured. A dense layer has one pixel, which more at a time would compute again and again.
 pub(super) fn run(path: Path, layer: &PackedIntegers, input: Integers<'_>, output: &mut [f32]) {
     let is_dense = layer.pixels.len() == 1;
     match (path.level(), input) {

@@ -1,7 +1,7 @@
 //! Rounding to integers, in vectors on every processor.
 
-/// Floats of this size have no fraction bits: adding it rounds to the nearest integer, ties to even,
-/// and leaves that, in two's complement, in the lowest bits.
+/// Floats of this size have no fraction bits: adding it rounds to the nearest integer, ties to
+/// even, and leaves that, in two's complement, in the lowest bits.
 const SIZE: f32 = 12_582_912.0;
 
 /// The integer nearest to a value between -2^15 and 2^15.

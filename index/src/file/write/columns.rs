@@ -29,8 +29,8 @@ impl Columns {
         self.entries
     }
 
-    /// Adds of an entry that was checked what is to be kept. Where there are
-    /// too many names, no entry is added.
+    /// Adds of an entry that was checked what is to be kept. Where there are too many names, no
+    /// entry is added.
     pub(super) fn push(&mut self, entry: &NewEntry, kept: KeptFields) -> Result<(), BuildError> {
         if self.entries >= u32::MAX as usize {
             return Err(BuildError::TooMany("the entries"));

@@ -94,8 +94,8 @@ impl Networks {
         Ok(Self { own })
     }
 
-    /// Loads the built-in networks in the order of their first use. Where a processor sums products of
-    /// bytes, there is little to do; elsewhere weights are converted first, which the first look
+    /// Loads the built-in networks in the order of their first use. Where a processor sums products
+    /// of bytes, there is little to do; elsewhere weights are converted first, which the first look
     /// would otherwise wait for.
     pub fn read_ahead(&self) {
         for read in [Self::finding, Self::cutting, Self::naming, Self::things] {

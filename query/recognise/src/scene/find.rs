@@ -122,7 +122,8 @@ pub fn find_by_joints(
 /// where it is not, or another is larger by now: [`find`] has to look for it then.
 ///
 /// A look at the whole picture and two at the hand's square take the place of the ten or more that
-/// [`find`] needs: where the arm comes from is known, and only how it has turned since is looked at.
+/// [`find`] needs: where the arm comes from is known, and only how it has turned since is looked
+/// at.
 pub fn follow(networks: &Networks, picture: &Picture, before: &Detection) -> Option<Detection> {
     let (network, mut eye) = (networks.finding(), Eye::new(picture));
     let (square, area) = (before.masks.square, before.coarse.hand_area());

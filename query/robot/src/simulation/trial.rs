@@ -107,9 +107,8 @@ impl Plan {
         let middle = world_from_object.translation.vector.into();
         let placed = Placed::new(hand, grasp, object, &world_from_object, turned, middle)?;
         // Every posture has a value for each joint that has limits: the file was checked.
-        let known = |joint: &&&str| hand.limits.contains_key(**joint);
-        let joints = INNER_JOINTS.iter().chain(&DISTAL_JOINTS).chain([&SPREAD_JOINT]);
-        if let Some(joint) = joints.clone().find(|joint| !known(joint)) {
+        let mut joints = INNER_JOINTS.into_iter().chain(DISTAL_JOINTS).chain([SPREAD_JOINT]);
+        if let Some(joint) = joints.find(|joint| !hand.limits.contains_key(*joint)) {
             return Err(RobotError::NoJoint { hand: hand.name.clone(), joint });
         }
         let angle = |posture: &BTreeMap<String, Value>, joint: &str| {

@@ -35,8 +35,8 @@ pub(crate) struct Hand {
 
 impl Hand {
     /// What was recognised in a picture; `None` where the hand is unknown. It is put `depth` metres
-    /// in front of the camera, on the ray of the middle of what is seen of it, or on the optical axis
-    /// where the camera is not known.
+    /// in front of the camera, on the ray of the middle of what is seen of it, or on the optical
+    /// axis where the camera is not known.
     pub(crate) fn new(
         found: &Recognition,
         header: Header,

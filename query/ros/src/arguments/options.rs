@@ -81,8 +81,8 @@ pub(crate) struct Options {
     /// neighbours are nearest.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(1..=MOST_ROLLS as i64))]
     rolls: u32,
-    /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose says
-    /// it: one picture does not.
+    /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose
+    /// says it: one picture does not.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_depth)]
     pub(crate) depth: f64,
     /// Publish how this robot hand makes the same grasp: one that comes with the program (barrett,

@@ -317,8 +317,8 @@ impl Efforts {
         }
     }
 
-    /// The effort that is meant. The numbers are checked here, but for `probes`, which depends on the
-    /// index.
+    /// The effort that is meant. The numbers are checked here, but for `probes`, which depends on
+    /// the index.
     fn effort(self) -> Result<Effort, ParameterError> {
         let Self { recall, eps, success, probes, exact } = self;
         let named = [recall.is_some(), eps.is_some(), probes.is_some(), exact];

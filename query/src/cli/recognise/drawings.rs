@@ -57,7 +57,10 @@ impl Drawings {
     /// # Errors
     /// Where two pictures would have the same.
     pub(super) fn files(&self, pictures: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
-        let Self::Folder(folder) = self else { return self.path("", None).map(|file| vec![file]) };
+        let folder = match self {
+            Self::File(file) => return Ok(vec![file.clone()]),
+            Self::Folder(folder) => folder,
+        };
         let mut drawn: HashMap<String, &PathBuf> = HashMap::with_capacity(pictures.len());
         for picture in pictures.iter().filter(|picture| !is_stream(picture)) {
             let name = name_in_folder(&picture.display().to_string(), None);
