@@ -161,7 +161,7 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     if first.kept.labels && names.hand_shapes.names.is_empty() {
         bail!("no hand shape would be left: there is nothing to index");
     }
-    names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
+    names.sort_classes();
     names.classes.dedup();
     let mut seen = HashSet::new();
     if let Some(class) = names.classes.iter().find(|class| !seen.insert(&class.name)) {

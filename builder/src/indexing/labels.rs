@@ -68,7 +68,7 @@ impl Labels {
             ClassInfo { name, cutkosky }
         };
         names.classes = numbers.into_iter().map(class).collect();
-        names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
+        names.sort_classes();
         Ok(Self { path: path.to_owned(), lines, names })
     }
 

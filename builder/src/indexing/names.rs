@@ -23,6 +23,12 @@ pub(crate) struct Numbered {
 }
 
 impl Names {
+    /// Puts the classes in the order in which an index has them: by number, and those of one number
+    /// by name.
+    pub(crate) fn sort_classes(&mut self) {
+        self.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
+    }
+
     pub(crate) fn class(&self, name: &str) -> anyhow::Result<u16> {
         number(self.classes.iter().position(|class| class.name == name), name)
     }

@@ -116,7 +116,7 @@ pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
             names.classes.push(ClassInfo { name: row.grasp.clone(), cutkosky: row.cutkosky });
         }
     }
-    names.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
+    names.sort_classes();
     Ok(names)
 }
 
