@@ -70,6 +70,16 @@ fn frames_are_answered_by_all_frames_so_far() {
 }
 
 #[test]
+fn how_a_hand_changes_is_for_sequences_alone() {
+    let sphere = pictures().join("camera/10-power-sphere.jpg");
+    for option in [["--switch", "0.1"], ["--motion", "5"]] {
+        let outcome = run(program("grasp-query").arg("recognise").arg(&sphere).args(option));
+        assert_eq!(outcome.status, 2, "{option:?}");
+        assert!(outcome.stderr.contains("--sequence"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
 fn a_frame_without_a_hand_does_not_end_a_sequence() {
     let sphere = pictures().join("camera/10-power-sphere.jpg");
     let outcome = run(program("grasp-query")

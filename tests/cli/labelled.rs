@@ -149,3 +149,33 @@ fn shapes_are_built_once_and_scored_like_evaluate() {
     let none = run(program("grasp-query").args(["experiment", "shapes"]).arg(&labels));
     assert!(none.status == 2 && none.stderr.contains("--index"), "{}", none.stderr);
 }
+
+#[test]
+fn predictions_are_a_table_of_what_was_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("answers.csv");
+    let outcome = run(program("grasp-query")
+        .args(["evaluate", "--json", "--hand", "right", "--where", "kind=segmented", "--index"])
+        .arg(small_index())
+        .arg(pictures().join("labels.csv"))
+        .arg("--predictions")
+        .arg(&out));
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+
+    let mut table = csv::Reader::from_path(&out).unwrap();
+    let columns: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    let column = |name: &str| columns.iter().position(|column| column == name).unwrap();
+    for name in &columns {
+        assert_eq!(columns.iter().filter(|other| *other == name).count(), 1, "{name} is there twice");
+    }
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let report = &outcome.json_lines()[0];
+    assert_eq!(rows.len() as u64, report["n"].as_u64().unwrap());
+    let right = rows.iter().filter(|row| row[column("labelled")] == row[column("grasp")]).count();
+    let share = right as f64 / rows.len() as f64;
+    assert!((share - report["top1"].as_f64().unwrap()).abs() < 1e-9);
+    for row in &rows {
+        assert!(row[column("distance")].parse::<f64>().unwrap() > 0.0, "{row:?}");
+        assert!((0.0..=1.0).contains(&row[column("probability")].parse().unwrap()), "{row:?}");
+    }
+}

@@ -48,10 +48,12 @@ enum Name {
 #[command(after_help = "\
 Examples:
   grasp-builder experiment scale --out scale
-  grasp-builder experiment scale --out scale --largest 5011872           ten times as far; takes an hour
+  grasp-builder experiment scale --out scale --largest 5011872       ten times as far; takes an hour
   grasp-builder queries --out q.npy
   grasp-builder experiment scale --descriptors x.npy --queries q.npy --sizes 10000,100000
-  grasp-builder experiment scale --out tests/peers --redraw              the drawing anew, from its table")]
+  grasp-builder experiment scale --out tests/peers --redraw          its drawing, from its table
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 struct Scale {
     /// The folder of the results; made where there is none.
     #[arg(long, value_name = "DIR", default_value = "scale")]
@@ -91,7 +93,9 @@ struct Scale {
 #[command(after_help = "\
 Examples:
   grasp-builder experiment shapes --out shapes
-  grasp-builder experiment shapes --out shapes --counts 1,3,10 --step 12")]
+  grasp-builder experiment shapes --out shapes --counts 1,3,10 --step 12
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 struct Shapes {
     /// The folder of the indexes; made where there is none.
     #[arg(long, value_name = "DIR", default_value = "shapes")]

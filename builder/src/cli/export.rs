@@ -24,7 +24,9 @@ Examples:
   grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
   grasp-builder build --descriptors x.npy --labels y.csv --descriptor default --out again.idx
   grasp-builder export parts/03-of-12.shard --parquet 03.parquet
-  python -c 'import numpy; print(numpy.load(\"x.npy\", mmap_mode=\"r\").shape)'")]
+  python -c 'import numpy; print(numpy.load(\"x.npy\", mmap_mode=\"r\").shape)'
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Export {
     /// The index; of a part that `shard` has made, --parquet can be written too.
     #[arg(value_name = "FILE")]

@@ -32,7 +32,9 @@ Examples:
   grasp-builder add grasp.idx more
   grasp-builder add grasp.idx --hand-shape slender
   grasp-builder add grasp.idx more --segment new.idx
-  grasp-builder compact grasp.idx new.idx --out grasp.idx")]
+  grasp-builder compact grasp.idx new.idx --out grasp.idx
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Add {
     /// The index to add to.
     #[arg(value_name = "FILE")]
@@ -50,6 +52,11 @@ pub(crate) struct Add {
 
 /// Take all entries of some hand shapes out of an index.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder remove grasp.idx --hand-shape slender
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Remove {
     /// The index, which is replaced in one step.
     #[arg(value_name = "FILE")]
@@ -65,6 +72,11 @@ pub(crate) struct Remove {
 
 /// Join indexes that are alike in everything but their entries.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder compact grasp.idx new.idx --out grasp.idx
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Compact {
     /// The indexes, whose entries keep this order.
     #[arg(value_name = "FILE", required = true)]

@@ -12,6 +12,12 @@ use super::build::ENTRIES;
 
 /// Show what is in an index: its entries, parameters, origin, and how well its search does.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder inspect grasp.idx
+  grasp-builder inspect grasp.idx --json | jq .entries
+
+Exit status: 0 where it can be used, 2 where it cannot.")]
 pub(crate) struct Inspect {
     /// The index.
     #[arg(value_name = "FILE")]

@@ -20,7 +20,9 @@ use crate::split::{clear, split};
 #[command(after_help = "\
 Examples:
   grasp-builder merge parts --out grasp.idx
-  grasp-builder merge parts --segments 4 --out-dir segments")]
+  grasp-builder merge parts --segments 4 --out-dir segments
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Merge {
     /// The folder that `shard` has written all parts into.
     #[arg(value_name = "DIR")]

@@ -42,23 +42,23 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-builder build --out grasp.idx                    render 40 hands from all sides and index them
-  grasp-builder render --out renders --hands 10          write a render set of ten hand shapes as PNG files
+  grasp-builder build --out grasp.idx                    40 hands from all sides, as an index
+  grasp-builder render --out renders --hands 10          a render set of ten hand shapes, as PNGs
   grasp-builder render --out more --hand-shape slender   another, of one hand shape
-  grasp-builder build renders more --out grasp.idx       index two render sets (any program may have made them)
-  grasp-builder shard --shard 3/12 --out parts           one of twelve parts, each on a machine of its own
+  grasp-builder build renders more --out grasp.idx       index two render sets, yours among them
+  grasp-builder shard --shard 3/12 --out parts           one of twelve parts, a machine for each
   grasp-builder merge parts --out grasp.idx              the index of all parts
   grasp-builder split grasp.idx --segments 4 --out-dir s the same in four files, for a machine each
   grasp-builder add grasp.idx --hand-shape broad         more entries in the same index
-  grasp-builder add grasp.idx more --segment new.idx     the same in an index of their own, to be searched beside it
+  grasp-builder add grasp.idx more --segment new.idx     the same as an index of their own
   grasp-builder inspect grasp.idx                        what is in an index
   grasp-builder verify grasp.idx                         read every byte and check it
   grasp-builder export grasp.idx --descriptors x.npy --labels y.csv
-                                                         its descriptors and labels, for other programs
-  grasp-builder train --out hand.network                 the network of a learned descriptor, from renders
+                                                         what it holds, for other programs
+  grasp-builder train --out hand.network                 a descriptor's network, from renders
   grasp-builder experiment scale --out scale             how the search grows with the index
   grasp-builder experiment shapes --out shapes           indexes of ever more hand shapes, to score
-  grasp-builder experiment networks hand.network         how well a trained network does on other hands
+  grasp-builder experiment networks hand.network         how well a network does on other hands
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C (nothing half-written is left, and the
 message says what is kept).";

@@ -26,8 +26,10 @@ use crate::train::{Kind, Measured, measure};
 Examples:
   grasp-builder experiment networks builder/data/hand.network
   grasp-builder experiment networks old.network new.network --scenes 480
-  grasp-builder experiment networks hand.network --hand-model HAND.glb   on a mesh that no training has seen
-  grasp-builder experiment networks query/recognise/data/thing.network --kind thing --json")]
+  grasp-builder experiment networks hand.network --hand-model HAND.glb   on a mesh of your own
+  grasp-builder experiment networks query/recognise/data/thing.network --kind thing --json
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(super) struct Networks {
     /// Networks of one kind, as `train` writes them.
     #[arg(required = true, value_name = "NETWORK")]

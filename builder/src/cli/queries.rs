@@ -25,7 +25,9 @@ use crate::{array, interrupt};
 Examples:
   grasp-builder queries --out q.npy
   grasp-builder queries --out q.npy --preset wide --hands 8 --count 10000
-  grasp-query search q.npy --index grasp.idx --out ids.npy --timings")]
+  grasp-query search q.npy --index grasp.idx --out ids.npy --timings
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Queries {
     /// The array to write: 32-bit floating-point numbers in NumPy's format, one row per query.
     #[arg(long, value_name = "Q.npy")]

@@ -25,7 +25,9 @@ use crate::interrupt::{self, Interrupted};
 Examples:
   grasp-builder render --out renders                        the paper's 6 x 900 views of one hand
   grasp-builder render --out many --hands 10 --step 12      fewer views of more hands
-  grasp-builder render --out one --hand-shape slender --stage close --stage grasp")]
+  grasp-builder render --out one --hand-shape slender --stage close --stage grasp
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Render {
     /// The render set's folder; made where there is none.
     #[arg(long, value_name = "DIR")]

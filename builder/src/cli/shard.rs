@@ -22,7 +22,9 @@ use crate::shard::{Share, shard};
 Examples:
   grasp-builder shard --shard 3/12 --hands 120 --out parts
   for i in $(seq 12); do grasp-builder shard --shard $i/12 --hands 120 --out parts; done
-  grasp-builder merge parts --out grasp.idx              the same bytes as: build --hands 120 --out grasp.idx")]
+  grasp-builder merge parts --out grasp.idx              the same bytes as by build --hands 120
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Shard {
     /// Which part, from 1, of how many.
     #[arg(long, value_name = "I/N")]

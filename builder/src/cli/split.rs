@@ -18,7 +18,9 @@ use crate::split::{Segment, split};
 Examples:
   grasp-builder split grasp.idx --segments 4 --out-dir segments
   grasp-builder queries --out q.npy
-  grasp-query search q.npy $(printf -- '--index %s ' segments/*-of-4.idx) --out ids.npy")]
+  grasp-query search q.npy $(printf -- '--index %s ' segments/*-of-4.idx) --out ids.npy
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Split {
     /// The index, which stays.
     #[arg(value_name = "FILE")]

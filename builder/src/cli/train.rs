@@ -31,14 +31,16 @@ use crate::train::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder train --out hand.network                     like the shipped one: an hour on two cores
+  grasp-builder train --out hand.network                     like the shipped one, in an hour
   grasp-builder build --descriptor learned --network hand.network --out grasp.idx
                                                              an index that is searched by it
   grasp-builder train --out small.network --samples 300000   ten minutes, for a first look
   grasp-builder train --out more.network --from hand.network --keep 50 --seed 8
-                                                             go on with a trained network, and average the two
+                                                             go on with one, and average both
   grasp-builder train --out left-out.network --hold-out-poses
-                                                             how well are unknown poses told apart?")]
+                                                             how well are unknown poses told apart?
+
+Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Train {
     /// The network to write; the curve goes to FILE.csv.
     #[arg(long, value_name = "FILE")]

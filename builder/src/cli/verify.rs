@@ -12,6 +12,11 @@ use grasp_terminal::text::{counted, shown};
 /// Opening an index checks its header and catalogue only, so that it takes no time; this checks the
 /// rest: every section against its hash, and what the numbers in it refer to.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  grasp-builder verify grasp.idx
+
+Exit status: 0 where it can be used, 2 where it cannot.")]
 pub(crate) struct Verify {
     /// The index.
     #[arg(value_name = "FILE")]

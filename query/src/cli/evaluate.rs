@@ -23,8 +23,8 @@ Examples:
   grasp-query evaluate tests/pictures/labels.csv --json --predictions answers.csv
   grasp-query evaluate tests/pictures/labels.csv --exact  what the search costs in accuracy
 
-LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage, hand, qx, qy, qz, qw
-(camera_from_hand) and any others.
+LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage,
+hand, qx, qy, qz, qw (camera_from_hand) and any others.
 
 Exit status: 0, or 2 where the table or a picture of it could not be used.";
 
@@ -80,7 +80,7 @@ fn write_predictions(path: &std::path::Path, outcomes: &[Outcome]) -> anyhow::Re
             ("qy", axis(1)),
             ("qz", axis(2)),
             ("qw", axis(3)),
-            ("nearest", number(guess.map(|guess| guess.nearest))),
+            ("distance", number(guess.map(|guess| guess.nearest))),
             ("orientation_error_deg", number(outcome.orientation_error_deg())),
             ("iou_hand", number(outcome.iou.map(|iou| iou.hand))),
             ("ms", number(Some(outcome.ms))),

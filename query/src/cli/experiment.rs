@@ -88,7 +88,8 @@ struct PaperArguments {
 Examples:
   grasp-builder experiment shapes --out shapes --counts 1,3,10
   grasp-query experiment shapes tests/pictures/labels.csv \\
-    --index shapes/hands-0001.idx --index shapes/hands-0003.idx --index shapes/hands-0010.idx --hand right --out results
+    --index shapes/hands-0001.idx --index shapes/hands-0003.idx --index shapes/hands-0010.idx \\
+    --hand right --out results
 
 LABELS.csv is as for `grasp-query evaluate`.
 
@@ -114,9 +115,11 @@ struct ShapesArguments {
 #[command(after_help = "\
 Examples:
   grasp-query experiment unknown tests/pictures/labels.csv
-  grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv --out results
+  grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv \\
+    --out results
 
-LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts, and its labels do not.
+LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts,
+and its labels do not.
 
 Exit status: 0, or 2 where a table or a picture of it could not be used.")]
 struct UnknownArguments {

@@ -57,10 +57,10 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  grasp-builder build --out grasp.idx                    builds the index that pictures are recognised by
+  grasp-builder build --out grasp.idx                    the index that pictures are recognised by
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg
                                                          which grasp is this?
-  grasp-query recognise --json tests/pictures/camera     one JSON record for each picture of a folder
+  grasp-query recognise --json tests/pictures/camera     a JSON record for each picture of a folder
   grasp-query recognise tests/pictures/camera/09-pinch.jpg --explain why.png
                                                          draw how the answer came about
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
@@ -69,8 +69,8 @@ Examples:
   cat tests/pictures/camera/*.jpg | grasp-query recognise -
                                                          every frame of a stream
   grasp-query watch tests/pictures/camera --out seen.mjpg
-                                                         answers drawn into the frames of a video or a camera
-  grasp-query simulate --grasp wrap                      does a robot hand hold it? A trial in a physics engine
+                                                         answers drawn into the frames of a video
+  grasp-query simulate --grasp wrap                      does a robot hand hold it, by physics?
   grasp-query evaluate tests/pictures/labels.csv         score labelled pictures
   grasp-query experiment paper tests/pictures/labels.csv --out results
                                                          the paper's experiments over them
@@ -81,7 +81,8 @@ Examples:
 
 The files are in the source tree; your own work the same way.
 
-Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible, 2 an error.";
+Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible,
+2 an error.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -46,7 +46,8 @@ Examples:
 
 Pictures in none of the six grasps are left out.
 
-Exit status: 0 when every picture was answered, 130 when Ctrl-C came before, 2 where the table or a picture of it could not be used.")]
+Exit status: 0 when every picture was answered, 130 when Ctrl-C came before, 2 where the table or a
+picture of it could not be used.")]
 pub(super) struct Quizzing {
     #[command(flatten)]
     index: IndexFile,

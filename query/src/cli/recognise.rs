@@ -41,26 +41,35 @@ Examples:
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg
   grasp-query recognise --json --timings tests/pictures/camera/*.jpg
   grasp-query recognise --segmented tests/pictures/segmented/09-pinch.png --hand right
-  grasp-query recognise tests/pictures/segmented/09-pinch.png --mask tests/pictures/mask/09-pinch.png
-  grasp-query recognise tests/pictures/camera/09-pinch.jpg --landmarks-json tests/pictures/landmarks/09-pinch.json
+  grasp-query recognise tests/pictures/segmented/09-pinch.png \\
+    --mask tests/pictures/mask/09-pinch.png
+  grasp-query recognise tests/pictures/camera/09-pinch.jpg \\
+    --landmarks-json tests/pictures/landmarks/09-pinch.json
   grasp-query recognise PICTURE.png --depth DEPTH.png --depth-range 400..900
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --explain why.png
   grasp-query recognise tests/pictures/camera/*.jpg --sequence --json
                                                          each frame answered by all frames so far
-  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --prior tests/pictures/prior.toml --holding bottle
+  grasp-query recognise tests/pictures/camera/01-large-diameter.jpg \\
+    --prior tests/pictures/prior.toml --holding bottle
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --recall 0.99
                                                          search harder for the true neighbours
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --robot barrett \\
-    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml --arm kuka-kr6-r700
+    --object query/data/objects/bottle.toml --camera query/data/objects/camera.toml \\
+    --arm kuka-kr6-r700
   grasp-query recognise tests/pictures/camera/01-large-diameter.jpg --server http://127.0.0.1:8750
   grasp-query recognise --camera 0 --sequence --json     the frames of a camera, as they come
   ffmpeg -i VIDEO.mp4 -f mjpeg - | grasp-query recognise --json -
 
-Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible, 2 an error.";
+Exit status: 0 all recognised, 1 some picture was rejected or unknown or a strategy is not feasible,
+2 an error.";
 
 /// Recognise the grasp in pictures (PNG, JPEG, WebP, GIF, BMP, PNM).
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(
+    after_help = EXAMPLES,
+    mut_arg("switch", |switch| switch.requires("sequence")),
+    mut_arg("motion", |motion| motion.requires("sequence")),
+)]
 pub(super) struct Recognise {
     /// The pictures; a folder stands for the pictures in it, in the order of their names; `-` reads
     /// a picture or a stream from standard input: PNM, JPEG or PNG frames, HTTP multipart MJPEG or

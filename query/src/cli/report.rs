@@ -24,11 +24,13 @@ use grasp_program::status::{ERROR, SUCCESS};
 #[command(after_help = "\
 Examples:
   grasp-query experiment report tests/pictures/labels.csv --out report.html
-  grasp-query experiment report tests/pictures/labels.csv --where kind=camera --show 4 --out report.html --json
+  grasp-query experiment report tests/pictures/labels.csv --where kind=camera --show 4 \\
+    --out report.html --json
 
 LABELS.csv is as for `grasp-query evaluate`.
 
-Exit status: 0, or 2 where the table or a picture of it could not be used; the page is written all the same where some could.")]
+Exit status: 0, or 2 where the table or a picture of it could not be used; the page is written all
+the same where some could.")]
 pub(super) struct ReportArguments {
     #[command(flatten)]
     index: IndexFile,

@@ -92,7 +92,8 @@ fn scene_named() -> impl TypedValueParser<Value = &'static Scene> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment imitation tests/pictures/labels.csv --hand right --where kind=segmented --where stage=grasp
+  grasp-query experiment imitation tests/pictures/labels.csv --hand right \\
+    --where kind=segmented --where stage=grasp
 
 LABELS.csv is as for `grasp-query evaluate`.
 

@@ -28,7 +28,7 @@ use grasp_serve::client::Address;
 const EXAMPLES: &str = "\
 Examples:
   grasp-builder queries --out q.npy                      descriptors of other hands, to search for
-  grasp-query search q.npy                               the neighbours of the first queries, to look at
+  grasp-query search q.npy                               the neighbours of the first queries
   grasp-query search q.npy --out ids.npy --distances distances.npy
   grasp-query search q.npy --eps 0.05 --success 0.99 --out ids.npy
   grasp-query search q.npy --rounds 7 --threads 1 --json

@@ -28,8 +28,8 @@ use grasp_program::status::SUCCESS;
 Examples:
   grasp-query simulate --grasp wrap
   grasp-query simulate --grasp pinch --pictures pinch.png          a human grasp names the robot's
-  grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20 degrees and 15 mm
-  grasp-query simulate --grasp wrap --object query/data/objects/bottle.toml --from side --quality --json
+  grasp-query simulate --grasp wrap --object box --yaw 20 --y 15   the hand is off by 20° and 15 mm
+  grasp-query simulate --grasp wrap --object query/data/objects/bottle.toml --from side --quality
 
 Built-in objects: cylinder-upright, cylinder-lying, box, sphere, disc, block, stick, handle.
 

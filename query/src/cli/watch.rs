@@ -38,7 +38,8 @@ Examples:
   grasp-query watch --camera 0 --out - | ffplay -f mjpeg -
                                                          a camera, in a window
 
-Exit status: 0 all frames recognised, 1 some frame was rejected or unknown, 2 an error, 130 stopped by Ctrl-C.";
+Exit status: 0 all frames recognised, 1 some frame was rejected or unknown, 2 an error, 130 stopped
+by Ctrl-C.";
 
 /// Draw the answers into the frames of a video or of a camera: the hand's outline and axes, the
 /// grasp, and how probable each was over time.
