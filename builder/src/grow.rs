@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
-use grasp_index::{AtomicFile, Catalogue, HashInfo, HashParams, Index, NewEntry, Originals, RandomParams};
+use grasp_index::{
+    AtomicFile, Catalogue, EntryError, HashInfo, HashParams, Index, NewEntry, Originals, RandomParams,
+};
 use grasp_renders::RenderPlan;
 use grasp_terminal::Progress;
 use xxhash_rust::xxh3::xxh3_64;
@@ -63,6 +65,11 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
     let origin = origin(kept, growth, &recipe)?;
     let mut gathered = Gathered::new(file, recipe.params(&names), origin)?;
     let mut there = HashSet::new();
+    // What a segment is to hold is what none of the indexes has.
+    for (index, path) in indexes.iter().zip(&growth.indexes).filter(|_| !growth.keep) {
+        let read = || identities(index).collect::<Result<Vec<_>, _>>();
+        there.extend(read().with_context(|| format!("cannot use {}", path.display()))?);
+    }
     let bar = progress.bar(kept.iter().map(|index| index.len() as u64).sum(), "taking over", "entries");
     for (index, path) in kept.iter().zip(&growth.indexes) {
         let numbers = Numbers::new(index.catalogue(), &names);
@@ -74,7 +81,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
                 let entry = index.new_entry(id).with_context(|| format!("cannot use {}", path.display()))?;
                 // Entries of hand shapes that are left out have no number.
                 if let Some(entry) = numbers.renumbered(entry) {
-                    there.insert(identity(&entry));
+                    there.insert(identity(&entry.file, entry.source_hash));
                     batch.push(Some((entry, true)));
                 }
             }
@@ -89,7 +96,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
         let mut take = |mut batch: Vec<Described>| -> anyhow::Result<()> {
             bar.inc(batch.len() as u64);
             interrupt::check()?;
-            let is_new = |entry: &NewEntry| !there.contains(&identity(entry));
+            let is_new = |entry: &NewEntry| !there.contains(&identity(&entry.file, entry.source_hash));
             batch.retain(|described| described.as_ref().is_none_or(|(entry, _)| is_new(entry)));
             gathered.take(batch)
         };
@@ -247,6 +254,17 @@ impl Numbers {
 }
 
 /// The same for the same picture under the same name.
-fn identity(entry: &NewEntry) -> (u64, u64) {
-    (xxh3_64(entry.file.as_bytes()), entry.source_hash)
+type Identity = (u64, u64);
+
+fn identity(file: &str, source_hash: u64) -> Identity {
+    (xxh3_64(file.as_bytes()), source_hash)
+}
+
+/// Those of all entries of an index.
+fn identities(index: &Index) -> impl Iterator<Item = Result<Identity, EntryError>> {
+    let hashes = index.source_hashes();
+    (0..index.len() as u32).map(move |id| {
+        let hash = hashes.get(id as usize).copied().unwrap_or_default();
+        Ok(identity(&index.entry(id)?.file, hash))
+    })
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use grasp_index::{DescriptorModel, NOISE, mean_distance};
+use grasp_index::{DescriptorModel, NOISE, mean_distance, moved_along};
 use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -245,11 +245,9 @@ pub fn moved(values: &[f32], dim: usize, seed: u64) -> Vec<f32> {
     rng.set_stream(1);
     let mut moved = Vec::with_capacity(values.len());
     for row in &rows {
-        let [from, to] = [(); 2].map(|()| rows[rng.random_range(0..rows.len() as u64) as usize]);
-        let step: Vec<f64> = from.iter().zip(to).map(|(from, to)| f64::from(to - from)).collect();
-        let length = step.iter().map(|value| value * value).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        let scale = rng.random_range(NOISE[0]..NOISE[1]) * sigma / length;
-        moved.extend(row.iter().zip(&step).map(|(value, step)| (f64::from(*value) + scale * step) as f32));
+        let [start, end] = [(); 2].map(|()| rows[rng.random_range(0..rows.len() as u64) as usize]);
+        let length = rng.random_range(NOISE[0]..NOISE[1]) * sigma;
+        moved.extend(moved_along(row, start, end, length as f32));
     }
     moved
 }

@@ -8,18 +8,18 @@ use std::borrow::Cow;
 use thiserror::Error;
 
 /// One entry of an index: of what [`kept`](crate::Catalogue::kept) names, everything.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Entry<'a> {
     /// Its class, a position in [`classes`](crate::Catalogue::classes).
     pub class: Option<u16>,
     /// The picture's file name; empty where the index keeps none.
-    pub file: &'a str,
+    pub file: String,
     /// The name of the hand shape; empty where the index keeps none.
     pub hand_shape: &'a str,
     /// The name of the stage; empty where the index keeps none.
     pub stage: &'a str,
     /// What the hand holds; empty where the index keeps nothing of it.
-    pub object: &'a str,
+    pub object: String,
     /// The camera's azimuth (0 to 360), elevation (-180 to 180) and roll (0 to 360), in degrees.
     pub view_deg: Option<[f32; 3]>,
     /// `camera_from_hand`.
@@ -38,6 +38,9 @@ pub enum EntryError {
         /// How many entries there are.
         entries: usize,
     },
+    /// It is to be read whole, and the index keeps no descriptors.
+    #[error("the index keeps no descriptors, so that none of its entries can go into another")]
+    NoDescriptor,
     /// The file says something about it that makes no sense.
     #[error("corrupt: the {what} of entry {id} is out of range: run `grasp-builder verify` on the index")]
     Corrupt {
@@ -59,9 +62,9 @@ impl Index {
             return Err(EntryError::NoSuchEntry { id, entries: self.len() });
         }
         let kept = self.catalogue().kept;
-        let (class, [hand_shape, stage, object]) = match kept.labels {
-            true => self.named(id).map(|(class, names)| (Some(class), names))?,
-            false => (None, [""; 3]),
+        let (class, [hand_shape, stage], object) = match kept.labels {
+            true => self.named(id).map(|(class, names, object)| (Some(class), names, object))?,
+            false => (None, [""; 2], String::new()),
         };
         let corrupt = |what| EntryError::Corrupt { id, what };
         let view = || {
@@ -74,7 +77,7 @@ impl Index {
         let orientation = || self.orientation(id).ok_or(corrupt("orientation"));
         Ok(Entry {
             class,
-            file: if kept.files { file().ok_or(corrupt("file name"))? } else { "" },
+            file: if kept.files { file().ok_or(corrupt("file name"))? } else { String::new() },
             hand_shape,
             stage,
             object,
@@ -93,8 +96,7 @@ impl Index {
     /// says something about the entry that makes no sense.
     pub fn new_entry(&self, id: u32) -> Result<NewEntry, EntryError> {
         let entry = self.entry(id)?;
-        let corrupt = |what| EntryError::Corrupt { id, what };
-        let descriptor = self.descriptor(id).ok_or(corrupt("descriptor"))?.into_owned();
+        let descriptor = self.descriptor(id).ok_or(EntryError::NoDescriptor)?.into_owned();
         let [azimuth_deg, elevation_deg, roll_deg] = entry.view_deg.unwrap_or_default();
         let orientations = self.file.orientations();
         let orientation = orientations.get(id as usize).copied().and_then(pack::unpack_as_packed);
@@ -102,8 +104,8 @@ impl Index {
             class: entry.class.unwrap_or_default(),
             stage: self.file.stages().get(id as usize).copied().unwrap_or_default(),
             hand_shape: self.file.hand_shapes().get(id as usize).copied().unwrap_or_default(),
-            object: entry.object.to_owned(),
-            file: entry.file.to_owned(),
+            object: entry.object,
+            file: entry.file,
             azimuth_deg,
             elevation_deg,
             roll_deg,
@@ -114,8 +116,8 @@ impl Index {
         })
     }
 
-    /// The class of an entry, and the names of its hand shape, stage and object.
-    fn named(&self, id: u32) -> Result<(u16, [&str; 3]), EntryError> {
+    /// The class of an entry, the names of its hand shape and stage, and that of its object.
+    fn named(&self, id: u32) -> Result<(u16, [&str; 2], String), EntryError> {
         let (at, catalogue) = (id as usize, self.catalogue());
         let corrupt = |what| EntryError::Corrupt { id, what };
         let class = self.labels().get(at).filter(|&&class| usize::from(class) < catalogue.classes.len());
@@ -125,12 +127,9 @@ impl Index {
         let object = self.file.objects().get(at).copied();
         let object = object.and_then(|object| self.file.object_name(usize::from(object)));
         let class = *class.ok_or(corrupt("class"))?;
-        let names = [
-            hand_shape.ok_or(corrupt("hand shape"))?.as_str(),
-            stage.ok_or(corrupt("stage"))?.as_str(),
-            object.ok_or(corrupt("object"))?,
-        ];
-        Ok((class, names))
+        let names =
+            [hand_shape.ok_or(corrupt("hand shape"))?.as_str(), stage.ok_or(corrupt("stage"))?.as_str()];
+        Ok((class, names, object.ok_or(corrupt("object"))?))
     }
 
     /// `camera_from_hand`; `None` where there is no such entry or what the file has is no rotation.

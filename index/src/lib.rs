@@ -100,7 +100,7 @@ pub use search::learned::LearnedHash;
 #[cfg(feature = "parts")]
 #[doc(hidden)]
 pub use search::parts::Parts;
-pub use search::queries::NOISE;
+pub use search::queries::{NOISE, moved_along};
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 

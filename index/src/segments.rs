@@ -4,7 +4,7 @@ use crate::file::catalogue::Catalogue;
 use crate::file::error::FileChanged;
 use crate::file::kept::Originals;
 use crate::index::Index;
-use crate::search::searcher::Searcher;
+use crate::search::searcher::{Searcher, reserve};
 use crate::search::stored::{Several, Stored, Values};
 use crate::search::{Neighbour, ReadAhead, Search, SearchCost, SearchError, SearchOptions};
 use thiserror::Error;
@@ -257,6 +257,7 @@ impl SegmentsSearcher<'_> {
         if let [single] = &mut self.searchers[..] {
             return single.batch(queries, options, found);
         }
+        reserve(found, options.k, queries.len() / self.segments.dim().max(1))?;
         let mut each = vec![Vec::new(); self.searchers.len()];
         for (searcher, found) in self.searchers.iter_mut().zip(&mut each) {
             searcher.batch(queries, options, found)?;

@@ -80,7 +80,10 @@ fn knows_what_it_is(index: &Index) {
     assert_eq!(names, [("class-0", 1), ("class-1", 2), ("class-2", 3)]);
     assert_eq!(catalogue.provenance, [("renders".to_owned(), "ball hand".to_owned())]);
     let entry = index.entry(17).expect("there are 36 entries");
-    assert_eq!((entry.file, entry.stage, entry.object), ("balls/class-1/az090_el30.png", "grasp", "ball-1"));
+    assert_eq!(
+        (&*entry.file, entry.stage, &*entry.object),
+        ("balls/class-1/az090_el30.png", "grasp", "ball-1")
+    );
     let [azimuth, elevation, roll] = entry.view_deg.expect("views are kept");
     assert_eq!((azimuth, elevation), (90.0, 30.0));
     // Version 4 here holds hands that were turned upright.

@@ -51,7 +51,7 @@ fn vectors_alone_can_be_searched_and_tell_nothing_else() {
     let found = index.search(&vector(17), &exact()).expect("the query fits");
     assert_eq!((found.neighbours[0].id, found.neighbours[0].distance), (17, 0.0));
     let entry = index.entry(17).expect("the entry is there");
-    assert_eq!((entry.class, entry.file, entry.object, entry.view_deg), (None, "", "", None));
+    assert_eq!((entry.class, &*entry.file, &*entry.object, entry.view_deg), (None, "", "", None));
     assert_eq!(entry.orientation, None);
     assert!(index.entry(60).is_err());
     assert!(index.labels().is_empty() && index.source_hashes().is_empty());
@@ -98,7 +98,7 @@ fn labels_without_orientations_vote_on_the_class_alone() {
     assert_eq!((vote.classes[0].name.as_str(), vote.classes[0].probability), ("two", 1.0));
     assert_eq!(vote.orientation.spread_deg, 180.0);
     let entry = index.entry(17).expect("the entry is there");
-    assert_eq!((entry.class, entry.object, entry.file), (Some(1), "object 2", ""));
+    assert_eq!((entry.class, &*entry.object, &*entry.file), (Some(1), "object 2", ""));
     assert_eq!(entry.view_deg, Some([355.25, -12.5, 0.0]));
 }
 

@@ -75,7 +75,7 @@ fn segment(index: &Index, from: usize, to: usize) -> Result<Index, BuildError> {
     Ok(Index::read(&path).expect("the segment opens"))
 }
 
-fn family(entries: usize, hash: HashParams, originals: Originals) -> Family {
+fn single(entries: usize, hash: HashParams, originals: Originals) -> Index {
     let params = IndexParams {
         descriptor: DescriptorParams::raw(DIM as u32),
         hash,
@@ -102,7 +102,11 @@ fn family(entries: usize, hash: HashParams, originals: Originals) -> Family {
         writer.push(entry).expect("the entry fits");
     }
     let bytes = writer.finish_bytes().expect("the index is built");
-    let single = Index::from_bytes(&bytes).expect("the index opens");
+    Index::from_bytes(&bytes).expect("the index opens")
+}
+
+fn family(entries: usize, hash: HashParams, originals: Originals) -> Family {
+    let single = single(entries, hash, originals);
     let segments = cuts(entries).into_iter().map(|cuts| {
         let each = cuts.windows(2).map(|pair| segment(&single, pair[0], pair[1]).expect("it is written"));
         Segments::new(each.collect()).expect("they go together")
@@ -211,4 +215,17 @@ fn what_makes_no_segment_is_refused() {
         .write_segment(0..9, Vec::new(), AtomicFile::create(&path).unwrap(), &|| ControlFlow::Break(()));
     assert!(matches!(stopped, Err(BuildError::Stopped)));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn an_entry_that_is_alone_is_found() {
+    let random = HashParams::Random(RandomParams::Fixed { k: 2, t: 1, buckets: 4 });
+    let learned = HashParams::Learned;
+    for (hash, originals) in [(learned, Originals::F32), (learned, Originals::None), (random, Originals::F32)]
+    {
+        let single = single(1, hash, originals);
+        let options = SearchOptions { k: 10, effort: Effort::Recall(0.99) };
+        let found = single.search(&row(0), &options).expect("its search was measured to find all");
+        assert_eq!(found.neighbours.iter().map(|near| near.id).collect::<Vec<_>>(), [0]);
+    }
 }

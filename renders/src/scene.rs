@@ -220,6 +220,7 @@ impl Look {
             ("the picture's side in pixels", side, 8.0, 1024.0, "8 to 1024"),
             ("the sleeve's width in wrists", self.sleeve, 0.5, 3.0, "0.5 to 3"),
             ("the forearm's length in metres", self.forearm, 0.0, 0.4, "0 to 0.4"),
+            ("the black arm's length in metres", self.arm, 0.0, 1.0, "0 to 1"),
             ("the camera's distance in hand lengths", self.distance, 1.5, 1000.0, "1.5 to 1000"),
             ("the variation of distance", self.distance_variation, 0.0, 0.5, "0 to 0.5"),
             ("the variation of light", self.light_variation, 0.0, 1.0, "0 to 1"),

@@ -9,7 +9,7 @@ use clap::builder::ArgPredicate;
 use grasp_index::{
     DescriptorModel, DescriptorParams, EPS, Effort, HashInfo, HashParams, Originals, RandomParams,
 };
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 use grasp_renders::{Preset, RenderPlan};
 use grasp_terminal::text::{counted, percent, shown};
 
@@ -41,7 +41,7 @@ Examples:
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Build {
     /// The index to write.
-    #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
+    #[arg(long, value_name = "FILE", default_value = "grasp.idx", value_parser = output_file())]
     out: PathBuf,
     #[command(flatten)]
     work: WorkOptions,
@@ -302,9 +302,14 @@ pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyho
     if let Some(point) = summary.measured.enough(Effort::Recall(0.95)) {
         writeln!(
             stdout,
-            "  for {} of other hands a search finds {} of the 10 nearest entries, an entry within {} of the nearest for {} of \
+            "  for {} of {} a search finds {} of the 10 nearest entries, an entry within {} of the nearest for {} of \
              the queries, and looks at {} of the index",
             counted(summary.measured.queries, ["query", "queries"]),
+            if summary.measured.held_out {
+                "other hands"
+            } else {
+                "its own entries, each left out for its own,"
+            },
             percent(point.recall_at_10),
             format_args!("{:.0} %", 100.0 * EPS),
             percent(point.success()),

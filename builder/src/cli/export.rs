@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use grasp_index::Index;
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
 use super::build::ENTRIES;
@@ -33,14 +33,14 @@ pub(crate) struct Export {
     index: PathBuf,
     /// Write the descriptors here: 32-bit floating-point numbers in NumPy's format, one row per
     /// entry.
-    #[arg(long, value_name = "X.npy", group = "what")]
+    #[arg(long, value_name = "X.npy", group = "what", value_parser = output_file())]
     descriptors: Option<PathBuf>,
     /// Write the labels here: a table, one line per entry.
-    #[arg(long, value_name = "Y.csv", group = "what")]
+    #[arg(long, value_name = "Y.csv", group = "what", value_parser = output_file())]
     labels: Option<PathBuf>,
     /// Write both as one Parquet file: one row per entry, columns named as in the labels, and the
     /// list `descriptor`.
-    #[arg(long, value_name = "Z.parquet", group = "what")]
+    #[arg(long, value_name = "Z.parquet", group = "what", value_parser = output_file())]
     parquet: Option<PathBuf>,
 }
 
@@ -56,10 +56,14 @@ impl Export {
                 bail!("{} is the index itself: name another file to write", out.display());
             }
         }
-        if let (Some(descriptors), Some(labels)) = (&self.descriptors, &self.labels)
-            && (descriptors == labels || is_same(descriptors, labels))
-        {
-            bail!("--descriptors and --labels both name {}: name two files", labels.display());
+        let outputs =
+            [("--descriptors", &self.descriptors), ("--labels", &self.labels), ("--parquet", &self.parquet)];
+        let named = outputs.iter().filter_map(|(option, out)| Some((*option, out.as_ref()?)));
+        let named: Vec<(&str, &PathBuf)> = named.collect();
+        for (at, (option, out)) in named.iter().enumerate() {
+            if let Some((before, _)) = named[..at].iter().find(|(_, before)| is_same(before, out)) {
+                bail!("{before} and {option} both name {}: name two files", out.display());
+            }
         }
         if is_part(&self.index) {
             return self.part(global);
@@ -103,6 +107,13 @@ impl Export {
 }
 
 /// Whether two paths name one file.
+/// Whether two paths name one file, which need not be there yet.
 fn is_same(one: &Path, other: &Path) -> bool {
-    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+    let place = |path: &Path| -> Option<PathBuf> {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let in_folder =
+            || Some(parent.unwrap_or(Path::new(".")).canonicalize().ok()?.join(path.file_name()?));
+        path.canonicalize().ok().or_else(in_folder)
+    };
+    one == other || place(one).is_some_and(|one| place(other) == Some(one))
 }

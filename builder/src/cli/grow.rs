@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use grasp_index::Index;
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 use grasp_renders::Preset;
 use grasp_terminal::text::shown;
 use tracing::warn;
@@ -82,7 +82,7 @@ pub(crate) struct Compact {
     #[arg(value_name = "FILE", required = true)]
     indexes: Vec<PathBuf>,
     /// The index to write, which may be one of them.
-    #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
+    #[arg(long, value_name = "FILE", default_value = "grasp.idx", value_parser = output_file())]
     out: PathBuf,
     /// Measure and calibrate what comes of them on held-out hands that are seen as those of this
     /// preset, `paper`, `standard` or `wide`; by default as those that the first was built with.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 
 use super::build::print_report;
 use super::split::{parse_count, print_segments};
@@ -28,7 +28,7 @@ pub(crate) struct Merge {
     #[arg(value_name = "DIR")]
     parts: PathBuf,
     /// The index to write.
-    #[arg(long, value_name = "FILE", default_value = "grasp.idx")]
+    #[arg(long, value_name = "FILE", default_value = "grasp.idx", value_parser = output_file())]
     out: PathBuf,
     /// Write K segments instead: whole hand shapes in each, in order.
     #[arg(long, value_name = "K", value_parser = parse_count, requires = "out_dir", conflicts_with = "out")]

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use anyhow::bail;
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
 use super::form::Form;
@@ -30,7 +30,7 @@ Examples:
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Queries {
     /// The array to write: 32-bit floating-point numbers in NumPy's format, one row per query.
-    #[arg(long, value_name = "Q.npy")]
+    #[arg(long, value_name = "Q.npy", value_parser = output_file())]
     out: PathBuf,
     /// Render about N views; those that show no hand are left out.
     #[arg(long, default_value_t = 2_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]

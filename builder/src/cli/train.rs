@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{bail, ensure};
 use grasp_network::Network;
-use grasp_program::Global;
+use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
 use super::seed::DEFAULT_SEED;
@@ -43,7 +43,7 @@ Examples:
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]
 pub(crate) struct Train {
     /// The network to write; the curve goes to FILE.csv.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     out: PathBuf,
     /// Which network: the learned descriptor's, or one that finds hands in camera pictures, that
     /// names them by the hand or by what it holds, or that cuts both out.

@@ -62,8 +62,10 @@ impl RenderSet {
     /// [`SetError`], with the line of the manifest where there is one to name.
     pub fn open(folder: &Path, grasps: &GraspSet) -> Result<Self, SetError> {
         let path = folder.join(MANIFEST);
-        let bytes = fs::read(&path).map_err(|source| SetError::NoManifest { path, source })?;
-        let manifest = Manifest::read_with(folder, grasps)?;
+        let read = fs::read(&path);
+        let bytes = read.map_err(|source| SetError::NoManifest { path: path.clone(), source })?;
+        // Of the same bytes as the hash.
+        let manifest = Manifest::parse(&bytes, path, grasps)?;
         // `.` and `..` have no name of their own.
         let absolute = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         let name =

@@ -17,7 +17,11 @@ pub fn read(path: &Path) -> Result<Vec<u8>, DecodeError> {
     let cannot = |reason| DecodeError::Read { path: path.to_owned(), reason };
     let mut file = File::open(path).map_err(cannot)?;
     // A device or a pipe has no honest length.
-    let length = file.metadata().map_err(cannot)?.len();
+    let metadata = file.metadata().map_err(cannot)?;
+    if metadata.is_dir() {
+        return Err(cannot(io::Error::new(io::ErrorKind::IsADirectory, "a folder is no picture")));
+    }
+    let length = metadata.len();
     let mut bytes = Vec::with_capacity(usize::try_from(length.min(MAX_OVERHEAD)).unwrap_or(0));
     read_up_to(&mut file, &mut bytes, MAX_OVERHEAD).map_err(cannot)?;
     if (bytes.len() as u64) < MAX_OVERHEAD {

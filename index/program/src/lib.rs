@@ -4,10 +4,12 @@
 mod completions;
 mod global;
 mod man;
+mod output_file;
 mod start;
 pub mod status;
 
 pub use completions::Completions;
 pub use global::Global;
 pub use man::Man;
+pub use output_file::output_file;
 pub use start::start;

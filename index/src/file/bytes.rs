@@ -71,9 +71,9 @@ impl Bytes {
         // that no other process changes or truncates the file meanwhile. Index files are never
         // changed in place: this crate writes a new file and renames it over the old one, whose
         // bytes live on as long as they are mapped (tested in tests/writing.rs). Every byte pattern
-        // is valid for the plain numbers that are read from it, and text is checked at each use, so
-        // bytes changed by a stranger can give wrong answers, but no undefined values: they are
-        // noticed by `check_unchanged`. A file truncated by a stranger ends the process with
+        // is valid for the plain numbers that are read from it, and the catalogue and texts are
+        // copied before they are checked, so bytes changed by a stranger can give wrong answers,
+        // but no undefined values: they are noticed by `check_unchanged`. A file truncated by a stranger ends the process with
         // SIGBUS, unless it is guarded (`super::fault`). Where neither will do, use `Bytes::read`.
         let map = unsafe { Mmap::map(stamp.file())? };
         let registered = Registered::new(&map);
@@ -107,6 +107,16 @@ impl Bytes {
             Self::Held(_) | Self::Read(_) => Ok(()),
             Self::Mapped(mapping) => mapping.check_unchanged(),
         }
+    }
+
+    /// Copies bytes into pages of memory that are no file's.
+    pub(crate) fn private_copy(bytes: &[u8]) -> io::Result<Self> {
+        if bytes.is_empty() {
+            return Ok(Self::copy(&[]));
+        }
+        let mut pages = MmapMut::map_anon(bytes.len())?;
+        pages.copy_from_slice(bytes);
+        Ok(Self::Read(pages))
     }
 
     /// Copies bytes that are in memory already, because those need not be aligned.

@@ -109,18 +109,19 @@ impl Opened {
     }
 
     /// The file name of an entry; `None` where the bounds make no sense or the bytes are no text.
-    pub(crate) fn file_name(&self, entry: usize) -> Option<&str> {
+    pub(crate) fn file_name(&self, entry: usize) -> Option<String> {
         text(self.file_offsets(), self.raw(SectionKind::FileText), entry)
     }
 
     /// The name of an object; `None` as above.
-    pub(crate) fn object_name(&self, object: usize) -> Option<&str> {
+    pub(crate) fn object_name(&self, object: usize) -> Option<String> {
         text(self.object_offsets(), self.raw(SectionKind::ObjectText), object)
     }
 }
 
-/// String `at` of a table of text.
-fn text<'a>(offsets: &[u32], text: &'a [u8], at: usize) -> Option<&'a str> {
+/// String `at` of a table of text: a copy, for what lies in a mapped file may be changed once it has
+/// been checked.
+fn text(offsets: &[u32], text: &[u8], at: usize) -> Option<String> {
     let (start, end) = (*offsets.get(at)?, *offsets.get(at.checked_add(1)?)?);
-    std::str::from_utf8(text.get(start as usize..end as usize)?).ok()
+    String::from_utf8(text.get(start as usize..end as usize)?.to_vec()).ok()
 }

@@ -40,7 +40,7 @@ pub enum OpenError {
     #[error("not a grasp index: build one with `grasp-builder build --out FILE`")]
     NotAnIndex,
     /// The end of the file is missing.
-    #[error("truncated: {} expected, {} found: copy or build the file again", Size(*.expected), Size(*.found))]
+    #[error("truncated: {expected} bytes expected, {found} found: copy or build the file again")]
     Truncated {
         /// The length that the header states, or that of a header, in bytes.
         expected: u64,
@@ -48,7 +48,7 @@ pub enum OpenError {
         found: u64,
     },
     /// There is more than the header states.
-    #[error("too long: {} expected, {} found: copy or build the file again", Size(*.expected), Size(*.found))]
+    #[error("too long: {expected} bytes expected, {found} found: copy or build the file again")]
     TooLong {
         /// The length that the header states, in bytes.
         expected: u64,

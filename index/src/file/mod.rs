@@ -6,8 +6,8 @@
 //! catalogue   a small rkyv archive up to the end of the file: parameters, and where every section lies        [catalogue]
 //! ```
 //!
-//! Opening reads the header and the catalogue and no more ([`open`]); hashing everything is for
-//! [`verify`]. Where another program changes it all the same, [`stamp`] notices it, and [`fault`]
+//! Opening reads the header, the catalogue and a network, where there is one, and no more
+//! ([`open`]); hashing everything is for [`verify`]. Where another program changes it all the same, [`stamp`] notices it, and [`fault`]
 //! keeps the reader alive.
 
 mod align;

@@ -1,5 +1,5 @@
-//! Opening: the header, the catalogue and every section's range are checked; no section's bytes are
-//! read.
+//! Opening: the header, the catalogue and every section's range are checked. Of the sections, none
+//! but the network's bytes are read.
 
 use super::bytes::Bytes;
 use super::catalogue::Catalogue;
@@ -33,6 +33,9 @@ impl Opened {
         let archive = bytes
             .get(header.catalogue_offset as usize..)
             .ok_or(Corruption::Catalogue("lies beyond the file"))?;
+        // What is checked and then read is a copy: while a file is mapped, another program may
+        // write to it.
+        let archive = &*Bytes::private_copy(archive)?;
         if xxh3_64(archive) != header.catalogue_hash {
             return Err(Corruption::CatalogueHash.into());
         }

@@ -183,7 +183,7 @@ fn ascending(kind: SectionKind, offsets: &[u32], end: usize) -> Option<Problem> 
     Some(Problem::Element { kind, at, what: "is no offset in ascending order" })
 }
 
-fn texts<'a>(kind: SectionKind, count: usize, text: impl Fn(usize) -> Option<&'a str>) -> Option<Problem> {
+fn texts(kind: SectionKind, count: usize, text: impl Fn(usize) -> Option<String>) -> Option<Problem> {
     let at = (0..count).find(|&at| text(at).is_none())?;
     Some(Problem::Element { kind, at, what: "is no text" })
 }

@@ -73,12 +73,15 @@ fn point(rows: Rows<'_>, stored: Stored<'_>, hash: &Hash<'_>, queries: &[Query],
                 let others: Vec<Neighbour> = others.take(RECALL_K).filter_map(measured).collect();
                 let nearest = &query.nearest[..query.nearest.len().min(RECALL_K)];
                 let last = nearest.last().map_or(0.0, |last| last.distance);
-                let recall = others.iter().filter(|other| other.distance <= last).count().min(nearest.len());
+                let right = others.iter().filter(|other| other.distance <= last).count().min(nearest.len());
+                // An entry that is alone has no neighbours, and a search finds all of them.
+                let is_alone = nearest.is_empty();
+                let recall = if is_alone { 1.0 } else { right as f64 / nearest.len() as f64 };
                 let success = EPS_GRID.map(|eps| {
-                    let first = others.first();
-                    f64::from(u8::from(first.is_some_and(|first| is_near_enough(first, nearest, eps))))
+                    let is_near = |first| is_near_enough(first, nearest, eps);
+                    f64::from(u8::from(is_alone || others.first().is_some_and(is_near)))
                 });
-                (recall as f64 / nearest.len().max(1) as f64, success, found.cost.share_of_database)
+                (recall, success, found.cost.share_of_database)
             },
         )
         .collect();

@@ -75,15 +75,18 @@ pub(crate) fn moved(
         .filter_map(|_| {
             let [row, start, end] = [(); 3].map(|()| rng.random_range(0..from.len() as u64) as u32);
             let length = rng.random_range(noise[0]..noise[1]) * sigma;
-            Some((row, step(from.get(row)?, from.get(start)?, from.get(end)?, length as f32)))
+            Some((row, moved_along(from.get(row)?, from.get(start)?, from.get(end)?, length as f32)))
         })
         .collect()
 }
 
-/// `row`, moved by `length` in the direction from `start` to `end`.
-fn step(row: &[f32], start: &[f32], end: &[f32], length: f32) -> Vec<f32> {
+/// `row`, moved by `length` in the direction from `start` to `end`, which are rows as well. Where
+/// these are equal there is no such direction, and the row stays as it is.
+#[must_use]
+pub fn moved_along(row: &[f32], start: &[f32], end: &[f32], length: f32) -> Vec<f32> {
     let step: Vec<f32> = start.iter().zip(end).map(|(start, end)| end - start).collect();
-    let scale = length / distance::dot(&step, &step).sqrt().max(f32::MIN_POSITIVE);
+    let norm = distance::dot(&step, &step).sqrt();
+    let scale = if norm > 0.0 { length / norm } else { 0.0 };
     row.iter().zip(&step).map(|(value, step)| value + scale * step).collect()
 }
 
@@ -92,4 +95,17 @@ pub(crate) fn is_near_enough(neighbour: &Neighbour, nearest: &[Neighbour], eps: 
     nearest
         .first()
         .is_some_and(|first| f64::from(neighbour.distance) <= (1.0 + eps) * f64::from(first.distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_moved_as_far_as_it_shall_be_and_stays_where_there_is_no_direction() {
+        let moved = moved_along(&[1.0, 2.0], &[0.0, 0.0], &[3.0, 4.0], 10.0);
+        assert_eq!(moved, [7.0, 10.0]);
+        // Of a length beyond 4, a division by the least float was not finite.
+        assert_eq!(moved_along(&[1.0, 2.0], &[3.0, 4.0], &[3.0, 4.0], 1e6), [1.0, 2.0]);
+    }
 }

@@ -118,8 +118,7 @@ impl<'a> Searcher<'a> {
         }
         check(queries, options)?;
         let (k, rows) = (options.k, queries.len() / dim);
-        let room = rows.checked_mul(k).and_then(|count| found.try_reserve(count).ok());
-        room.ok_or(SearchError::TooManyNeighbours { k, queries: rows })?;
+        reserve(found, k, rows)?;
         let Some((probes, _)) = self.probes(options.effort)? else {
             let Ok(()) = nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
             return Ok(());
@@ -177,6 +176,7 @@ impl<'a> Searcher<'a> {
         check(queries, &options)?;
         self.probes(options.effort)?;
         let (mut found, mut announce) = (Vec::new(), ahead(&self.files));
+        reserve(&mut found, k, queries.len() / dim)?;
         let mut before = |done: f64, to_come: &[(u32, Stored<'a>)]| {
             let Ok(()) = announce(done, to_come);
             if progress(done).is_break() { Err(()) } else { Ok(()) }
@@ -220,4 +220,13 @@ impl<'a> Searcher<'a> {
             point => Ok(point.map(|point| (point.probes, Some(point.recall_at_10)))),
         }
     }
+}
+
+/// Makes room for the `k` neighbours of so many queries.
+///
+/// # Errors
+/// [`SearchError::TooManyNeighbours`], where there is not so much memory.
+pub(crate) fn reserve(found: &mut Vec<Neighbour>, k: usize, queries: usize) -> Result<(), SearchError> {
+    let room = queries.checked_mul(k).and_then(|count| found.try_reserve(count).ok());
+    room.ok_or(SearchError::TooManyNeighbours { k, queries })
 }

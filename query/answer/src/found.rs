@@ -88,7 +88,7 @@ pub struct FoundRecord<'a> {
     pub grasp: Option<&'a str>,
     /// The file that it was made from, where the index knows it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<&'a str>,
+    pub file: Option<String>,
 }
 
 impl<'a> QueryRecord<'a> {
@@ -99,7 +99,7 @@ impl<'a> QueryRecord<'a> {
 
     /// The record of a query whose entries `names` knows the class and the file of.
     pub fn named(
-        names: impl Fn(u32) -> (Option<&'a str>, Option<&'a str>),
+        names: impl Fn(u32) -> (Option<&'a str>, Option<String>),
         query: usize,
         neighbours: &[Neighbour],
     ) -> Self {
@@ -117,12 +117,12 @@ pub fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
 }
 
 /// The same of an entry of one of several indexes.
-pub fn names_in(segments: &Segments, id: u32) -> (Option<&str>, Option<&str>) {
+pub fn names_in(segments: &Segments, id: u32) -> (Option<&str>, Option<String>) {
     segments.locate(id).map_or((None, None), |(index, id)| names(index, id))
 }
 
 /// An entry's class and file, where the index knows them.
-pub fn names(index: &Index, id: u32) -> (Option<&str>, Option<&str>) {
+pub fn names(index: &Index, id: u32) -> (Option<&str>, Option<String>) {
     let Ok(entry) = index.entry(id) else {
         return (None, None);
     };

@@ -35,8 +35,8 @@ const AT_ONCE: usize = 4;
 /// index : Index, str or os.PathLike
 ///     The index, or its file. It must be one of pictures, as `grasp-builder build` makes.
 /// hand : {"auto", "left", "right"}, default "auto"
-///     Which hand the pictures show; "auto" tries both and takes the one whose
-///     neighbours are nearer.
+///     Which hand the pictures show; "auto" tries both: neighbours, networks and where
+///     the arm comes from say which it is.
 /// segment : {"scene", "skin"}, default "scene"
 ///     What finds the hand in a camera picture: a network that was trained on scenes, or
 ///     the colour of skin.

@@ -4,7 +4,8 @@ use grasp_index::{Neighbour, euler_deg};
 
 use super::{Doubt, Recogniser, Recognition};
 use crate::prior;
-use crate::sequence::{Belief, Filter};
+use crate::recognition::Context;
+use crate::sequence::{Belief, Filter, Turn};
 
 impl Recogniser<'_> {
     /// What a picture alone says.
@@ -16,7 +17,8 @@ impl Recogniser<'_> {
                 *probability = score.probability;
             }
         }
-        Belief { classes, rotation: vote.orientation.rotation, spread_deg: vote.orientation.spread_deg }
+        let turn = Turn { rotation: vote.orientation.rotation, spread_deg: vote.orientation.spread_deg };
+        Belief { classes, side: found.best.side, turn }
     }
 
     /// Weighs the answer by how probable each class, by its number, is without the picture. Where
@@ -26,6 +28,7 @@ impl Recogniser<'_> {
         let before = found.best.vote.classes.first().map(|score| score.class);
         let weighed = prior::weigh(&self.belief(found).classes, prior);
         rank(found, &weighed);
+        found.context = Context::Object;
         let first = found.best.vote.classes.first().map(|score| score.class);
         if first != before {
             let is_first = |neighbour: &&Neighbour| {
@@ -45,20 +48,22 @@ impl Recogniser<'_> {
     }
 
     /// Makes of the answer to a frame what the frames before it and this one say together. A frame
-    /// that shows an unknown hand says nothing, and is answered by the frames before it.
+    /// that shows an unknown hand says nothing, and is answered by the frames before it, if these
+    /// show the hand that it is taken for. Which hand that is, each frame says by itself.
     pub fn follow(&self, found: &mut Recognition, filter: &mut Filter) {
         let frame = self.belief(found);
         let fused = match found.doubt {
             // No class stands out: that is what its probabilities say already.
             doubt if doubt.is_none_or(Doubt::is_unsure) => Some(filter.update(&frame)),
-            _ => filter.skip(),
+            _ => filter.skip(found.best.side),
         };
         let Some(fused) = fused else { return };
         rank(found, &fused.classes);
+        found.context = Context::Frames;
         let orientation = &mut found.best.vote.orientation;
-        orientation.rotation = fused.rotation;
-        orientation.euler_deg = euler_deg(&fused.rotation);
-        orientation.spread_deg = fused.spread_deg;
+        orientation.rotation = fused.turn.rotation;
+        orientation.euler_deg = euler_deg(&fused.turn.rotation);
+        orientation.spread_deg = fused.turn.spread_deg;
         // How near this one frame lies no longer decides.
         found.doubt = self.unsure(found);
     }

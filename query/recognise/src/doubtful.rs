@@ -23,8 +23,8 @@ const MAYBE_NONE: f64 = 0.3;
 /// Hands whose neighbours' distances differ by less than this share are told apart by chance.
 const AS_NEAR: f64 = 0.01;
 
-/// What there is to doubt about an answer. `is_calibrated`: whether the index's calibration holds
-/// for it.
+/// What there is to doubt about an answer. `is_calibrated`: whether there is a calibration that
+/// holds for it.
 pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning> {
     let (mask, evidence) = (&found.prepared.mask, &found.evidence);
     let share = evidence.share;

@@ -46,6 +46,9 @@ pub enum RecogniseError {
     /// Nothing in the picture looks like a hand.
     #[error("no hand found: nothing in the picture looks like one (a mask can be given)")]
     NoHand,
+    /// What says where the hand is, says that there is none.
+    #[error("no hand: {0}")]
+    Empty(&'static str),
     /// The hand is too small or its buffers do not fit.
     #[error(transparent)]
     Hand(HandImageError),
@@ -64,7 +67,7 @@ impl RecogniseError {
             Self::Source(SourceError::Landmarks(_)) => "landmarks",
             #[cfg(feature = "landmarks")]
             Self::Source(SourceError::Networks(_)) => "landmarks",
-            Self::NoHand => "no_hand",
+            Self::NoHand | Self::Empty(_) => "no_hand",
             Self::Hand(_) => "hand_too_small",
             Self::Search(_) => "search",
         }
@@ -72,7 +75,7 @@ impl RecogniseError {
 
     /// Whether the picture is sound and merely shows no hand that can be recognised.
     pub fn is_rejection(&self) -> bool {
-        matches!(self, Self::NoHand | Self::Hand(_))
+        matches!(self, Self::NoHand | Self::Empty(_) | Self::Hand(_))
     }
 }
 

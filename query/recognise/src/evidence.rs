@@ -19,8 +19,8 @@ pub struct Evidence {
     pub nearest: Option<f64>,
     /// How far the neighbours disagree about the orientation, in degrees.
     pub spread_deg: f64,
-    /// How much farther the neighbours of the other hand lie: 0 as far, 1 twice as far. `None`
-    /// where it was not tried.
+    /// How much unlikelier the other hand is: 0 as likely, 1 as if its neighbours lay twice as far.
+    /// `None` where it was not tried.
     pub other_hand: Option<f64>,
     /// What the scene network makes of the picture, where it has found the hand.
     pub scene: Option<SceneEvidence>,

@@ -2,8 +2,8 @@
 //!
 //! The index holds right hands. A left hand's picture is flipped; all are turned as the index's
 //! descriptors want it (upright, in one of the preset `wide`), and besides by as many angles as are
-//! to be tried. The hypothesis whose neighbours are nearest is the answer, and its orientation is
-//! turned and flipped back.
+//! to be tried. The hypothesis whose neighbours are nearest, where networks do not speak against it,
+//! is the answer, and its orientation is turned and flipped back.
 
 use grasp_index::{
     Describer, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost, SearchOptions, Vote,
@@ -35,7 +35,7 @@ pub struct Hypothesis {
     pub vote: Vote,
     /// How many hypotheses were searched for, this one included.
     pub tried: usize,
-    /// How much unlikelier the other hand is: 0 as likely; 1 its neighbours lie twice as far.
+    /// How much unlikelier the other hand is: 0 as likely; 1 as if its neighbours lay twice as far.
     /// `None` where it was not tried.
     pub rival: Option<f64>,
 }
@@ -98,8 +98,8 @@ const MIRROR_PENALTY: f64 = 3.0;
 /// mostly level, and an upright hand is mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
 
-/// Tries every hand and roll of the options and returns the hypothesis whose neighbours are
-/// nearest.
+/// Tries every hand and roll of the options and returns the likeliest hypothesis: that whose
+/// neighbours are nearest, where networks do not speak against it.
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
@@ -151,7 +151,8 @@ pub(super) fn best(
         // The first hand wins a tie.
         [Some((a, first)), Some((b, other))] => {
             let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
-            (best, Some(far / near.max(f64::MIN_POSITIVE) - 1.0))
+            // Both at the same place, at no distance, are as likely.
+            (best, Some(if far > near { far / near.max(f64::MIN_POSITIVE) - 1.0 } else { 0.0 }))
         }
         [Some((_, only)), None] | [None, Some((_, only))] => (only, None),
         [None, None] => return Err(RecogniseError::NoHand),

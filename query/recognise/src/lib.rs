@@ -42,7 +42,7 @@ pub use hypothesis::Hypothesis;
 pub use mediapipe::{HandNetworks, HandNetworksError, NetworkFault};
 pub use options::{Accept, DEFAULT_ROLLS, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
 pub use recogniser::Recogniser;
-pub use recognition::Recognition;
+pub use recognition::{Context, Recognition};
 pub use side::{HandChoice, Side};
 pub use source::{MaskSource, Prepared};
 pub use timings::Timings;

@@ -12,7 +12,7 @@ use crate::evidence::Evidence;
 use crate::hypothesis;
 use crate::options::RecogniseOptions;
 use crate::picture::{self, DecodeWarning, Decoded};
-use crate::recognition::Recognition;
+use crate::recognition::{Context, Recognition};
 use crate::scene::Prediction;
 use crate::segment::Finder;
 use crate::source::{MaskSource, Prepared};
@@ -117,8 +117,10 @@ impl<'a> Recogniser<'a> {
             }
         }
         let doubt = self.options.accept.doubt(self.index, &best, trusted, &self.options.vote);
-        let doubt =
-            doubt.or(none.and_then(|probability| self.options.accept.none_of_the_grasps(probability)));
+        let is_none = none.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
+        // That no class stands out is what such a hand looks like: what else is known of it may
+        // make one stand out all the same.
+        let doubt = doubt.filter(|doubt| !doubt.is_unsure()).or(is_none).or(doubt);
         let warnings = Vec::new();
         let mut found = Recognition {
             prepared,
@@ -130,10 +132,11 @@ impl<'a> Recogniser<'a> {
             tempering,
             warnings,
             doubt,
+            context: Context::Nothing,
             timings,
         };
         let is_measured = self.index.catalogue().calibration.measured.is_some();
-        found.warnings = doubtful::warnings(&found, is_measured || !is_calibrated);
+        found.warnings = doubtful::warnings(&found, is_measured && is_calibrated);
         Ok(found)
     }
 

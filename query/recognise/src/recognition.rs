@@ -9,6 +9,18 @@ use crate::source::Prepared;
 use crate::timings::Timings;
 use crate::warning::Warning;
 
+/// What is known besides a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Context {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// How the object that the hand holds is usually grasped.
+    Object,
+    /// The frames before it.
+    Frames,
+}
+
 /// An answer and all that led to it.
 #[derive(Clone, Debug)]
 pub struct Recognition {
@@ -31,6 +43,8 @@ pub struct Recognition {
     pub warnings: Vec<Warning>,
     /// Why the class is unknown, where it is.
     pub doubt: Option<Doubt>,
+    /// What the answer goes by besides the picture.
+    pub context: Context,
     /// How long each step took.
     pub timings: Timings,
 }

@@ -40,7 +40,7 @@ impl fmt::Display for Side {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum HandChoice {
-    /// Try both and take the one whose neighbours are nearer.
+    /// Try both: neighbours, networks and where the arm comes from say which it is.
     #[default]
     Auto,
     /// A left hand.

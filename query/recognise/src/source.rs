@@ -1,6 +1,6 @@
 //! Where the hand's mask comes from.
 
-use grasp_index::{BACKGROUND, HandImage, HandImageError};
+use grasp_index::{BACKGROUND, HandImage};
 
 use crate::error::{RecogniseError, SourceError};
 #[cfg(feature = "landmarks")]
@@ -121,11 +121,16 @@ impl Prepared {
                 if sizes[0] != sizes[1] {
                     return Err(SourceError::Depth { depth: sizes[0], picture: sizes[1] }.into());
                 }
-                mask_from_depth(*depth_width, *depth_height, depth, *range).ok_or(RecogniseError::NoHand)?
+                let found = mask_from_depth(*depth_width, *depth_height, depth, *range);
+                found.ok_or(RecogniseError::Empty("no depth lies within the range of the hand"))?
             }
         };
         if found.area() == 0 {
-            return Err(HandImageError::NoHand { width, height }.into());
+            let why = match source {
+                MaskSource::Segmented => "the picture is all black, where a hand on black is expected",
+                _ => "the mask is empty: values of 128 to 255 are the hand",
+            };
+            return Err(RecogniseError::Empty(why));
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
         let mask = found.resized(picture.width(), picture.height());

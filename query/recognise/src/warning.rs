@@ -60,8 +60,8 @@ pub enum Warning {
         /// How likely that is, 0..=1.
         probability: f64,
     },
-    /// The index has no calibration.
-    #[error("the index is not calibrated: probabilities are shares of the neighbours' votes")]
+    /// The index has no calibration, or none that holds for such a vote.
+    #[error("no calibration holds for this vote: probabilities are shares of the neighbours' votes")]
     IndexNotCalibrated,
 }
 

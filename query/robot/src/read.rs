@@ -13,6 +13,9 @@ use super::{DescriptionFault, RobotError};
 const UNIT_TOLERANCE: f64 = 1e-3;
 /// Nothing that this program is for lies farther away, in metres.
 const FAR: f64 = 100.0;
+/// The longest description in bytes, ten times as long as any that is known: what the parser makes
+/// of a text takes many times as much memory.
+const LONGEST: usize = 256 << 10;
 
 /// A description's name and what it should describe, for its errors.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +30,9 @@ impl Source<'_> {
     }
 
     pub(super) fn parse<T: DeserializeOwned>(self, text: &str) -> Result<T, RobotError> {
+        if text.len() > LONGEST {
+            return Err(self.error(DescriptionFault::Long { kib: text.len() >> 10, most: LONGEST >> 10 }));
+        }
         toml::from_str(text).map_err(|error| self.error(DescriptionFault::Toml(error)))
     }
 

@@ -11,13 +11,19 @@ pub(crate) struct View {
 
 impl View {
     /// The camera that a message describes, for pictures of `width` x `height` pixels: those of a
-    /// camera whose driver shrinks them are smaller than the message says. `None` where it is not
-    /// calibrated.
+    /// camera whose driver shrinks them, or shows a part, are smaller than the message says. `None`
+    /// where it is not calibrated.
     pub(crate) fn new(info: &CameraInfo, width: usize, height: usize) -> Option<Self> {
+        // A part of no size is all of it.
+        let part = &info.roi;
+        let is_whole = part.width == 0 || part.height == 0;
+        let of_sensor = if is_whole { [info.width, info.height] } else { [part.width, part.height] };
+        let offset = if is_whole { [0; 2] } else { [part.x_offset, part.y_offset] }.map(f64::from);
         let scale = |whole: u32, side: usize| if whole == 0 { 1.0 } else { side as f64 / f64::from(whole) };
-        let (across, down) = (scale(info.width, width), scale(info.height, height));
+        let (across, down) = (scale(of_sensor[0], width), scale(of_sensor[1], height));
         let [fx, _, cx, _, fy, cy, ..] = info.k;
-        let (focal, principal) = ([fx * across, fy * down], [cx * across, cy * down]);
+        let focal = [fx * across, fy * down];
+        let principal = [(cx - offset[0]) * across, (cy - offset[1]) * down];
         let is_sound = focal.iter().all(|length| length.is_finite() && *length > 0.0)
             && principal.iter().all(|place| place.is_finite());
         is_sound.then_some(Self { focal, principal })
@@ -34,6 +40,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::messages::sensor::RegionOfInterest;
 
     fn info(k: [f64; 9]) -> CameraInfo {
         CameraInfo { width: 640, height: 480, k, ..CameraInfo::default() }
@@ -52,6 +59,22 @@ mod tests {
     fn a_shrunk_picture_is_seen_by_the_same_camera() {
         let (whole, half) = (View::new(&info(K), 640, 480).unwrap(), View::new(&info(K), 320, 240).unwrap());
         assert_eq!(half.point([210.0, 70.0], 1.0), whole.point([420.0, 140.0], 1.0));
+    }
+
+    #[test]
+    fn a_part_of_a_picture_is_seen_by_the_same_camera() {
+        let roi = RegionOfInterest {
+            x_offset: 100,
+            y_offset: 40,
+            width: 320,
+            height: 240,
+            ..RegionOfInterest::default()
+        };
+        let part = CameraInfo { roi, ..info(K) };
+        let whole = View::new(&info(K), 640, 480).unwrap();
+        let [cut, binned] = [1, 2].map(|by| View::new(&part, 320 / by, 240 / by).unwrap());
+        assert_eq!(cut.point([220.0, 160.0], 1.0), whole.point([320.0, 200.0], 1.0));
+        assert_eq!(binned.point([110.0, 80.0], 1.0), whole.point([320.0, 200.0], 1.0));
     }
 
     #[test]

@@ -92,7 +92,9 @@ pub(super) fn answer(
 /// The status of a picture that has no answer.
 fn status_of(error: &RecogniseError) -> StatusCode {
     match error {
-        RecogniseError::NoHand | RecogniseError::Hand(_) => StatusCode::UNPROCESSABLE_ENTITY,
+        RecogniseError::NoHand | RecogniseError::Empty(_) | RecogniseError::Hand(_) => {
+            StatusCode::UNPROCESSABLE_ENTITY
+        }
         RecogniseError::Decode(_) | RecogniseError::Source(_) => StatusCode::BAD_REQUEST,
         RecogniseError::Search(_) => StatusCode::BAD_REQUEST,
     }

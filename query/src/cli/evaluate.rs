@@ -11,8 +11,8 @@ use super::labelled::LabelledArguments;
 use super::overwriting::refuse_overwriting;
 use crate::evaluate::Outcome;
 use crate::evaluate::report::{self, Report};
-use grasp_program::Global;
 use grasp_program::status::{ERROR, SUCCESS};
+use grasp_program::{Global, output_file};
 use grasp_recognise::Evidence;
 use grasp_recognise::orientation::xyzw;
 
@@ -35,7 +35,7 @@ pub(super) struct Evaluate {
     #[command(flatten)]
     index: IndexFile,
     /// Write each picture's answer as a table.
-    #[arg(long, value_name = "OUT.csv")]
+    #[arg(long, value_name = "OUT.csv", value_parser = output_file())]
     predictions: Option<PathBuf>,
     #[command(flatten)]
     labelled: LabelledArguments,

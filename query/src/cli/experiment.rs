@@ -19,7 +19,7 @@ use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection, without_folders};
-use crate::evaluate::labels::Kind;
+use crate::evaluate::labels::{Kind, OTHER};
 use crate::experiment::paper::{Class, Paper};
 use crate::experiment::sequence::Sequences;
 use crate::experiment::shapes::{Scored, Shapes};
@@ -114,8 +114,8 @@ struct ShapesArguments {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment unknown tests/pictures/labels.csv
-  grasp-query experiment unknown tests/pictures/labels.csv --hand right --others OTHERS.csv \\
+  grasp-query experiment unknown tests/pictures/labels.csv --others OTHERS.csv
+  grasp-query experiment unknown tests/pictures/labels.csv --others OTHERS.csv --hand right \\
     --out results
 
 LABELS.csv and OTHERS.csv are as for `grasp-query evaluate`; of OTHERS.csv every row counts,
@@ -182,10 +182,10 @@ struct TrustArguments {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-query experiment sequence tests/pictures/labels.csv --hand right
-  grasp-query experiment sequence tests/pictures/labels.csv --hand right --switch 0.4 --json
+  grasp-query experiment sequence LABELS.csv --hand right
+  grasp-query experiment sequence LABELS.csv --hand right --switch 0.4 --json
 
-LABELS.csv is as for `grasp-query evaluate`.
+LABELS.csv is as for `grasp-query evaluate`, with the columns stage, azimuth, elevation and roll.
 
 Exit status: 0, or 2 where the table or a picture of it could not be used.")]
 struct SequenceArguments {
@@ -285,6 +285,11 @@ impl UnknownArguments {
         if let Some(others) = others {
             outcomes.extend(self.labelled.score(&others, &index, options, global)?);
             broken.extend(others.broken);
+        }
+        if !outcomes.iter().any(|outcome| outcome.label.grasp == OTHER) {
+            bail!(
+                "there is nothing to distinguish the grasps from: label pictures of other hands `{OTHER}`, or name a table of such by --others"
+            );
         }
         let calibration = index.catalogue().calibration;
         let limits = calibration.farthest.map(|farthest| Limits {

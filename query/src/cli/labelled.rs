@@ -45,6 +45,12 @@ impl LabelledArguments {
         options: RecogniseOptions,
         global: &Global,
     ) -> anyhow::Result<Vec<Outcome>> {
+        if self.labelled_masks && !selected.has_camera_masks() {
+            tracing::warn!(
+                "--labelled-masks changes nothing: no camera picture has a mask in {}",
+                self.table()
+            );
+        }
         selected.score(&Recogniser::new(index, options), self.labelled_masks, global)
     }
 }

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use grasp_recognise::picture;
 
-/// The named files, with the pictures of a named folder in its place.
+/// The named files, with the pictures of a named folder in its place. One of several that holds no
+/// picture stays, as what cannot be answered.
 ///
 /// # Errors
-/// Where a folder cannot be read, or holds no picture.
+/// Where a folder cannot be read, or the only one holds no picture.
 pub(super) fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut pictures = Vec::with_capacity(named.len());
     for path in named {
@@ -18,7 +19,9 @@ pub(super) fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         }
         let found = picture::pictures_in(path)
             .with_context(|| format!("cannot read the folder {}", path.display()))?;
-        if found.is_empty() {
+        if found.is_empty() && named.len() > 1 {
+            pictures.push(path.clone());
+        } else if found.is_empty() {
             bail!(
                 "the folder {} holds no picture, and folders in it are not searched: name pictures, or a folder that holds some",
                 path.display()

@@ -31,7 +31,7 @@ use grasp_recognise::prior::Priors;
 use grasp_recognise::segment::Mask;
 use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::sequence::Filter;
-use grasp_recognise::{MaskSource, Recogniser, Recognition};
+use grasp_recognise::{MaskSource, Recogniser, Recognition, Warning};
 use grasp_robot::Setting;
 #[cfg(feature = "serve")]
 use grasp_serve::client::Address;
@@ -163,8 +163,7 @@ impl Recognise {
             (None, []) => bail!("name pictures, or a camera by its number, as in --camera 0"),
             _ => {}
         }
-        let is_of_one = self.mask.is_some() || self.depth.is_some() || self.landmarks_json.is_some();
-        if is_of_one && (images.len() > 1 || camera.is_some()) {
+        if self.is_of_one() && (images.len() > 1 || camera.is_some()) {
             let given =
                 if camera.is_some() { "a camera's are".into() } else { format!("{} are", images.len()) };
             bail!("--mask, --depth and --landmarks-json are for a single picture, but {given} given");
@@ -263,12 +262,33 @@ impl Recognise {
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
         let name = feed.name();
-        feed.each_frame(|frame, bytes| {
-            let found = bytes.and_then(|bytes| self.find(setup, name.clone(), frame, &bytes));
+        feed.each_frame(|frame, given| {
+            self.refuse_more(&name, frame)?;
+            let found = given.and_then(|given| {
+                let mut found = self.find(setup, name.clone(), frame, &given.bytes);
+                if let (Ok(found), Some(warning)) = (&mut found, given.warning()) {
+                    found.warnings.insert(0, Warning::Decoding(warning.to_string()));
+                }
+                found
+            });
             let record = self.finish(setup, name.clone(), frame, found, filter.as_mut());
             self.index.check(setup.recogniser.index())?;
             output.write(&record)
         })
+    }
+
+    /// A mask, a depth picture and landmarks are of one picture: a stream of several is refused
+    /// when its second comes.
+    fn refuse_more(&self, name: &str, frame: Option<u64>) -> anyhow::Result<()> {
+        if self.is_of_one() && frame.is_some_and(|frame| frame > 0) {
+            bail!("--mask, --depth and --landmarks-json are for a single picture, but {name} has more");
+        }
+        Ok(())
+    }
+
+    /// Whether something is given that belongs to a single picture.
+    fn is_of_one(&self) -> bool {
+        self.mask.is_some() || self.depth.is_some() || self.landmarks_json.is_some()
     }
 
     fn find_in_file(&self, setup: &Setup<'_>, path: &Path) -> Found {
@@ -299,7 +319,7 @@ impl Recognise {
             (Err(record), None) => return record,
             (Err(record), Some(_)) => {
                 // Time goes by all the same.
-                filter.map(Filter::skip);
+                filter.map(Filter::pass);
                 return record;
             }
         };

@@ -7,8 +7,8 @@ use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
 use super::overwriting::refuse_overwriting;
 use crate::experiment::report::{Findings, Source};
-use grasp_program::Global;
 use grasp_program::status::{ERROR, SUCCESS};
+use grasp_program::{Global, output_file};
 
 /// Report on your own labelled pictures, as one self-contained page to read, print and pass on.
 ///
@@ -35,7 +35,7 @@ pub(super) struct ReportArguments {
     #[command(flatten)]
     index: IndexFile,
     /// Write the page here.
-    #[arg(long, value_name = "REPORT.html")]
+    #[arg(long, value_name = "REPORT.html", value_parser = output_file())]
     out: PathBuf,
     /// Show this many pictures of each sort: surely right, surely wrong, doubtful.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u16).range(0..=1000))]

@@ -342,7 +342,7 @@ impl Target {
 /// Every query's neighbours as a line of JSON. The names are the index's: `check` says whether they
 /// may be believed.
 fn print_neighbours<'f, 'n>(
-    names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
+    names: impl Fn(u32) -> (Option<&'n str>, Option<String>),
     found: impl Iterator<Item = &'f [Neighbour]>,
     check: impl Fn() -> anyhow::Result<()>,
 ) -> anyhow::Result<u8> {
@@ -360,7 +360,7 @@ fn print_neighbours<'f, 'n>(
 
 /// The neighbours of the first queries, for a person.
 fn show<'f, 'n>(
-    names: impl Fn(u32) -> (Option<&'n str>, Option<&'n str>),
+    names: impl Fn(u32) -> (Option<&'n str>, Option<String>),
     found: impl Iterator<Item = &'f [Neighbour]>,
     count: usize,
     check: impl Fn() -> anyhow::Result<()>,
@@ -370,7 +370,8 @@ fn show<'f, 'n>(
         writeln!(out, "query {query}")?;
         for neighbour in present(neighbours) {
             let (grasp, file) = names(neighbour.id);
-            let names = [grasp, file].into_iter().flatten().map(|name| format!("  {}", printable(name)));
+            let names = grasp.into_iter().chain(file.as_deref());
+            let names = names.map(|name| format!("  {}", printable(name)));
             writeln!(out, "{:>10}  {:.4}{}", neighbour.id, neighbour.distance, names.collect::<String>())?;
         }
     }

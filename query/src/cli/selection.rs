@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use rayon::prelude::*;
 
-use crate::evaluate::labels::{self, Label, LabelFault, OTHER, Part, RowError};
+use crate::evaluate::labels::{self, Kind, Label, LabelFault, OTHER, Part, RowError};
 use crate::evaluate::{Outcome, folder_of, score};
 use grasp_program::Global;
 use grasp_recognise::Recogniser;
@@ -74,6 +74,9 @@ impl Selection {
             let name = self.labels.display();
             match broken.first() {
                 Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.fault),
+                None if self.conditions.is_empty() && self.part == Part::default() => {
+                    bail!("{name} has no rows: it labels no picture")
+                }
                 None => {
                     bail!("no row of {name} meets all of --where and --part together: leave one of them out")
                 }
@@ -109,6 +112,11 @@ impl Selection {
 }
 
 impl Selected {
+    /// Whether any camera picture has a labelled mask.
+    pub(super) fn has_camera_masks(&self) -> bool {
+        self.labels.iter().any(|label| label.kind == Kind::Camera && label.mask.is_some())
+    }
+
     /// All rows of a table of pictures that show none of the classes.
     pub(super) fn others(path: &Path) -> anyhow::Result<Self> {
         let (rows, broken): (Vec<_>, Vec<_>) = labels::read(path)?.into_iter().partition(Result::is_ok);

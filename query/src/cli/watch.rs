@@ -8,9 +8,8 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use grasp_answer::annotate::{Annotator, FrameContent};
-use grasp_answer::human;
 use grasp_answer::record::{Record, SingleRecord};
-use grasp_recognise::picture::{self, DecodeWarning, Decoded};
+use grasp_recognise::picture::{self, Decoded};
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{Recogniser, Recognition, Tracker};
 use grasp_robot::Setting;
@@ -124,7 +123,7 @@ impl Watch {
             let (record, drawing) = watching.frame(frame)?;
             self.index.check(&index)?;
             status = status.max(record.status());
-            if let Err(error) = output.write(&record, &drawing) {
+            if let Err(error) = output.write(&record, drawing.as_deref()) {
                 // Who closes the window that shows the frames keeps their records.
                 output.keep_records()?;
                 return Err(error);
@@ -209,8 +208,8 @@ fn is_device(path: &Path) -> bool {
 }
 
 impl Watching<'_> {
-    /// Answers a frame and draws it, as a JPEG.
-    fn frame(&mut self, frame: Frame) -> anyhow::Result<(Record, Vec<u8>)> {
+    /// Answers a frame and draws it, as a JPEG, once a picture was there to draw on.
+    fn frame(&mut self, frame: Frame) -> anyhow::Result<(Record, Option<Vec<u8>>)> {
         let number = frame.number;
         let name = match &frame.given {
             Ok(given) => Some(given.name.as_path()),
@@ -248,7 +247,7 @@ impl Watching<'_> {
             }
             Err(record) => {
                 // Time goes by all the same.
-                self.filter.skip();
+                self.filter.pass();
                 let why = match &record {
                     Record::Failure(failure) => failure.error.message.clone(),
                     Record::Answer(_) => String::new(),
@@ -257,7 +256,7 @@ impl Watching<'_> {
             }
         };
         let drawn = started.elapsed();
-        let bytes = output::encoded(&drawing)?;
+        let bytes = drawing.as_ref().map(output::encoded).transpose()?;
         let done = started.elapsed();
         self.pace.add([decode, recognised - decode, drawn - recognised, done - drawn]);
         Ok((record, bytes))
@@ -269,13 +268,10 @@ impl Watching<'_> {
         let given = frame
             .given
             .map_err(|error| Record::failed(self.name.clone(), number, error.kind(), error.to_string()))?;
-        if given.skipped > 0 {
-            let warning = DecodeWarning::Skipped { bytes: given.skipped };
-            let name = human::name(&self.name, number);
-            tracing::warn!(subject = name, "warning: {warning}");
-        }
-        picture::decode(&given.bytes)
-            .map_err(|error| Record::not_recognised(self.name.clone(), number, &error.into()))
+        let mut decoded = picture::decode(&given.bytes)
+            .map_err(|error| Record::not_recognised(self.name.clone(), number, &error.into()))?;
+        decoded.warnings.splice(0..0, given.warning());
+        Ok(decoded)
     }
 
     /// The record of what was found, by all frames so far.

@@ -15,7 +15,7 @@ use crate::evaluate::errors::median;
 use crate::evaluate::labels::{Kind, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
-use grasp_recognise::sequence::{Belief, Filter, SequenceParams};
+use grasp_recognise::sequence::{Belief, Filter, SequenceParams, Turn};
 
 /// The stages of a grasp in their order.
 const STAGES: [&str; 3] = ["reach", "close", "grasp"];
@@ -131,14 +131,14 @@ fn rows(kind: Kind, outcomes: &[Outcome], params: SequenceParams) -> Vec<Row> {
 
 fn score(outcome: &Outcome, filter: &mut Filter) -> Scored {
     let Ok(guess) = &outcome.result else {
-        filter.skip();
+        filter.pass();
         return Scored { is_right: [false; 2], error_deg: None };
     };
     let names = names(guess);
     let frame = Belief {
         classes: names.iter().map(|(_, probability)| *probability).collect(),
-        rotation: guess.orientation,
-        spread_deg: guess.spread_deg,
+        side: guess.hand,
+        turn: Turn { rotation: guess.orientation, spread_deg: guess.spread_deg },
     };
     let fused = filter.update(&frame);
     let is_right = |belief: &Belief| {
@@ -146,7 +146,7 @@ fn score(outcome: &Outcome, filter: &mut Filter) -> Scored {
         first.is_some_and(|((name, _), _)| *name == outcome.label.grasp)
     };
     let error = |belief: &Belief| {
-        outcome.label.orientation.map(|labelled| labelled.angle_to(&belief.rotation).to_degrees())
+        outcome.label.orientation.map(|labelled| labelled.angle_to(&belief.turn.rotation).to_degrees())
     };
     Scored {
         is_right: [is_right(&frame), is_right(&fused)],

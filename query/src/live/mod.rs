@@ -11,4 +11,5 @@ mod source;
 
 pub use ahead::{Ahead, Frame, Keep};
 pub use pace::Pace;
+pub(crate) use source::warn_of_rest;
 pub use source::{EncodedFrame, Source, SourceError, Streams};

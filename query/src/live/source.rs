@@ -5,7 +5,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-use grasp_recognise::picture::{Frame, Frames, StreamError};
+use grasp_recognise::picture::{DecodeWarning, Frame, Frames, StreamError};
+use grasp_terminal::text::counted;
 
 use super::camera::{Camera, CameraError};
 
@@ -71,6 +72,13 @@ pub struct EncodedFrame {
     pub skipped: u64,
 }
 
+impl EncodedFrame {
+    /// What is odd about it, before it is decoded.
+    pub fn warning(&self) -> Option<DecodeWarning> {
+        (self.skipped > 0).then_some(DecodeWarning::Skipped { bytes: self.skipped })
+    }
+}
+
 /// Where frames come from.
 #[derive(Debug)]
 pub enum Source {
@@ -126,7 +134,10 @@ impl Streams {
                         return Some(Ok(EncodedFrame { name, bytes, skipped }));
                     }
                     Some(Err(error)) => return Some(Err(SourceError::Stream { name, error })),
-                    None => self.current = None,
+                    None => {
+                        warn_of_rest(&name.display().to_string(), frames.skipped_at_end());
+                        self.current = None;
+                    }
                 }
             }
             let name = self.files.next()?;
@@ -135,6 +146,14 @@ impl Streams {
                 Err(error) => return Some(Err(error)),
             }
         }
+    }
+}
+
+/// Reports what follows the last frame of a stream.
+pub(crate) fn warn_of_rest(subject: &str, skipped: u64) {
+    if skipped > 0 {
+        let bytes = counted(skipped, ["byte", "bytes"]);
+        tracing::warn!(subject, skipped, "warning: {bytes} behind the last frame are no whole picture");
     }
 }
 

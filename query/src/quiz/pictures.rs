@@ -24,7 +24,7 @@ pub struct Shown {
     pub stage: String,
     /// The hand image.
     pub png: Vec<u8>,
-    /// What the program says to it, where it was asked; `Some(None)` where it gave no answer.
+    /// What the program says to it, where it was asked; `Some(None)` where it rejects the picture.
     pub machine: Option<Option<String>>,
 }
 

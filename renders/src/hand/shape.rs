@@ -102,8 +102,10 @@ impl HandShape {
         if name == "mean" {
             return Ok(HandShape::mean());
         }
-        if let Some(seed) = name.strip_prefix("hand-").and_then(|n| n.parse().ok()) {
-            return Ok(HandShape::sample(seed));
+        // One name a seed: `hand-007` is none.
+        let seed = name.strip_prefix("hand-").and_then(|seed| seed.parse().ok());
+        if let Some(hand) = seed.map(HandShape::sample).filter(|hand| hand.name == name) {
+            return Ok(hand);
         }
         let Some(groups) = PARSED.presets.get(name) else {
             return Err(HandShapeError::Unknown { name: name.to_owned(), known: HandShape::preset_names() });

@@ -1,12 +1,13 @@
 //! Joints, bones and skin of a model in its rest pose, in the file's own frame.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::error::HandModelError;
 use super::fault::{ModelFault, NotAHand, Unsupported};
-use super::glb::{Document, Glb, Node, Primitive};
+use super::glb::{Document, Glb, Node, Primitive, Skin as Binding};
 use crate::hand::Digit;
 
 type V = Vector3<f64>;
@@ -168,6 +169,8 @@ fn name_joints(document: &Document) -> Result<HashMap<&'static str, usize>, Hand
 /// The tree of nodes.
 struct Nodes {
     parents: Vec<Option<usize>>,
+    /// All nodes, parents before their children.
+    order: Vec<usize>,
     /// From each node's frame into the scene's.
     poses: Vec<Matrix4<f64>>,
 }
@@ -189,27 +192,28 @@ impl Nodes {
         let mut poses = vec![None; nodes.len()];
         let mut open: Vec<(usize, Matrix4<f64>)> =
             (0..nodes.len()).filter(|&i| parents[i].is_none()).map(|i| (i, Matrix4::identity())).collect();
+        let mut order = Vec::with_capacity(nodes.len());
         while let Some((i, above)) = open.pop() {
             let pose = above * local(&nodes[i]);
             if !pose.iter().all(|x| x.is_finite()) {
                 return Err(ModelFault::Pose(i).into());
             }
             poses[i] = Some(pose);
+            order.push(i);
             open.extend(nodes[i].children.iter().map(|&child| (child, pose)));
         }
         let poses: Option<Vec<_>> = poses.into_iter().collect();
         let poses = poses.ok_or(ModelFault::Circle)?;
-        Ok(Nodes { parents, poses })
+        Ok(Nodes { parents, order, poses })
     }
 
-    /// What `of` knows of a node or of the nearest one above it that it knows.
-    fn nearest<T: Copy>(&self, mut node: usize, of: &[Option<T>]) -> Option<T> {
-        loop {
-            if let Some(known) = of.get(node).copied().flatten() {
-                return Some(known);
-            }
-            node = self.parents.get(node).copied().flatten()?;
+    /// Of every node, what `of` says of it or else of the nearest one above it.
+    fn inherited<T: Copy>(&self, of: &[Option<T>]) -> Vec<Option<T>> {
+        let mut known = of.to_vec();
+        for &node in &self.order {
+            known[node] = known[node].or_else(|| known[self.parents[node]?]);
         }
+        known
     }
 }
 
@@ -228,44 +232,61 @@ fn local(node: &Node) -> Matrix4<f64> {
 /// if it is a joint.
 fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, HandModelError> {
     let document = &glb.document;
+    // Bones of no hand's (twists, the forearm) go with the joint above them, or with the wrist.
+    let above: Vec<usize> = scene.inherited(bones).iter().map(|bone| bone.unwrap_or(PALM)).collect();
+    // A skin's, once for all nodes that are bound by it.
+    let mut moves_of: HashMap<usize, Moves> = HashMap::new();
     let mut skin = Skin::default();
     // Corners in one place are one: seams of textures must not show.
     let mut places: HashMap<[u64; 3], u32> = HashMap::new();
     for node in &document.nodes {
-        let (Some(mesh), Some(bound)) = (node.mesh, node.skin) else { continue };
-        let (Some(mesh), Some(bound)) = (document.meshes.get(mesh), document.skins.get(bound)) else {
+        let (Some(mesh), Some(number)) = (node.mesh, node.skin) else { continue };
+        let (Some(mesh), Some(bound)) = (document.meshes.get(mesh), document.skins.get(number)) else {
             return Err(ModelFault::NoMesh.into());
         };
-        if !bound.joints.iter().any(|&joint| bones.get(joint).copied().flatten().is_some()) {
+        let moves = match moves_of.entry(number) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                let is_hand = |joint: &usize| bones.get(*joint).copied().flatten().is_some();
+                new.insert(match bound.joints.iter().any(is_hand) {
+                    true => moves(glb, bound, scene, &above)?,
+                    false => Vec::new(),
+                })
+            }
+        };
+        if moves.is_empty() {
             continue;
         }
-        let mut binds = vec![Matrix4::identity(); bound.joints.len()];
-        if let Some(accessor) = bound.inverse_bind_matrices {
-            let matrices = glb.rows::<16>(accessor, "MAT4")?;
-            if matrices.len() < binds.len() {
-                return Err(ModelFault::Binds.into());
-            }
-            for (bind, matrix) in binds.iter_mut().zip(matrices) {
-                *bind = Matrix4::from_column_slice(&matrix);
-            }
-        }
-        let mut moves = Vec::with_capacity(binds.len());
-        for (&joint, bind) in bound.joints.iter().zip(&binds) {
-            let Some(pose) = scene.poses.get(joint) else {
-                return Err(ModelFault::NoJoint(joint).into());
-            };
-            // Bones of no hand's (twists, the forearm) go with the joint above them, or with the
-            // wrist.
-            moves.push((pose * bind, scene.nearest(joint, bones).unwrap_or(PALM)));
-        }
         for primitive in &mesh.primitives {
-            read_primitive(glb, primitive, &moves, &mut skin, &mut places)?;
+            read_primitive(glb, primitive, moves, &mut skin, &mut places)?;
         }
     }
     if skin.triangles.is_empty() {
         return Err(NotAHand::NoSkin.into());
     }
     Ok(skin)
+}
+
+/// Of each joint of a skin, where it moves what is bound to it, and the bone that it goes with.
+type Moves = Vec<(Matrix4<f64>, usize)>;
+
+/// Those of a skin; `above` is the bone that each node goes with.
+fn moves(glb: &Glb, bound: &Binding, scene: &Nodes, above: &[usize]) -> Result<Moves, HandModelError> {
+    let mut binds = vec![Matrix4::identity(); bound.joints.len()];
+    if let Some(accessor) = bound.inverse_bind_matrices {
+        let matrices = glb.rows::<16>(accessor, "MAT4")?;
+        if matrices.len() < binds.len() {
+            return Err(ModelFault::Binds.into());
+        }
+        for (bind, matrix) in binds.iter_mut().zip(matrices) {
+            *bind = Matrix4::from_column_slice(&matrix);
+        }
+    }
+    let moved = |(&joint, bind): (&usize, &Matrix4<f64>)| {
+        let (pose, bone) = scene.poses.get(joint).zip(above.get(joint)).ok_or(ModelFault::NoJoint(joint))?;
+        Ok((pose * bind, *bone))
+    };
+    bound.joints.iter().zip(&binds).map(moved).collect()
 }
 
 fn read_primitive(
@@ -293,7 +314,8 @@ fn read_primitive(
     if sets.is_empty() {
         return Err(ModelFault::NoWeights.into());
     }
-    skin.read[0] += positions.len();
+    // Parts without corners take time as well.
+    skin.read[0] += positions.len().max(1);
     if skin.read[0] > MOST_CORNERS {
         return Err(Unsupported::TooFine { what: "corners", most: MOST_CORNERS }.into());
     }

@@ -143,9 +143,18 @@ impl Manifest {
             path.push(MANIFEST);
         }
         let bytes = fs::read(&path).map_err(|source| ManifestError::Read { path: path.clone(), source })?;
+        Manifest::parse(&bytes, path, grasps)
+    }
+
+    /// Checks what the manifest at `path` says, of which these are the `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// See [`Manifest::read_with`].
+    pub fn parse(bytes: &[u8], path: PathBuf, grasps: &GraspSet) -> Result<Manifest, ManifestError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let at_line = |line: u64, problem: Problem| ManifestError::Line { path: path.clone(), line, problem };
-        let mut table = Table::new(bytes.as_slice(), None).map_err(|fault| at_line(1, fault.into()))?;
+        let mut table = Table::new(bytes, None).map_err(|fault| at_line(1, fault.into()))?;
         if let Some(column) = NEEDED.into_iter().find(|column| !table.has(column)) {
             return Err(ManifestError::MissingColumn { path, column });
         }

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Write};
 use std::path::Path;
 
+use tempfile::NamedTempFile;
+
 use crate::scene::Render;
 
 /// Keyword of the text chunk that holds the scene's parameter hash and the view.
@@ -66,14 +68,29 @@ pub(super) fn is_ours(path: &Path) -> bool {
     })
 }
 
-/// Writes a file so that a reader finds either the whole of it or what was there before.
+/// Writes a picture so that a reader finds either the whole of it or what was there before. After a
+/// power cut it may be damaged, which [`is_current`] notices.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    part_of(path, bytes)?.persist(path)?;
+    Ok(())
+}
+
+/// The same of a file that has no way to tell that it is damaged: it is on the disk before it has
+/// its name.
+pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let part = part_of(path, bytes)?;
+    part.as_file().sync_all()?;
+    part.persist(path)?;
+    Ok(())
+}
+
+/// A file that is not under its name yet.
+fn part_of(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut file = tempfile::Builder::new().prefix(".part-").tempfile_in(folder)?;
     file.write_all(bytes)?;
     set_default_permissions(file.as_file())?;
-    file.persist(path).map_err(|e| e.error)?;
-    Ok(())
+    Ok(file)
 }
 
 /// Temporary files are private; a render set is for everyone who may read its folder.

@@ -140,7 +140,7 @@ pub fn write_set(
     let path = folder.join(MANIFEST);
     let failed = |source| RenderSetError::Write { path: path.clone(), source };
     let bytes = manifest::to_csv(rows).map_err(failed)?;
-    picture::write_whole(&path, &bytes).map_err(failed)?;
+    picture::write_durably(&path, &bytes).map_err(failed)?;
     let kept = counts.kept.into_inner();
     Ok(Summary { manifest: path, rendered: counts.done.into_inner() - kept, kept })
 }

@@ -134,7 +134,7 @@ impl Filled {
         let mut filled = Self { directory: vec![0], ids: Vec::new(), blocks: Vec::new(), entry_blocks: 0 };
         let own = |id: u32| entries.contains(&id).then(|| id - entries.start);
         match index.catalogue.hash {
-            HashInfo::Random(_) => {
+            HashInfo::Random(hash) => {
                 let buckets = Buckets { directory, ids: index.bucket_ids() };
                 for bucket in 0..directory.len().saturating_sub(1) as u32 {
                     filled.ids.extend(buckets.get(bucket).iter().filter_map(|&id| own(id)));
@@ -144,8 +144,8 @@ impl Filled {
                     }
                     filled.directory.push(filled.ids.len() as u32);
                 }
-                let tables = filled.ids.len() / entries.len();
-                let are_whole = tables * entries.len() == filled.ids.len();
+                // Each table has every entry once.
+                let are_whole = filled.ids.len() == hash.tables as usize * entries.len();
                 are_whole.then_some(filled).ok_or(DAMAGED)
             }
             HashInfo::Learned(hash) => {

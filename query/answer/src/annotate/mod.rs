@@ -46,8 +46,8 @@ pub enum FrameContent<'a> {
     Nothing(&'a str),
 }
 
-/// Draws the frames of a video, one after the other. All drawings have the size of the first, even
-/// in width and height, as video encoders want it.
+/// Draws the frames of a video, one after the other. All drawings have the size of the first, which
+/// is that of the first picture, even in width and height, as video encoders want it.
 #[derive(Debug)]
 pub struct Annotator {
     strip: Strip,
@@ -64,10 +64,14 @@ impl Annotator {
     }
 
     /// Draws the next frame, the `number`-th of its source. One that cannot be decoded has no
-    /// picture: the one before it stands still.
-    pub fn draw(&mut self, number: u64, picture: Option<Picture>, seen: FrameContent<'_>) -> RgbImage {
-        let shown = picture.map(image_of).or_else(|| self.last.take());
-        let shown = shown.unwrap_or_else(|| RgbImage::new(LEAST_WIDTH, LEAST_WIDTH));
+    /// picture: the one before it stands still; `None` where there was none yet.
+    pub fn draw(
+        &mut self,
+        number: u64,
+        picture: Option<Picture>,
+        seen: FrameContent<'_>,
+    ) -> Option<RgbImage> {
+        let shown = picture.map(image_of).or_else(|| self.last.take())?;
         let size = [shown.width(), shown.height()];
         let room =
             *self.room.get_or_insert([size[0].max(LEAST_WIDTH), size[1]].map(|v| v.next_multiple_of(2)));
@@ -106,7 +110,7 @@ impl Annotator {
             room[0],
             matches!(seen, FrameContent::Hand { approach: Some(_), .. }),
         );
-        canvas.into_image()
+        Some(canvas.into_image())
     }
 }
 

@@ -15,7 +15,7 @@ use crate::lettering::Font;
 use crate::record::Answer;
 pub use descriptor::edge_deg;
 pub use file::{Format, SaveError, save};
-use grasp_recognise::{Recognition, Side};
+use grasp_recognise::{Context, Recognition, Side};
 use measures::{GAP, LARGE, MARGIN, WIDTH};
 
 /// Pixels of a hand's axis in the picture.
@@ -47,7 +47,7 @@ pub fn draw(found: &Recognition, answer: &Answer, index: &Index) -> RgbImage {
 
     head.draw(&mut canvas);
     inputs(&mut canvas, inputs_at, found);
-    vote(&mut canvas, (column(3), inputs_at), answer);
+    vote(&mut canvas, (column(3), inputs_at), found, answer);
     let title = format!("5  The hand as the {} numbers that are compared", found.best.descriptor.len());
     titled(&mut canvas, (MARGIN, descriptor_at), &title, &descriptor::legend(params));
     descriptor::draw(&mut canvas, descriptor_at + 2 * LINE, params, &found.best.descriptor);
@@ -174,7 +174,7 @@ fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
 }
 
 /// The classes' probabilities as bars.
-fn vote(canvas: &mut Canvas, (x, top): (u32, u32), answer: &Answer) {
+fn vote(canvas: &mut Canvas, (x, top): (u32, u32), found: &Recognition, answer: &Answer) {
     canvas.text((x, top), LARGE, Font::STRONG, "4  The vote", colour::INK);
     let shown = answer.classes.len().min(MOST_CLASSES);
     let step = LARGE / (shown.max(6) as u32);
@@ -190,12 +190,19 @@ fn vote(canvas: &mut Canvas, (x, top): (u32, u32), answer: &Answer) {
         canvas.fill((x, y + LINE), ((f64::from(LARGE) * class.probability) as u32, 8), ink);
     }
     let below = top + LINE + LARGE + 4;
-    // Where the descriptor's network says how far a grasp is closed, its opinion counts as well.
-    let note = match answer.stages {
-        None => "the probability of each grasp, by how near the neighbours of part 6 are",
-        Some(_) => "the probability of each grasp, by the neighbours of part 6 and what networks see",
+    // A learned descriptor's network says how far a grasp is closed, and the scene networks what
+    // they see in a camera picture.
+    let by = match answer.stages.is_some() || found.prepared.scene.is_some() {
+        false => "how near the neighbours of part 6 are",
+        true => "the neighbours of part 6 and what networks see",
     };
-    for (line, text) in (0u32..).zip(Font::BODY.wrap(note, LARGE)) {
+    let besides = match found.context {
+        Context::Nothing => "",
+        Context::Object => ", and by how this object is usually grasped",
+        Context::Frames => ", in this frame and those before it",
+    };
+    let note = format!("the probability of each grasp, by {by}{besides}");
+    for (line, text) in (0u32..).zip(Font::BODY.wrap(&note, LARGE)) {
         canvas.text((x, below + line * LINE), LARGE, Font::BODY, &text, colour::FAINT);
     }
 }

@@ -63,6 +63,12 @@ pub enum NetworksError {
         /// What is wrong with it.
         fault: SceneNetworkError,
     },
+    /// There is no such folder.
+    #[error("there is no folder {}", folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// There is none of the files.
     #[error(
         "{} holds none of {}: name one so in `grasp-builder train --out`",
@@ -89,6 +95,9 @@ impl Networks {
         let [finding, naming, things, cutting] = Self::FILES.map(|name| read(folder.join(name)));
         let own = [finding?, naming?, things?, cutting?];
         if own.iter().all(Option::is_none) {
+            if !folder.is_dir() {
+                return Err(NetworksError::NoFolder { folder: folder.to_owned() });
+            }
             return Err(NetworksError::Missing { folder: folder.to_owned() });
         }
         Ok(Self { own })

@@ -134,6 +134,9 @@ pub enum LandmarksError {
     /// They show no hand.
     #[error("the landmarks are all within {0:.1} pixels: a hand is larger")]
     Small(f64),
+    /// One is farther away than a hand reaches.
+    #[error("landmark {0} lies far outside the picture: is the unit right?")]
+    Far(usize),
     /// They lie elsewhere.
     #[error("no landmark lies in the picture of {width} x {height} pixels")]
     Outside {
@@ -146,6 +149,8 @@ pub enum LandmarksError {
 
 /// The least length of a hand in pixels.
 const LEAST: f64 = 8.0;
+/// How far outside the picture a landmark may lie, in its sides.
+const FAR: f64 = 10.0;
 
 impl Landmarks {
     /// Landmarks at these places.
@@ -167,7 +172,14 @@ impl Landmarks {
     pub fn of_picture(&self, width: usize, height: usize) -> Result<Joints, LandmarksError> {
         let size = [width, height].map(|side| side as f64);
         let unit = if self.unit == LandmarkUnit::Share { size } else { [1.0; 2] };
-        let joints = Joints::new(self.places.map(|[x, y]| [x * unit[0], y * unit[1]]));
+        let places = self.places.map(|[x, y]| [x * unit[0], y * unit[1]]);
+        let near = |place: &[f64; 2]| {
+            place.iter().zip(size).all(|(v, side)| (-FAR * side..=(1.0 + FAR) * side).contains(v))
+        };
+        if let Some(at) = places.iter().position(|place| !near(place)) {
+            return Err(LandmarksError::Far(at));
+        }
+        let joints = Joints::new(places);
         let inside = |place: &[f64; 2]| place.iter().zip(size).all(|(v, most)| (0.0..=most).contains(v));
         if !joints.points.iter().any(inside) {
             return Err(LandmarksError::Outside { width, height });

@@ -11,8 +11,16 @@ pub use urdf::UrdfFault;
 #[non_exhaustive]
 pub enum DescriptionFault {
     /// It is no TOML, or has other keys than such a description.
-    #[error("{}", .0.to_string().trim_end())]
+    #[error("{}", toml_message(.0))]
     Toml(toml::de::Error),
+    /// No description is so long.
+    #[error("{kib} KiB: descriptions of at most {most} KiB are read")]
+    Long {
+        /// Its length.
+        kib: usize,
+        /// The longest.
+        most: usize,
+    },
     /// Four numbers that are no rotation.
     #[error("{key} has the length {length:.4}: a rotation needs 1, in the order x, y, z, w")]
     Rotation {
@@ -224,4 +232,15 @@ pub enum DescriptionFault {
         /// How deep.
         metres: f64,
     },
+}
+
+/// What a reader of TOML says, with the line that it shows, unless that is longer than anybody
+/// reads.
+fn toml_message(error: &toml::de::Error) -> String {
+    const LONGEST_LINE: usize = 200;
+    let whole = error.to_string();
+    match whole.lines().all(|line| line.len() <= LONGEST_LINE) {
+        true => whole.trim_end().to_owned(),
+        false => error.message().chars().take(LONGEST_LINE).collect(),
+    }
 }

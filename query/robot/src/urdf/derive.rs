@@ -69,8 +69,8 @@ impl Gripper {
         [low, high]: [f64; 2],
     ) -> Result<(Value, Value), RobotError> {
         let along = |part: u32| low + (high - low) * f64::from(part) / f64::from(PARTS);
-        let mut openings: Vec<Opening> = (0..=PARTS).map(|part| self.opening(along(part))).collect();
-        openings.sort_by(|one, other| one.wide.total_cmp(&other.wide));
+        let openings: Vec<Opening> = (0..=PARTS).map(|part| self.opening(along(part))).collect();
+        let openings = ever_wider(&openings);
         let (Some(shut), Some(widest)) = (openings.first().copied(), openings.last().copied()) else {
             return Err(
                 source.error(UrdfFault::Opening { joint: joint.to_owned(), shut: 0.0, widest: 0.0 }.into())
@@ -109,4 +109,25 @@ impl Gripper {
         let grasps = [("parallel".to_owned(), Value::Table(grasp))].into_iter().collect();
         Ok((Value::Table(map), Value::Table(grasps)))
     }
+}
+
+/// The openings on the way from where a gripper is shut to where it is widest, each wider than all
+/// before it. A joint may open both ways, or on and on: what lies between two of these is another
+/// opening as well.
+fn ever_wider(openings: &[Opening]) -> Vec<Opening> {
+    let by_width = |one: &(usize, &Opening), other: &(usize, &Opening)| one.1.wide.total_cmp(&other.1.wide);
+    let shut = openings.iter().enumerate().min_by(by_width);
+    let widest = openings.iter().enumerate().max_by(by_width);
+    let (Some((shut, _)), Some((widest, _))) = (shut, widest) else { return Vec::new() };
+    let mut way = openings[shut.min(widest)..=shut.max(widest)].to_vec();
+    if widest < shut {
+        way.reverse();
+    }
+    let mut wide = f64::NEG_INFINITY;
+    way.retain(|opening| {
+        let is_wider = opening.wide > wide;
+        wide = wide.max(opening.wide);
+        is_wider
+    });
+    way
 }

@@ -59,7 +59,7 @@ fn point(x: f64, y: f64, z: f64) -> Point {
     Point { x, y, z }
 }
 
-/// x to the middle knuckle in red, y to the thumb's side in green, z out of the back in blue.
+/// x to the middle knuckle in red, y to a right hand's thumb in green, z out of the back in blue.
 fn axes(hand: &Hand) -> Marker {
     let origin = Point::default();
     let ends = [point(AXIS, 0.0, 0.0), point(0.0, AXIS, 0.0), point(0.0, 0.0, AXIS)];

@@ -88,19 +88,22 @@ impl Found<'_> {
 /// Whether a node's full name is one that `pattern` stands for: `*` is any one part, `**` any
 /// number of them.
 fn matches(pattern: &str, name: &str) -> bool {
-    fn of(pattern: &[&str], name: &[&str]) -> bool {
-        match (pattern, name) {
-            ([], []) => true,
-            (["**", rest @ ..], _) => (0..=name.len()).any(|skipped| of(rest, &name[skipped..])),
-            ([first, pattern @ ..], [part, name @ ..]) => {
-                (*first == "*" || first == part) && of(pattern, name)
+    let name: Vec<&str> = parts(name).collect();
+    // Which beginnings of the name, by their number of parts, the pattern so far stands for.
+    let mut matched = vec![false; name.len() + 1];
+    matched[0] = true;
+    for part in parts(pattern) {
+        if part == "**" {
+            let least = matched.iter().position(|matched| *matched).unwrap_or(matched.len());
+            matched[least..].fill(true);
+        } else {
+            for (at, own) in name.iter().enumerate().rev() {
+                matched[at + 1] = matched[at] && (part == "*" || part == *own);
             }
-            _ => false,
+            matched[0] = false;
         }
     }
-    let pattern: Vec<&str> = parts(pattern).collect();
-    let name: Vec<&str> = parts(name).collect();
-    of(&pattern, &name)
+    matched[name.len()]
 }
 
 fn parts(path: &str) -> impl Iterator<Item = &str> {

@@ -6,14 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
-use grasp_answer::human;
 use grasp_answer::record::Record;
 use grasp_recognise::RecogniseError;
-use grasp_recognise::picture::{DecodeError, DecodeWarning, Frames, StreamError};
+use grasp_recognise::picture::{DecodeError, Frame, Frames, StreamError};
 use grasp_terminal::text::counted;
 
 use crate::live::camera::Camera;
-use crate::live::{Ahead, Keep, Source, SourceError};
+use crate::live::{Ahead, EncodedFrame, Keep, Source, SourceError, warn_of_rest};
 
 /// The name of standard input, among the pictures and in records.
 pub(super) const STANDARD_INPUT: &str = "-";
@@ -34,11 +33,6 @@ pub(super) enum Feed {
     Camera(Camera),
 }
 
-/// Reports what is odd about a frame that was found all the same.
-fn warn_of(name: &str, frame: Option<u64>, warning: &DecodeWarning) {
-    tracing::warn!(subject = human::name(name, frame), "warning: {warning}");
-}
-
 impl Feed {
     /// The camera behind a device.
     pub(super) fn camera(device: &Path) -> anyhow::Result<Self> {
@@ -53,10 +47,10 @@ impl Feed {
         }
     }
 
-    /// Gives `answer` each frame's number and its bytes, or the record of why there are none.
+    /// Gives `answer` each frame's number and the frame, or the record of why there is none.
     pub(super) fn each_frame(
         self,
-        answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+        answer: impl FnMut(Option<u64>, Result<EncodedFrame, Record>) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         let name = self.name();
         match self {
@@ -70,7 +64,7 @@ impl Feed {
 fn of_stream(
     name: &str,
     path: &Path,
-    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+    mut answer: impl FnMut(Option<u64>, Result<EncodedFrame, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let input: Box<dyn Read> = match path == Path::new(STANDARD_INPUT) {
         true => Box::new(io::stdin().lock()),
@@ -88,24 +82,14 @@ fn of_stream(
         // A picture alone is frame 0: whether another follows is not known yet.
         let number = Some(next);
         next += 1;
-        let bytes = frame.map(|frame| {
-            if frame.skipped > 0 {
-                warn_of(name, number, &DecodeWarning::Skipped { bytes: frame.skipped });
-            }
-            frame.bytes
-        });
+        let given =
+            |frame: Frame| EncodedFrame { name: path.to_owned(), bytes: frame.bytes, skipped: frame.skipped };
         let failed = |error: StreamError| Record::failed(name.into(), number, "stream", error.to_string());
-        answer(number, bytes.map_err(failed))?;
+        answer(number, frame.map(given).map_err(failed))?;
     }
-    let skipped = frames.skipped_at_end();
-    if next > 0 && skipped > 0 {
-        tracing::warn!(
-            subject = name,
-            skipped,
-            "warning: {skipped} bytes behind the last frame are no picture"
-        );
-    }
-    if next == 0 {
+    if next > 0 {
+        warn_of_rest(name, frames.skipped_at_end());
+    } else {
         let empty = RecogniseError::Decode(DecodeError::Empty);
         return answer(None, Err(Record::not_recognised(name.into(), None, &empty)));
     }
@@ -116,7 +100,7 @@ fn of_stream(
 fn of_camera(
     name: &str,
     camera: Camera,
-    mut answer: impl FnMut(Option<u64>, Result<Vec<u8>, Record>) -> anyhow::Result<()>,
+    mut answer: impl FnMut(Option<u64>, Result<EncodedFrame, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let ahead = Ahead::start(Source::Camera(camera), Keep::Newest).context("cannot read the camera")?;
     // Ctrl-C ends the program: each answer is written by then.
@@ -125,7 +109,7 @@ fn of_camera(
         let number = Some(frame.number);
         let failed =
             |error: SourceError| Record::failed(name.into(), number, error.kind(), error.to_string());
-        answer(number, frame.given.map(|given| given.bytes).map_err(failed))?;
+        answer(number, frame.given.map_err(failed))?;
     }
     if ahead.dropped() > 0 {
         let frames = counted(ahead.dropped(), ["frame", "frames"]);

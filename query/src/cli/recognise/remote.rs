@@ -86,9 +86,16 @@ impl Recognise {
         output: &mut Output<impl Write>,
     ) -> anyhow::Result<()> {
         let name = feed.name();
-        feed.each_frame(|frame, bytes| {
-            let reply = match bytes {
-                Ok(bytes) => self.ask(asking, name.clone(), frame, bytes)?,
+        feed.each_frame(|frame, given| {
+            self.refuse_more(&name, frame)?;
+            let reply = match given {
+                Ok(given) => {
+                    // The service is sent the frame alone.
+                    if let Some(warning) = given.warning() {
+                        tracing::warn!(subject = human::name(&name, frame), "warning: {warning}");
+                    }
+                    self.ask(asking, name.clone(), frame, given.bytes)?
+                }
                 Err(record) => Reply::Own(record),
             };
             output.write_reply(&reply)

@@ -43,8 +43,8 @@ struct Near {
 }
 
 impl Found {
-    pub(super) fn names(&self, id: u32) -> (Option<&str>, Option<&str>) {
-        self.names.get(&id).map_or((None, None), |(grasp, file)| (grasp.as_deref(), file.as_deref()))
+    pub(super) fn names(&self, id: u32) -> (Option<&str>, Option<String>) {
+        self.names.get(&id).map_or((None, None), |(grasp, file)| (grasp.as_deref(), file.clone()))
     }
 }
 

@@ -93,9 +93,9 @@ impl Output {
         Ok(Self { frames: frames_sink, records: records.map(Sink::new).transpose()?, printed: None })
     }
 
-    /// Writes a frame and its record.
-    pub(super) fn write(&mut self, record: &Record, frame: &[u8]) -> anyhow::Result<()> {
-        self.frames.write(frame)?;
+    /// Writes a frame, where there is anything to see, and its record.
+    pub(super) fn write(&mut self, record: &Record, frame: Option<&[u8]>) -> anyhow::Result<()> {
+        frame.map_or(Ok(()), |frame| self.frames.write(frame))?;
         match &mut self.records {
             Some(records) => {
                 let mut line = serde_json::to_vec(record).map_err(io::Error::from)?;

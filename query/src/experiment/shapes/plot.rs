@@ -23,9 +23,15 @@ pub(super) fn svg(shapes: &Shapes) -> String {
     draw(height, title, below, |page| {
         let mut x = 20.0;
         for (stage, colour) in STAGES.into_iter().zip(COLOURS) {
-            let pictures = shapes.points.iter().find(|point| point.stage == stage).map(|point| point.n);
-            if let Some(n) = pictures {
-                x = page.key([x, 68.0], colour, false, &format!("{stage} ({n} pictures)"));
+            // Of each row's kind, so many.
+            let pictures = |kind: &Kind| {
+                let point = of(*kind).find(|point| point.stage == stage);
+                point.map(|point| point.n.to_string())
+            };
+            let counts: Vec<String> = kinds.iter().filter_map(pictures).collect();
+            if !counts.is_empty() {
+                let key = format!("{stage} ({} pictures)", counts.join(" and "));
+                x = page.key([x, 68.0], colour, false, &key);
             }
         }
         page.key([x, 68.0], GREY, true, "by chance");
