@@ -174,6 +174,12 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     if let Some(class) = names.classes.iter().find(|class| !seen.insert(&class.name)) {
         bail!("the grasp {} has two numbers: give it the same one everywhere", class.name);
     }
+    // In the order of the numbers; 0 is none.
+    for (one, other) in names.classes.iter().zip(names.classes.iter().skip(1)) {
+        if one.cutkosky == other.cutkosky && one.cutkosky > 0 {
+            bail!("{} and {} have the same number: give each grasp its own", one.name, other.name);
+        }
+    }
     Ok(names)
 }
 

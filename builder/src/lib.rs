@@ -28,6 +28,7 @@ pub mod indexing;
 pub mod interrupt;
 pub mod merge;
 pub mod plan_spec;
+mod same_file;
 pub mod shard;
 pub mod split;
 pub mod train;

@@ -11,8 +11,8 @@ use std::str::FromStr;
 use grasp_renders::{Preset, Stage};
 use serde::{Deserialize, Serialize};
 
-/// The version of the JSON form. It rises with any change of the keys or their meaning: an unknown
-/// key is rejected.
+/// The version of the JSON form. It rises where keys change or mean something else; one that is
+/// added and may be absent is rejected by programs that do not know it.
 const VERSION: u32 = 1;
 
 /// How many stages may be named; one that is named twice is rendered twice.
@@ -73,6 +73,9 @@ pub struct PlanSpec {
     /// How far the distance may vary from view to view.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_variation: Option<f64>,
+    /// The grasps, in the form of `renders/data/grasps.toml`, where they are not the built-in ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grasps: Option<String>,
 }
 
 /// A text that describes no plan.
@@ -149,6 +152,7 @@ impl PlanSpec {
             forearm_mm: None,
             light_variation: None,
             distance_variation: None,
+            grasps: None,
         }
     }
 

@@ -9,6 +9,7 @@ use grasp_index::{AtomicFile, BuildError, Index};
 use grasp_terminal::Progress;
 
 use crate::interrupt::{self, Interrupted};
+use crate::same_file::is_same_file;
 
 /// A segment that was written.
 #[derive(Debug)]
@@ -33,6 +34,10 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     // What is flipped in it would be sealed as sound.
     if let Some(problem) = index.verify().problems.first() {
         bail!("{} is damaged: {problem}", path.display());
+    }
+    let is_input = |number: &u32| is_same_file(&out.join(file_name(*number, count)), path);
+    if (1..=count).any(|number| is_input(&number)) {
+        bail!("a segment would be written over {}: name another folder", path.display());
     }
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
     clear(out);

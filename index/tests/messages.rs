@@ -19,9 +19,9 @@ fn opening(bytes: &[u8]) -> String {
 fn of_files_that_are_no_index() {
     assert_snapshot!(opening(b""), @"the file is empty: build the index again");
     assert_snapshot!(opening(b"P5 640 480 255 and so on"), @"not a grasp index: build one with `grasp-builder build --out FILE`");
-    assert_snapshot!(opening(&small()[..40]), @"truncated: 64 bytes expected, 40 bytes found: copy or build the file again");
+    assert_snapshot!(opening(&small()[..40]), @"truncated: 64 bytes expected, 40 found: copy or build the file again");
     let cut = opening(&small()[..9000]).replace(&small().len().to_string(), "ALL");
-    assert_snapshot!(cut, @"truncated: ALL bytes expected, 9000 bytes found: copy or build the file again");
+    assert_snapshot!(cut, @"truncated: ALL bytes expected, 9000 found: copy or build the file again");
     let folder = tempfile::tempdir().expect("a folder");
     assert_snapshot!(Index::open(folder.path()).expect_err("a folder"), @"it is a folder: name the index file itself");
     assert_snapshot!(Index::read(folder.path().join("none")).expect_err("no such file"), @"cannot read it");

@@ -183,14 +183,18 @@ fn a_picture_without_a_hand_is_rejected() {
     let recogniser = recogniser(&index, HandChoice::Auto, 2);
     let blue = png(RgbImage::from_pixel(80, 60, Rgb([40, 70, 160])));
     let black = png(RgbImage::new(80, 60));
-    for (picture, source) in
-        [(&blue, MaskSource::Camera), (&black, MaskSource::Camera), (&black, MaskSource::Segmented)]
-    {
+    let empty = MaskSource::Given(Mask::from_grey(80, 60, &[127; 80 * 60]));
+    for (picture, source, says) in [
+        (&blue, MaskSource::Camera, "no hand found: nothing in the picture looks like one"),
+        (&black, MaskSource::Camera, "no hand found: nothing in the picture looks like one"),
+        (&black, MaskSource::Segmented, "no hand: the picture is all black"),
+        (&blue, empty, "no hand: the mask is empty: values of 128 to 255 are the hand"),
+    ] {
         let error = recogniser.recognise(picture, &source).unwrap_err();
-        assert!(matches!(error, RecogniseError::NoHand), "{error}");
         let record = Record::not_recognised("wall.png".into(), None, &error);
-        assert_eq!(record.status(), 1);
-        assert!(human::text(&record).starts_with("wall.png: no hand found"));
+        assert_eq!((error.kind(), record.status()), ("no_hand", 1));
+        let text = human::text(&record);
+        assert!(text.starts_with(&format!("wall.png: {says}")), "{text}");
     }
 }
 

@@ -85,6 +85,46 @@ fn a_set_of_another_program_is_left_as_it_is() {
 }
 
 #[test]
+fn what_is_listed_besides_is_counted_and_no_picture_of_others_is_unlisted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = small_plan();
+    write(folder.path(), &plan);
+    let Views::Grid(grid) = plan.views.clone() else { unreachable!("a grid") };
+    let fewer = RenderPlan { views: Views::Grid(ViewGrid { rolls_deg: vec![0.0], ..grid }), ..plan.clone() };
+    let unlisted = plan.renders() - fewer.renders();
+    assert!(unlisted > 0);
+    assert_eq!(write(folder.path(), &fewer).unlisted, unlisted);
+    assert_eq!(write(folder.path(), &plan).unlisted, 0);
+
+    let manifest = folder.path().join("manifest.csv");
+    let listed = fs::read_to_string(&manifest).expect("a manifest");
+    let last = listed.lines().last().expect("a line");
+    let file = last.split(',').next().expect("a file");
+    fs::write(&manifest, format!("{listed}{}\n", last.replace(file, "mine.png"))).expect("written");
+    fs::write(folder.path().join("mine.png"), "somebody's").expect("written");
+    let before = files(folder.path());
+    let error = write_set(folder.path(), &plan, &|_, _| {}, &AtomicBool::new(false)).unwrap_err();
+    assert!(matches!(error, RenderSetError::Foreign { .. }), "{error}");
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn no_manifest_speaks_of_pictures_that_were_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = small_plan();
+    write(folder.path(), &plan);
+    let other = RenderPlan { seed: 9, ..plan.clone() };
+    let cancel = AtomicBool::new(false);
+    let stop = |_, _| cancel.store(true, Ordering::Relaxed);
+    write_set(folder.path(), &other, &stop, &cancel).expect_err("cancelled");
+    assert!(!folder.path().join("manifest.csv").exists());
+    // What is there is kept as it is listed where nothing was replaced.
+    write(folder.path(), &plan);
+    write_set(folder.path(), &plan, &|_, _| {}, &AtomicBool::new(true)).expect_err("cancelled");
+    assert!(folder.path().join("manifest.csv").exists());
+}
+
+#[test]
 fn what_was_written_is_read_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = small_plan();

@@ -58,7 +58,7 @@ fn a_picture_without_a_hand_is_rejected_with_status_1() {
     let folder = tempfile::tempdir().unwrap();
     let black = folder.path().join("black.png");
     image::GrayImage::new(64, 64).save(&black).unwrap();
-    assert!(error_between_good_ones(&black, 1).contains("no hand found"));
+    assert!(error_between_good_ones(&black, 1).contains("no hand: the picture is all black"));
 }
 
 #[test]

@@ -180,9 +180,40 @@ fn indexes_that_do_not_go_together_are_told() {
     done(folder, &["export", "a.idx", "--descriptors", "x.npy"]);
     done(folder, &["build", "--descriptors", "x.npy", "--out", "raw.idx"]);
     assert!(refused(folder, &["add", "raw.idx", "--hand-shape", "broad"]).contains("cannot be added"));
-    done(folder, &["compact", "raw.idx", "raw.idx", "--out", "twice.idx"]);
+    fs::copy(folder.join("raw.idx"), folder.join("copy.idx")).unwrap();
+    done(folder, &["compact", "raw.idx", "copy.idx", "--out", "twice.idx"]);
     assert_eq!(
         Index::open(folder.join("twice.idx")).unwrap().len(),
         2 * Index::open(folder.join("raw.idx")).unwrap().len()
     );
+}
+
+#[test]
+fn an_index_remembers_its_grasps_and_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let grasps = fs::read_to_string(workspace().join("renders/data/grasps.toml")).unwrap();
+    fs::write(folder.join("own.toml"), grasps.replace("\"large-diameter\"", "\"bottle\"")).unwrap();
+    let few = ["--preset", "paper", "--step", "90", "--grasps", "own.toml"];
+    done(folder, &[&["build", "--out", "own.idx", "--hand-shape", "mean"][..], &few].concat());
+    done(folder, &["add", "own.idx", "--hand-shape", "slender"]);
+    let both = ["--hand-shape", "mean", "--hand-shape", "slender"];
+    done(folder, &[&["build", "--out", "both.idx"][..], &both, &few].concat());
+    assert_same(folder, "own.idx", "both.idx");
+    let said = done(folder, &["inspect", "own.idx"]);
+    assert!(said.contains(" 1 bottle") && !said.contains("large-diameter: "), "{said}");
+    // Nor are they forgotten where nothing is added.
+    done(folder, &["remove", "own.idx", "--hand-shape", "slender"]);
+    done(folder, &["add", "own.idx", "--hand-shape", "slender"]);
+    assert_same(folder, "own.idx", "both.idx");
+
+    let before = fs::read(folder.join("own.idx")).unwrap();
+    let said = refused(folder, &["add", "own.idx", "--hand-shape", "broad", "--segment", "./own.idx"]);
+    assert!(said.contains("--segment names the index itself"), "{said}");
+    let said = refused(folder, &["compact", "own.idx", "./own.idx", "--out", "twice.idx"]);
+    assert!(said.contains("is named twice"), "{said}");
+    fs::rename(folder.join("own.idx"), folder.join("1-of-2.idx")).unwrap();
+    let said = refused(folder, &["split", "1-of-2.idx", "--segments", "2", "--out-dir", "."]);
+    assert!(said.contains("would be written over"), "{said}");
+    assert!(fs::read(folder.join("1-of-2.idx")).unwrap() == before);
 }

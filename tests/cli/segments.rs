@@ -102,7 +102,7 @@ fn segments_of_one_index_answer_as_it_does_at_any_effort() {
     }
     done("grasp-builder", folder, &["merge", "parts", "--out", "single.idx"]);
     done("grasp-builder", folder, &["export", "single.idx", "--descriptors", "x.npy"]);
-    let queries = ["queries", "--count", "120", "--step", "45", "--out", "q.npy"];
+    let queries = ["queries", "--count", "120", "--preset", "paper", "--out", "q.npy"];
     done("grasp-builder", folder, &queries);
     let single = Index::open(folder.join("single.idx")).unwrap();
     for count in ["2", "3", "4"] {

@@ -74,12 +74,19 @@ fn what_lies_between_frames_is_skipped_and_counted() {
     let stream = [&zeros[..], &hand(), &zeros, &no_hand(), &garbage, &hand(), b"the end"].concat();
     let outcome = recognise(&stream);
     assert_eq!(told(&outcome), [&alone[0], "no_hand", &alone[0]], "{}", outcome.stderr);
-    for said in [
-        "- frame 0: warning: 1000 bytes before this frame are no picture and were skipped",
-        "- frame 1: warning: 1000 bytes",
-        "- frame 2: warning: 100000 bytes",
-        "-: warning: 7 bytes behind the last frame are no picture",
+    // In the record, where there is one of an answer.
+    let records = outcome.json_lines();
+    for (record, said) in [
+        (&records[0], "1000 bytes before this frame are no picture and were skipped"),
+        (&records[2], "100000 bytes before this frame"),
     ] {
+        let warning = &record["warnings"][0];
+        assert_eq!(warning["kind"], "decoding", "{record}");
+        assert!(warning["message"].as_str().unwrap().contains(said), "{record}");
+    }
+    for said in
+        ["- frame 1: warning: 1000 bytes", "-: warning: 7 bytes behind the last frame are no whole picture"]
+    {
         assert!(outcome.stderr.contains(said), "no `{said}` in {}", outcome.stderr);
     }
 }

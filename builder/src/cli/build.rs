@@ -20,6 +20,7 @@ use crate::descriptor::{self, LEARNED, NAMES};
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Recipe, RenderSet, Report, Source, Vectors, build};
 use crate::interrupt;
+use crate::same_file::is_same_file;
 
 /// Build an index from render sets, straight from hand shapes, or from vectors that were described
 /// elsewhere.
@@ -165,6 +166,11 @@ impl IndexOptions {
                 let descriptor = named.map_or_else(|| self.by_name(form.descriptor), Ok)?;
                 (descriptor, self.thumbnails.unwrap_or(form.thumbnail_side))
             }
+            Source::Vectors(_) if self.network.is_some() && named.is_none() => {
+                bail!(
+                    "--network describes pictures: leave it out, or name what made these rows by --descriptor learned"
+                );
+            }
             Source::Vectors(vectors) => {
                 let raw = || DescriptorModel::new(DescriptorParams::raw(vectors.dim()));
                 let descriptor = named.map_or_else(raw, Ok)?;
@@ -180,7 +186,7 @@ impl IndexOptions {
                 (descriptor, 0)
             }
         };
-        let seen = matches!(held_out, HeldOut::Rendered(_)).then(|| plan.spec());
+        let seen = matches!(held_out, HeldOut::Rendered(_)).then(|| plan.spec()).transpose()?;
         Ok(Recipe { descriptor, hash, originals, held_out, seen, thumbnail_side, seed })
     }
 }
@@ -201,6 +207,11 @@ impl WorkOptions {
         if self.renders.is_empty() {
             let held_out = held_out(&plan, &[]);
             return Ok((Source::Plan(Box::new(plan)), held_out));
+        }
+        for (at, folder) in self.renders.iter().enumerate() {
+            if self.renders[..at].iter().any(|before| is_same_file(before, folder)) {
+                bail!("{} is named twice: each of its pictures would be indexed twice", folder.display());
+            }
         }
         let grasps = self.plan.grasps()?;
         let sets: Vec<RenderSet> =

@@ -13,7 +13,7 @@ use tracing::info;
 use super::build::ENTRIES;
 use super::form::Form;
 use super::networks_experiment::Networks;
-use super::plan::{PlanOptions, parse_step};
+use super::plan::parse_step;
 use super::preset::preset;
 use super::seed::DEFAULT_SEED;
 use crate::experiment::scale::data::Data;
@@ -23,6 +23,7 @@ use crate::experiment::scale::table::Row;
 use crate::experiment::scale::{Hash, Settings, default_sizes, redraw, run};
 use crate::experiment::shapes;
 use crate::interrupt;
+use crate::plan_spec::PlanSpec;
 
 /// Vary something and measure what the search does, as a table and a picture.
 #[derive(Debug, clap::Args)]
@@ -198,7 +199,7 @@ impl Shapes {
         let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.preset).descriptor);
         let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
-        let seen = self.step.is_none().then(|| PlanOptions::of_preset(Some(self.preset)).spec());
+        let seen = self.step.is_none().then(|| PlanSpec::of_preset(self.preset));
         let settings = shapes::Settings { counts, plan, seen, descriptor, out: self.out.clone() };
         let indexes = shapes::run(&settings, global.progress(), &mut |path, report| {
             let done = if report.written.is_some() { "built" } else { "is up to date" };

@@ -9,6 +9,7 @@ use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
 use super::build::ENTRIES;
+use crate::same_file::is_same_file;
 use crate::shard::{PartReader, is_part};
 use crate::{export, interrupt};
 
@@ -52,7 +53,7 @@ impl Export {
         interrupt::catch()?;
         let name = self.index.display();
         for out in [&self.descriptors, &self.labels, &self.parquet].into_iter().flatten() {
-            if is_same(out, &self.index) {
+            if is_same_file(out, &self.index) {
                 bail!("{} is the index itself: name another file to write", out.display());
             }
         }
@@ -61,7 +62,7 @@ impl Export {
         let named = outputs.iter().filter_map(|(option, out)| Some((*option, out.as_ref()?)));
         let named: Vec<(&str, &PathBuf)> = named.collect();
         for (at, (option, out)) in named.iter().enumerate() {
-            if let Some((before, _)) = named[..at].iter().find(|(_, before)| is_same(before, out)) {
+            if let Some((before, _)) = named[..at].iter().find(|(_, before)| is_same_file(before, out)) {
                 bail!("{before} and {option} both name {}: name two files", out.display());
             }
         }
@@ -69,6 +70,10 @@ impl Export {
             return self.part(global);
         }
         let index = Index::open(&self.index).with_context(|| format!("cannot export {name}"))?;
+        // Numbers that were changed would pass for those that were indexed.
+        if let Some(problem) = index.verify().problems.first() {
+            bail!("{name} is damaged: {problem}");
+        }
         let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),
@@ -104,16 +109,4 @@ impl Export {
         writeln!(std::io::stdout().lock(), "{}: {}", shown(out), counted(entries, ENTRIES))?;
         Ok(())
     }
-}
-
-/// Whether two paths name one file.
-/// Whether two paths name one file, which need not be there yet.
-fn is_same(one: &Path, other: &Path) -> bool {
-    let place = |path: &Path| -> Option<PathBuf> {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        let in_folder =
-            || Some(parent.unwrap_or(Path::new(".")).canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(in_folder)
-    };
-    one == other || place(one).is_some_and(|one| place(other) == Some(one))
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use grasp_index::Index;
 use grasp_program::{Global, output_file};
 use grasp_renders::Preset;
@@ -16,6 +16,7 @@ use crate::grow::{Growth, grow};
 use crate::indexing::{OPTIONS, RenderSet, Source};
 use crate::interrupt;
 use crate::plan_spec::PlanSpec;
+use crate::same_file::is_same_file;
 
 /// Add render sets or hand shapes to an index.
 ///
@@ -94,13 +95,13 @@ impl Add {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
         let seen = seen(self.plan.clone(), std::slice::from_ref(&self.index))?;
-        let spec = seen.options.spec();
+        let spec = seen.options.spec()?;
         // The seed of the index's own renders.
         let plan = seen.options.plan(seen.seed)?;
         let more = if self.renders.is_empty() {
             Source::Plan(Box::new(plan.clone()))
         } else {
-            let grasps = self.plan.grasps()?;
+            let grasps = seen.options.grasps()?;
             let open = |folder| RenderSet::open(folder, &grasps);
             Source::Sets(self.renders.iter().map(PathBuf::as_path).map(open).collect::<Result<_, _>>()?)
         };
@@ -113,6 +114,9 @@ impl Add {
             spec,
         };
         let out = self.segment.as_ref().unwrap_or(&self.index);
+        if self.segment.is_some() && is_same_file(out, &self.index) {
+            bail!("--segment names the index itself, which it leaves as it is: name another file");
+        }
         print_report(out, &grow(&growth, out, global.progress())?, true)
     }
 }
@@ -127,7 +131,7 @@ impl Remove {
             without: self.hand_shape.clone(),
             more: None,
             plan: seen.options.plan(seen.seed)?,
-            spec: seen.options.spec(),
+            spec: seen.options.spec()?,
         };
         print_report(&self.index, &grow(&growth, &self.index, global.progress())?, false)
     }
@@ -136,6 +140,11 @@ impl Remove {
 impl Compact {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
+        for (at, index) in self.indexes.iter().enumerate() {
+            if self.indexes[..at].iter().any(|before| is_same_file(before, index)) {
+                bail!("{} is named twice: each of its entries would be there twice", index.display());
+            }
+        }
         let seen = seen(PlanOptions::of_preset(self.preset), &self.indexes)?;
         let growth = Growth {
             indexes: self.indexes.clone(),
@@ -143,7 +152,7 @@ impl Compact {
             without: Vec::new(),
             more: None,
             plan: seen.options.plan(seen.seed)?,
-            spec: seen.options.spec(),
+            spec: seen.options.spec()?,
         };
         print_report(&self.out, &grow(&growth, &self.out, global.progress())?, false)
     }
@@ -168,12 +177,18 @@ fn seen(own: PlanOptions, indexes: &[PathBuf]) -> anyhow::Result<Seen> {
             seed = catalogue.seed;
         }
         // Of vectors of unknown making, no hands are held out.
-        if own.names_a_preset() || !catalogue.descriptor.describes_pictures() {
+        if !catalogue.descriptor.describes_pictures() {
             return Ok(Seen { options: own, seed });
         }
         let text = catalogue.provenance.iter().find(|(key, _)| key == OPTIONS).map(|(_, text)| text);
         let spec = text.map(|text| text.parse::<PlanSpec>()).transpose();
-        kept.push(spec.with_context(|| format!("cannot tell how the hands of {} are seen", path.display()))?);
+        let spec =
+            spec.with_context(|| format!("cannot tell how the hands of {} are seen", path.display()))?;
+        if own.names_a_preset() {
+            // Another way to pose and see them, of the same grasps.
+            return Ok(Seen { options: own.or_grasps(spec.and_then(|spec| spec.grasps)), seed });
+        }
+        kept.push(spec);
     }
     let mut kept = kept.into_iter();
     let first = kept.next().flatten();

@@ -64,7 +64,7 @@ pub(super) struct PlanOptions {
     distance: Option<f64>,
     /// Length of the bare forearm behind the wrist in millimetres, the same in all scenes; 0 cuts
     /// at the wrist. By default `standard` and `wide` draw arms of 0 to 160 mm, `paper` none.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     forearm: Option<f64>,
     /// How far the light may move from view to view, 0 to 1.
     #[arg(long, value_name = "SHARE")]
@@ -72,6 +72,9 @@ pub(super) struct PlanOptions {
     /// How far the distance may vary from view to view, 0 to 0.5.
     #[arg(long, value_name = "SHARE")]
     distance_variation: Option<f64>,
+    /// The grasps of an index, where no file of them is named.
+    #[arg(skip)]
+    kept_grasps: Option<String>,
 }
 
 impl PlanOptions {
@@ -96,6 +99,12 @@ impl PlanOptions {
         self.step.is_some() || self.elevations.is_some() || self.rolls.is_some()
     }
 
+    /// The option that says how many views there are, where one does.
+    pub(super) fn views_option(&self) -> Option<&'static str> {
+        let step = self.step.map(|_| "--step");
+        step.or(self.views.map(|_| "--views"))
+    }
+
     /// Whether a preset is named.
     pub(super) fn names_a_preset(&self) -> bool {
         self.preset.is_some()
@@ -103,8 +112,11 @@ impl PlanOptions {
 
     /// What an index keeps of these options: how hands are posed and seen. Whose hands they are and
     /// files are left out.
-    pub(super) fn spec(&self) -> PlanSpec {
-        PlanSpec {
+    ///
+    /// # Errors
+    /// Where the file of the grasps cannot be read.
+    pub(super) fn spec(&self) -> anyhow::Result<PlanSpec> {
+        Ok(PlanSpec {
             version: Version,
             preset: self.preset(),
             stages: self.stage.clone(),
@@ -117,7 +129,8 @@ impl PlanOptions {
             forearm_mm: self.forearm,
             light_variation: self.light_variation,
             distance_variation: self.distance_variation,
-        }
+            grasps: self.grasps_text()?,
+        })
     }
 
     /// These options, and where they say nothing, those of `kept`.
@@ -136,8 +149,14 @@ impl PlanOptions {
             forearm: self.forearm.or(kept.forearm_mm),
             light_variation: self.light_variation.or(kept.light_variation),
             distance_variation: self.distance_variation.or(kept.distance_variation),
+            kept_grasps: kept.grasps,
             ..self
         }
+    }
+
+    /// These options with the grasps of an index, where they name none.
+    pub(super) fn or_grasps(self, kept: Option<String>) -> Self {
+        Self { kept_grasps: kept, ..self }
     }
 
     /// How many hand shapes are asked for.
@@ -152,12 +171,18 @@ impl PlanOptions {
 
     /// The grasps, which are also the classes of a render set.
     pub(super) fn grasps(&self) -> anyhow::Result<GraspSet> {
-        match &self.grasps {
-            None => Ok(GraspSet::builtin()),
-            Some(path) => {
-                GraspSet::load(path).with_context(|| format!("cannot use the grasps of {}", path.display()))
-            }
-        }
+        let Some(text) = self.grasps_text()? else { return Ok(GraspSet::builtin()) };
+        GraspSet::parse(&text).with_context(|| match &self.grasps {
+            Some(path) => format!("cannot use the grasps of {}", path.display()),
+            None => "cannot use the grasps that the index was built with".to_owned(),
+        })
+    }
+
+    /// The grasps as they are written down, where they are not the built-in ones.
+    fn grasps_text(&self) -> anyhow::Result<Option<String>> {
+        let Some(path) = &self.grasps else { return Ok(self.kept_grasps.clone()) };
+        let text = std::fs::read_to_string(path);
+        text.map(Some).with_context(|| format!("cannot read the grasps {}", path.display()))
     }
 
     /// The plan that the options describe.
@@ -306,7 +331,7 @@ mod tests {
             "--preset=wide --elevations=-84..84 --rolls=7 --step=51.42857142857143",
             "--preset=paper --views=3 --examples=0.1 --distance=3.7 --forearm=33.3 --light-variation=0.3 --distance-variation=0.07",
         ] {
-            let kept = options(line).spec();
+            let kept = options(line).spec().unwrap();
             let read: PlanSpec = kept.to_string().parse().unwrap();
             assert_eq!(read, kept);
             // What earlier builds wrote for the same options.
@@ -314,8 +339,8 @@ mod tests {
             let again = PlanOptions::default().or(read);
             assert_eq!(options(line).plan(3).unwrap(), again.plan(3).unwrap());
         }
-        let foreign = options("--preset=paper --grasps=grasps.toml --hand-model=x.glb --hands=9");
-        assert_eq!(foreign.spec(), PlanOptions::of_preset(Some(Preset::Paper)).spec());
+        let foreign = options("--preset=paper --hand-model=x.glb --hands=9");
+        assert_eq!(foreign.spec().unwrap(), PlanSpec::of_preset(Preset::Paper));
     }
 
     #[test]
@@ -333,8 +358,8 @@ mod tests {
 
     #[test]
     fn what_is_said_now_goes_before_what_was_said_then() {
-        let or = |own: &str, kept: &str| options(own).or(options(kept).spec()).spec();
-        let is = |line: &str| options(line).spec();
+        let or = |own: &str, kept: &str| options(own).or(options(kept).spec().unwrap()).spec().unwrap();
+        let is = |line: &str| options(line).spec().unwrap();
         let kept = "--preset=wide --stage=grasp --views=9 --forearm=20";
         assert_eq!(or("--forearm=0", kept), is("--preset=wide --stage=grasp --views=9 --forearm=0"));
         assert_eq!(or("--step=30", kept), is("--preset=wide --stage=grasp --step=30 --forearm=20"));

@@ -61,7 +61,16 @@ impl Queries {
         if !plan.hand_models.is_empty() {
             bail!("queries are of hands that no index holds: leave out --hand-model");
         }
+        if let Some(option) = self.plan.views_option() {
+            bail!("queries are seen from anywhere, --count of them in all: leave out {option}");
+        }
         let hands = self.plan.hands().unwrap_or(held_out::HANDS);
+        if hands > self.count as usize {
+            bail!(
+                "{hands} hands are more than {} views: lower --hands, or ask for more by --count",
+                self.count
+            );
+        }
         let hands = Hands::beside(&plan, &[], hands, self.count as usize, self.seed);
         let spinner = global.progress().spinner("rendering hands that no plan renders");
         let clean = hands.describe(&model)?.descriptors;

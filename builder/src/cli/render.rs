@@ -10,6 +10,7 @@ use grasp_renders::render_set::{RenderSetError, write_set};
 
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
+use tracing::warn;
 
 use super::plan::PlanOptions;
 use super::seed::DEFAULT_SEED;
@@ -62,6 +63,10 @@ impl Render {
             started.elapsed().as_secs_f64(),
             self.seed
         )?;
+        if summary.unlisted > 0 {
+            let renders = counted(summary.unlisted, ["other render stays", "other renders stay"]);
+            warn!("{renders} in {}, and the manifest lists them no more", shown(&self.out));
+        }
         Ok(())
     }
 }

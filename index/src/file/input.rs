@@ -97,6 +97,10 @@ impl NewEntry {
     }
 }
 
+/// The largest magnitude of a descriptor's value: the squared distance of two descriptors of such
+/// values is finite by far.
+pub(crate) const LARGEST_VALUE: f32 = 1e15;
+
 /// Why an entry does not fit its index.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
@@ -112,6 +116,14 @@ pub enum EntryFault {
     /// A value of its descriptor is infinite or not a number.
     #[error("value {at} of its descriptor is not a finite number")]
     NotFinite {
+        /// Which, counted from 0.
+        at: usize,
+    },
+    /// A value of its descriptor is so large that distances would not be finite.
+    #[error(
+        "value {at} of its descriptor is beyond {LARGEST_VALUE:e}: divide all descriptors by the same number"
+    )]
+    Huge {
         /// Which, counted from 0.
         at: usize,
     },

@@ -101,7 +101,7 @@ impl Sequence {
             let mut filter = self.filter.lock().unwrap_or_else(PoisonError::into_inner);
             match found {
                 Some(found) => recogniser.follow(found, &mut filter),
-                None => drop(filter.skip()),
+                None => filter.pass(),
             }
         })
     }

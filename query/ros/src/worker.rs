@@ -157,7 +157,7 @@ impl<'a> Worker<'a> {
             Ok(found) => found,
             Err(error) => {
                 // Time goes by all the same.
-                self.filter.as_mut().map(Filter::skip);
+                self.filter.as_mut().map(Filter::pass);
                 self.log.say(Level::Debug, &error.to_string());
                 return Err(error.into());
             }

@@ -266,8 +266,14 @@ impl Recognise {
             self.refuse_more(&name, frame)?;
             let found = given.and_then(|given| {
                 let mut found = self.find(setup, name.clone(), frame, &given.bytes);
-                if let (Ok(found), Some(warning)) = (&mut found, given.warning()) {
-                    found.warnings.insert(0, Warning::Decoding(warning.to_string()));
+                match (&mut found, given.warning()) {
+                    (Ok(found), Some(warning)) => {
+                        found.warnings.insert(0, Warning::Decoding(warning.to_string()));
+                    }
+                    (Err(_), Some(warning)) => {
+                        tracing::warn!(subject = human::name(&name, frame), "warning: {warning}");
+                    }
+                    (_, None) => {}
                 }
                 found
             });

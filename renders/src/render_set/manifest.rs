@@ -1,5 +1,6 @@
 //! Reading and writing `manifest.csv`. The columns are documented in [`super`].
 
+use std::collections::HashSet;
 use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -91,6 +92,12 @@ pub enum Problem {
     /// Not a line of the table, or a field of it is not what its column holds.
     #[error(transparent)]
     Row(#[from] RowFault),
+    /// Another line lists the same file.
+    #[error("the file `{0}` is listed twice")]
+    Twice(String),
+    /// The picture shows a left hand.
+    #[error("hand is `{0}`: a render set shows right hands; flip pictures of left ones, and their rotations")]
+    Hand(String),
     /// The file would lie outside the manifest's folder.
     #[error("the file `{0}` leads out of the manifest's folder")]
     Escapes(String),
@@ -158,10 +165,15 @@ impl Manifest {
         if let Some(column) = NEEDED.into_iter().find(|column| !table.has(column)) {
             return Err(ManifestError::MissingColumn { path, column });
         }
-        let mut rows = Vec::new();
+        let (mut rows, mut files) = (Vec::new(), HashSet::new());
         while table.advance().map_err(|fault| at_line(table.line(), fault.into()))? {
             let row = table.row().map_err(Problem::from);
-            let render = row.and_then(|row| render(&row, &folder, grasps));
+            let render = row.and_then(|row| render(&row, &folder, grasps)).and_then(|render| {
+                match files.insert(render.file.clone()) {
+                    true => Ok(render),
+                    false => Err(Problem::Twice(render.file)),
+                }
+            });
             rows.push(render.map_err(|problem| at_line(table.line(), problem))?);
         }
         if rows.is_empty() {
@@ -176,6 +188,9 @@ fn render(row: &Row<'_>, folder: &Path, grasps: &GraspSet) -> Result<ManifestRow
     let file = row.file.unwrap_or_default();
     if !Path::new(file).components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
         return Err(Problem::Escapes(file.to_owned()));
+    }
+    if let Some(hand) = row.hand.filter(|hand| !hand.is_empty() && *hand != "right") {
+        return Err(Problem::Hand(hand.to_owned()));
     }
     let name = row.grasp.unwrap_or_default();
     let Some(grasp) = grasps.get(name) else {

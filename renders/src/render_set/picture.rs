@@ -1,10 +1,9 @@
 //! PNG files that say which parameters made them.
 
-use std::fs::File;
+use std::ffi::OsString;
+use std::fs::{self, File};
 use std::io::{self, BufReader, Write};
 use std::path::Path;
-
-use tempfile::NamedTempFile;
 
 use crate::scene::Render;
 
@@ -71,36 +70,33 @@ pub(super) fn is_ours(path: &Path) -> bool {
 /// Writes a picture so that a reader finds either the whole of it or what was there before. After a
 /// power cut it may be damaged, which [`is_current`] notices.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    part_of(path, bytes)?.persist(path)?;
-    Ok(())
+    replace(path, bytes, |_| Ok(()))
 }
 
-/// The same of a file that has no way to tell that it is damaged: it is on the disk before it has
-/// its name.
+/// The same of a file that nobody notices to be damaged: it is on the disk before it has its name.
 pub(super) fn write_durably(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let part = part_of(path, bytes)?;
-    part.as_file().sync_all()?;
-    part.persist(path)?;
-    Ok(())
+    replace(path, bytes, File::sync_all)
 }
 
-/// A file that is not under its name yet.
-fn part_of(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".part-").tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    set_default_permissions(file.as_file())?;
-    Ok(file)
-}
-
-/// Temporary files are private; a render set is for everyone who may read its folder.
-#[cfg(unix)]
-fn set_default_permissions(file: &File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn set_default_permissions(_: &File) -> io::Result<()> {
-    Ok(())
+/// Writes beside a file, under a name that every run uses again, and puts that in its place.
+fn replace(path: &Path, bytes: &[u8], finish: impl Fn(&File) -> io::Result<()>) -> io::Result<()> {
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(".part");
+    let part = path.with_file_name(name);
+    // What a run that was killed has left there, or a link of somebody else's.
+    match fs::remove_file(&part) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let written = File::create_new(&part).and_then(|mut file| {
+        file.write_all(bytes)?;
+        finish(&file)
+    });
+    let replaced = written.and_then(|()| fs::rename(&part, path));
+    if replaced.is_err() {
+        // What is wrong is reported; that this stays is not.
+        let _ = fs::remove_file(&part);
+    }
+    replaced
 }

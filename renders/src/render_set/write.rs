@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -29,6 +30,14 @@ pub enum RenderSetError {
     /// The plan has no scene or no view.
     #[error("the plan renders nothing: it needs a hand shape, a stage, an object size and a view")]
     Empty,
+    /// No folder holds so many files.
+    #[error(
+        "the plan has {total} renders: at most {MOST} are written as files (`build` indexes more of them without)"
+    )]
+    TooMany {
+        /// Renders of the plan.
+        total: usize,
+    },
     /// A file or folder could not be written.
     #[error("cannot write {path}")]
     Write {
@@ -57,7 +66,12 @@ pub struct Summary {
     pub rendered: usize,
     /// Renders that were there already, made of the same parameters.
     pub kept: usize,
+    /// Renders that an earlier manifest listed and this one does not. They stay in the folder.
+    pub unlisted: usize,
 }
+
+/// The most renders of a set.
+const MOST: usize = 20_000_000;
 
 /// The path of a render inside its set:
 /// `HAND/GRASP/STAGE_OBJECT_azAAA_elEE_rRRR.png`, angles in degrees, where no other render of the
@@ -106,7 +120,8 @@ fn files(scenes: &[SceneSpec], plan: &RenderPlan) -> Vec<Vec<String>> {
 ///
 /// Renders that are there already and were made of the same parameters (each PNG file carries them)
 /// are kept. Every file appears whole or not at all; the manifest lists the plan's renders only.
-/// `progress` is called from any thread with the renders done and the plan's total. The same plan
+/// Before a picture is replaced by one of other parameters, the manifest that was there is removed:
+/// what it says of that picture may no longer be so. `progress` is called from any thread with the renders done and the plan's total. The same plan
 /// and seed give the same bytes at any thread count.
 ///
 /// # Errors
@@ -119,50 +134,62 @@ pub fn write_set(
     progress: &(dyn Fn(usize, usize) + Sync),
     cancel: &AtomicBool,
 ) -> Result<Summary, RenderSetError> {
-    let scenes = plan.scenes();
     let total = plan.renders();
     if total == 0 {
         return Err(RenderSetError::Empty);
     }
-    refuse_foreign(folder)?;
+    if total > MOST {
+        return Err(RenderSetError::TooMany { total });
+    }
+    let scenes = plan.scenes();
+    let files = files(&scenes, plan);
+    let manifest = folder.join(MANIFEST);
+    let unlisted = unlisted(folder, &manifest, &files)?;
     for scene in &scenes {
         let path = folder.join(&scene.hand_shape.name).join(&scene.grasp.name);
         fs::create_dir_all(&path).map_err(|source| RenderSetError::Write { path, source })?;
     }
-    let files = files(&scenes, plan);
     let counts = Counts::default();
-    let job = Job { folder, plan, total, counts: &counts, progress, cancel };
+    let outdated = Mutex::new(Some(manifest.as_path()));
+    let job = Job { folder, outdated, plan, total, counts: &counts, progress, cancel };
     scenes.par_iter().zip(&files).try_for_each(|(spec, files)| job.write_scene(spec, files))?;
 
     let rows = scenes.iter().zip(files).flat_map(|(spec, files)| {
         plan.views(spec).into_iter().zip(files).map(move |(view, file)| row(spec, &view, file))
     });
-    let path = folder.join(MANIFEST);
-    let failed = |source| RenderSetError::Write { path: path.clone(), source };
+    let failed = |source| RenderSetError::Write { path: manifest.clone(), source };
     let bytes = manifest::to_csv(rows).map_err(failed)?;
-    picture::write_durably(&path, &bytes).map_err(failed)?;
+    picture::write_durably(&manifest, &bytes).map_err(failed)?;
     let kept = counts.kept.into_inner();
-    Ok(Summary { manifest: path, rendered: counts.done.into_inner() - kept, kept })
+    Ok(Summary { rendered: counts.done.into_inner() - kept, kept, unlisted, manifest })
 }
 
-/// A manifest whose first picture another program made is somebody's work, and is not replaced.
-fn refuse_foreign(folder: &Path) -> Result<(), RenderSetError> {
-    let path = folder.join(MANIFEST);
-    let Ok(file) = fs::File::open(&path) else {
-        return Ok(());
+/// How many renders the manifest in the folder lists that are not among the plan's files.
+///
+/// # Errors
+/// [`RenderSetError::Foreign`] where it lists a picture that another program made: that is
+/// somebody's work, and is not replaced.
+fn unlisted(folder: &Path, manifest: &Path, files: &[Vec<String>]) -> Result<usize, RenderSetError> {
+    let Ok(file) = fs::File::open(manifest) else {
+        return Ok(0);
     };
     let mut reader = csv::Reader::from_reader(file);
     // Other programs' columns may come in any order.
     let column = reader.headers().ok().and_then(|names| names.iter().position(|name| name.trim() == "file"));
-    let first = reader.records().next().and_then(Result::ok);
-    // Where the picture is gone there is nothing to tell by; a set that lost pictures is to be
+    let Some(column) = column else { return Ok(0) };
+    let listed = reader.records().filter_map(|row| Some(row.ok()?.get(column)?.to_owned()));
+    // Where a picture is gone there is nothing to tell by; a set that lost pictures is to be
     // completed.
-    let picture =
-        first.and_then(|row| Some(folder.join(row.get(column?)?))).filter(|picture| picture.is_file());
-    match picture {
-        Some(picture) if !picture::is_ours(&picture) => Err(RenderSetError::Foreign { path }),
-        _ => Ok(()),
+    let has_picture = |file: &String| fs::metadata(folder.join(file)).is_ok_and(|data| data.len() > 0);
+    let listed: Vec<String> = listed.filter(has_picture).collect();
+    let planned: HashSet<&String> = files.iter().flatten().collect();
+    let others: Vec<&String> = listed.iter().filter(|file| !planned.contains(file)).collect();
+    // A picture of a planned name may be damaged; the first one speaks for all of these.
+    let is_ours = |file: &&String| picture::is_ours(&folder.join(file));
+    if !listed.iter().take(1).all(|file| is_ours(&file)) || !others.par_iter().all(is_ours) {
+        return Err(RenderSetError::Foreign { path: manifest.to_owned() });
     }
+    Ok(others.len())
 }
 
 #[derive(Default)]
@@ -173,6 +200,8 @@ struct Counts {
 
 struct Job<'a> {
     folder: &'a Path,
+    /// The manifest that was there before, until a picture is replaced.
+    outdated: Mutex<Option<&'a Path>>,
     plan: &'a RenderPlan,
     total: usize,
     counts: &'a Counts,
@@ -212,11 +241,25 @@ impl Job<'_> {
             self.check_cancelled()?;
             let path = self.folder.join(file);
             picture::encode(&scene.render(view), &picture::stamp(hash, view))
-                .and_then(|bytes| picture::write_whole(&path, &bytes))
+                .and_then(|bytes| {
+                    if path.exists() {
+                        self.remove_manifest()?;
+                    }
+                    picture::write_whole(&path, &bytes)
+                })
                 .map_err(|source| RenderSetError::Write { path, source })?;
             self.count();
             Ok(())
         })
+    }
+
+    /// Removes the manifest that was there before, once.
+    fn remove_manifest(&self) -> io::Result<()> {
+        let mut outdated = self.outdated.lock().unwrap_or_else(PoisonError::into_inner);
+        match outdated.take().map(fs::remove_file) {
+            Some(Err(error)) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
     }
 
     fn check_cancelled(&self) -> Result<(), RenderSetError> {

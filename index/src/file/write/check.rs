@@ -1,7 +1,7 @@
 //! What makes no index is refused before anything is written.
 
 use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
-use crate::file::input::{BuildError, EntryFault, IndexParams, NewEntry};
+use crate::file::input::{BuildError, EntryFault, IndexParams, LARGEST_VALUE, NewEntry};
 use crate::file::kept::Originals;
 use crate::file::layout::MOST_NAMES;
 use crate::search::build::{HashParams, RandomParams};
@@ -84,8 +84,10 @@ pub(super) fn check_held_out(
     if !held_out.len().is_multiple_of(dim) {
         return Err(BuildError::Params("the held-out descriptors must be as long as the index's own"));
     }
-    if !held_out.iter().all(|value| value.is_finite()) {
-        return Err(BuildError::Params("the held-out descriptors must be made of finite numbers"));
+    if !held_out.iter().all(|value| value.abs() <= LARGEST_VALUE) {
+        return Err(BuildError::Params(
+            "the held-out descriptors must be made of finite numbers, none beyond 1e15",
+        ));
     }
     Ok(())
 }
@@ -98,6 +100,9 @@ pub(super) fn check_entry(params: &IndexParams, entry: &NewEntry) -> Result<(), 
     }
     if let Some(at) = entry.descriptor.iter().position(|value| !value.is_finite()) {
         return Err(EntryFault::NotFinite { at });
+    }
+    if let Some(at) = entry.descriptor.iter().position(|value| value.abs() > LARGEST_VALUE) {
+        return Err(EntryFault::Huge { at });
     }
     if params.originals == Originals::F16
         && let Some(at) = entry.descriptor.iter().position(|value| value.abs() > f16::MAX.to_f32())
