@@ -8,7 +8,7 @@ use grasp_index::{
 };
 use grasp_query::evaluate::{self, labels, report};
 use grasp_recognise::segment::{Finder, Mask, SegmentParams};
-use grasp_recognise::{HandChoice, MaskSource, RecogniseError, RecogniseOptions, Recogniser, Side};
+use grasp_recognise::{HandChoice, MaskSource, RecogniseOptions, Recogniser, Side};
 use image::{ImageFormat, Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -250,3 +250,33 @@ fn a_full_disk_leaves_the_old_index_and_no_debris() {
         "{left:?}"
     );
 }
+
+#[test]
+fn standard_output_is_no_file() {
+    let labels = pictures().join("labels.csv").display().to_string();
+    for (name, arguments) in [
+        ("grasp-query", &["evaluate", &labels, "--predictions", "-"][..]),
+        ("grasp-query", &["experiment", "report", &labels, "--out", "-"]),
+        ("grasp-builder", &["build", "--out", "-"]),
+        ("grasp-builder", &["export", "grasp.idx", "--labels", "-"]),
+        ("grasp-builder", &["queries", "--out", "-"]),
+    ] {
+        let outcome = run(program(name).args(arguments));
+        assert_eq!(outcome.status, 2, "{arguments:?}");
+        assert!(outcome.stderr.contains("this cannot go to standard output"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn an_empty_folder_takes_nothing_from_the_others() {
+    let empty = tempfile::tempdir().unwrap();
+    let outcome = run(program("grasp-query")
+        .args(["recognise", "--json", "--segmented", "--index"])
+        .arg(small_index())
+        .arg(empty.path())
+        .arg(good()));
+    let records = outcome.json_lines();
+    assert_eq!((outcome.status, records.len()), (2, 2), "{}", outcome.stderr);
+    assert_eq!(records[0]["error"]["kind"], "unreadable", "{}", records[0]);
+    assert!(records[1]["grasp"].is_string(), "{}", records[1]);
+}

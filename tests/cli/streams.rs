@@ -67,6 +67,15 @@ fn each_frame_is_answered_when_its_last_byte_has_come() {
 }
 
 #[test]
+fn what_belongs_to_one_picture_is_not_taken_for_the_next() {
+    let picture = fs::read(pictures().join("segmented/09-pinch.png")).unwrap();
+    let mask = pictures().join("mask/09-pinch.png");
+    let outcome = run_with_input(command().arg("--mask").arg(mask), &[&picture[..], &picture].concat());
+    assert_eq!((outcome.status, outcome.stdout.lines().count()), (2, 1), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("are for a single picture, but - has more"), "{}", outcome.stderr);
+}
+
+#[test]
 fn what_lies_between_frames_is_skipped_and_counted() {
     let garbage: Vec<u8> = (0..100_000u32).map(|at| (at * 7 % 251) as u8).collect();
     let zeros = vec![0; 1000];

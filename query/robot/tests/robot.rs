@@ -259,6 +259,11 @@ fn moveit_gets_the_wrist_in_the_world() {
 
 #[test]
 fn bad_descriptions_say_what_is_needed() {
+    // A text that a parser makes seventy times as much of, and what it shows of a line.
+    let long = format!("a = [{}]", "[],".repeat(100_000));
+    insta::assert_snapshot!(Object::parse("long", &long).unwrap_err(), @"long is not a valid description of an object: 292 KiB: descriptions of at most 256 KiB are read");
+    let line = format!("a = [{}]", "[],".repeat(1_000));
+    assert!(Object::parse("line", &line).unwrap_err().to_string().len() < 500);
     let object = |text: &str| Object::parse("own.toml", text).unwrap_err().to_string();
     let mut said = vec![
         object(&BOTTLE.replace("radius = 0.035", "")),

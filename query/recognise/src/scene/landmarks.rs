@@ -317,6 +317,8 @@ mod tests {
         let mut points = flat();
         points[7][1] = f64::NAN;
         insta::assert_snapshot!(error(&points), @"landmark 7 is not at a place: both its numbers must be finite");
+        points[7][1] = 1e308;
+        insta::assert_snapshot!(error(&points), @"landmark 7 lies far outside the picture: is the unit right?");
         insta::assert_snapshot!(error(&flat().map(|[x, y]| [x + 900.0, y])), @"no landmark lies in the picture of 640 x 480 pixels");
     }
 

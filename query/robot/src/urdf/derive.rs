@@ -123,6 +123,9 @@ fn ever_wider(openings: &[Opening]) -> Vec<Opening> {
     if widest < shut {
         way.reverse();
     }
+    // Where it is shut all along, from the last such place on.
+    let last_shut = way.iter().rposition(|opening| opening.wide <= way[0].wide);
+    way.drain(..last_shut.unwrap_or(0));
     let mut wide = f64::NEG_INFINITY;
     way.retain(|opening| {
         let is_wider = opening.wide > wide;
@@ -130,4 +133,30 @@ fn ever_wider(openings: &[Opening]) -> Vec<Opening> {
         is_wider
     });
     way
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ever(wide: impl Fn(f64) -> f64) -> Vec<f64> {
+        let joints = (-10..=10).map(|part| f64::from(part) / 10.0);
+        let openings: Vec<Opening> =
+            joints.map(|joint| Opening { joint, wide: wide(joint), deep: 0.0 }).collect();
+        ever_wider(&openings).iter().map(|opening| opening.joint).collect()
+    }
+
+    #[test]
+    fn a_joint_opens_one_way() {
+        // Both ways: one of them, without a jump to the other.
+        let both = ever(f64::abs);
+        assert!(both.len() == 11 && both.windows(2).all(|pair| pair[0] < pair[1]), "{both:?}");
+        // Up or down, all of it; shut for a while, what follows that.
+        assert_eq!(ever(|joint| joint).len(), 21);
+        assert_eq!(ever(|joint| -joint).first(), Some(&1.0));
+        assert_eq!(ever(|joint| joint.max(0.0)), both);
+        // What closes again on the way is left out.
+        let dented = ever(|joint| if joint == 0.5 { 0.0 } else { joint });
+        assert!(dented.len() == 20 && !dented.contains(&0.5), "{dented:?}");
+    }
 }
