@@ -21,6 +21,7 @@ use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::interrupt;
 use crate::plan_spec::PlanSpec;
+use crate::sound::open_sound;
 
 /// Entries that are handed on at a time.
 const ENTRIES_AT_ONCE: u32 = 1 << 10;
@@ -108,14 +109,9 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
 }
 
 fn open(path: &Path) -> anyhow::Result<Index> {
-    let cannot = || format!("cannot use the index {}", path.display());
-    let index = Index::open(path).with_context(cannot)?;
+    let index = open_sound(path)?;
     if index.catalogue().originals == Originals::None {
         bail!("{} keeps no descriptors to take over: build it with --originals f32 or f16", path.display());
-    }
-    // What is flipped in one entry would be sealed as sound.
-    if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is damaged: {problem}", path.display());
     }
     Ok(index)
 }

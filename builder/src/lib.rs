@@ -30,5 +30,6 @@ pub mod merge;
 pub mod plan_spec;
 mod same_file;
 pub mod shard;
+mod sound;
 pub mod split;
 pub mod train;

@@ -10,6 +10,7 @@ use grasp_terminal::Progress;
 
 use crate::interrupt::{self, Interrupted};
 use crate::same_file::is_same_file;
+use crate::sound::open_sound;
 
 /// A segment that was written.
 #[derive(Debug)]
@@ -22,19 +23,16 @@ pub struct Segment {
     pub bytes: u64,
 }
 
-/// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, in
-/// order, as many entries in each as can be. What a run that was killed has left there is removed.
+/// Writes the index at `path` as `count` segments into the folder `out`: whole hand shapes, where
+/// there are as many, in order, as many entries in each as can be. What a run that was killed has
+/// left there is removed.
 ///
 /// # Errors
 /// When the index is damaged or has fewer entries, or a segment cannot be written; then no segment
 /// of this index stays, and what was at the place of those that were not begun is as it was.
 /// [`Interrupted`] when the user asked to stop.
 pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow::Result<Vec<Segment>> {
-    let index = Index::open(path).with_context(|| format!("cannot use the index {}", path.display()))?;
-    // What is flipped in it would be sealed as sound.
-    if let Some(problem) = index.verify().problems.first() {
-        bail!("{} is damaged: {problem}", path.display());
-    }
+    let index = open_sound(path)?;
     let is_input = |number: &u32| is_same_file(&out.join(file_name(*number, count)), path);
     if (1..=count).any(|number| is_input(&number)) {
         bail!("a segment would be written over {}: name another folder", path.display());

@@ -11,6 +11,7 @@ use grasp_terminal::text::{counted, shown};
 use super::build::ENTRIES;
 use crate::same_file::is_same_file;
 use crate::shard::{PartReader, is_part};
+use crate::sound::open_sound;
 use crate::{export, interrupt};
 
 /// Write what an index holds for other programs: its descriptors, its labels, or all of it as one
@@ -69,11 +70,7 @@ impl Export {
         if is_part(&self.index) {
             return self.part(global);
         }
-        let index = Index::open(&self.index).with_context(|| format!("cannot export {name}"))?;
-        // Numbers that were changed would pass for those that were indexed.
-        if let Some(problem) = index.verify().problems.first() {
-            bail!("{name} is damaged: {problem}");
-        }
+        let index = open_sound(&self.index)?;
         let outputs: [(_, _, Write); 3] = [
             (&self.descriptors, "descriptors", export::descriptors),
             (&self.labels, "labels", export::labels),

@@ -30,7 +30,7 @@ pub(crate) struct Merge {
     /// The index to write.
     #[arg(long, value_name = "FILE", default_value = "grasp.idx", value_parser = output_file())]
     out: PathBuf,
-    /// Write K segments instead: whole hand shapes in each, in order.
+    /// Write K segments instead: whole hand shapes in each, where there are as many, in order.
     #[arg(long, value_name = "K", value_parser = parse_count, requires = "out_dir", conflicts_with = "out")]
     segments: Option<u32>,
     /// The folder to write them into, as 1-of-K.idx and so on; the whole index lies there

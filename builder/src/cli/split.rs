@@ -11,8 +11,9 @@ use crate::split::{Segment, split};
 
 /// Write an index as several, for a machine each or because one would be too large a file.
 ///
-/// Segments hold whole hand shapes, in order, and share what was learned from all entries: searched
-/// as one, with all of them named in order, they answer exactly as the index does, at any effort.
+/// Segments hold whole hand shapes, where there are as many, in order, and share what was learned
+/// from all entries: searched as one, with all of them named in order, they answer exactly as the
+/// index does, at any effort.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -11,5 +11,4 @@ mod source;
 
 pub use ahead::{Ahead, Frame, Keep};
 pub use pace::Pace;
-pub(crate) use source::warn_of_rest;
-pub use source::{EncodedFrame, Source, SourceError, Streams};
+pub use source::{EncodedFrame, STANDARD_INPUT, Source, SourceError, Streams};

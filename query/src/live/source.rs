@@ -10,8 +10,8 @@ use grasp_terminal::text::counted;
 
 use super::camera::{Camera, CameraError};
 
-/// Standard input, as a path.
-const STANDARD_INPUT: &str = "-";
+/// The name of standard input, among files and in records.
+pub const STANDARD_INPUT: &str = "-";
 
 /// Why there is no next frame, or not this one.
 #[derive(Debug, thiserror::Error)]
@@ -121,39 +121,54 @@ impl Source {
 #[derive(Debug)]
 pub struct Streams {
     files: IntoIter<PathBuf>,
-    current: Option<(PathBuf, Frames<Input>)>,
+    current: Option<Stream>,
+}
+
+/// The file that is read.
+#[derive(Debug)]
+struct Stream {
+    name: PathBuf,
+    frames: Frames<Input>,
+    /// It has given frames.
+    has_begun: bool,
 }
 
 impl Streams {
     fn next_frame(&mut self) -> Option<Result<EncodedFrame, SourceError>> {
         loop {
-            if let Some((name, frames)) = &mut self.current {
-                let name = name.clone();
-                match frames.next() {
+            if let Some(stream) = &mut self.current {
+                let name = stream.name.clone();
+                match stream.frames.next() {
                     Some(Ok(Frame { bytes, skipped })) => {
+                        stream.has_begun = true;
                         return Some(Ok(EncodedFrame { name, bytes, skipped }));
                     }
                     Some(Err(error)) => return Some(Err(SourceError::Stream { name, error })),
                     None => {
-                        warn_of_rest(&name.display().to_string(), frames.skipped_at_end());
+                        stream.warn_of_rest();
                         self.current = None;
                     }
                 }
             }
             let name = self.files.next()?;
             match Input::open(&name) {
-                Ok(input) => self.current = Some((name, Frames::new(input))),
+                Ok(input) => {
+                    self.current = Some(Stream { name, frames: Frames::new(input), has_begun: false });
+                }
                 Err(error) => return Some(Err(error)),
             }
         }
     }
 }
 
-/// Reports what follows the last frame of a stream.
-pub(crate) fn warn_of_rest(subject: &str, skipped: u64) {
-    if skipped > 0 {
-        let bytes = counted(skipped, ["byte", "bytes"]);
-        tracing::warn!(subject, skipped, "warning: {bytes} behind the last frame are no whole picture");
+impl Stream {
+    /// Reports what follows the last frame.
+    fn warn_of_rest(&self) {
+        let skipped = self.frames.skipped_at_end();
+        if self.has_begun && skipped > 0 {
+            let (subject, bytes) = (self.name.display().to_string(), counted(skipped, ["byte", "bytes"]));
+            tracing::warn!(subject, skipped, "warning: {bytes} behind the last frame are no whole picture");
+        }
     }
 }
 

@@ -1,21 +1,16 @@
 //! What gives frame after frame: standard input, a file of frames, or a camera.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use grasp_answer::record::Record;
 use grasp_recognise::RecogniseError;
-use grasp_recognise::picture::{DecodeError, Frame, Frames, StreamError};
+use grasp_recognise::picture::DecodeError;
 use grasp_terminal::text::counted;
 
 use crate::live::camera::Camera;
-use crate::live::{Ahead, EncodedFrame, Keep, Source, SourceError, warn_of_rest};
-
-/// The name of standard input, among the pictures and in records.
-pub(super) const STANDARD_INPUT: &str = "-";
+use crate::live::{Ahead, EncodedFrame, Keep, STANDARD_INPUT, Source, SourceError};
 
 /// The extensions of files that hold one frame after another.
 const STREAMS: [&str; 3] = ["mjpg", "mjpeg", "y4m"];
@@ -66,30 +61,28 @@ fn of_stream(
     path: &Path,
     mut answer: impl FnMut(Option<u64>, Result<EncodedFrame, Record>) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let input: Box<dyn Read> = match path == Path::new(STANDARD_INPUT) {
-        true => Box::new(io::stdin().lock()),
-        false => match File::open(path) {
-            Ok(file) => Box::new(file),
-            Err(reason) => {
-                let error = DecodeError::Read { path: path.to_owned(), reason }.into();
-                return answer(None, Err(Record::not_recognised(name.into(), None, &error)));
-            }
-        },
-    };
-    let mut frames = Frames::new(input);
+    let mut source = Source::streams(vec![path.to_owned()]);
     let mut next = 0;
-    for frame in frames.by_ref() {
+    while let Some(given) = source.next_frame() {
         // A picture alone is frame 0: whether another follows is not known yet.
         let number = Some(next);
         next += 1;
-        let given =
-            |frame: Frame| EncodedFrame { name: path.to_owned(), bytes: frame.bytes, skipped: frame.skipped };
-        let failed = |error: StreamError| Record::failed(name.into(), number, "stream", error.to_string());
-        answer(number, frame.map(given).map_err(failed))?;
+        let name = name.to_owned();
+        answer(
+            number,
+            given.map_err(|error| match error {
+                SourceError::Open { name: path, error: reason } => {
+                    Record::not_recognised(name, None, &DecodeError::Read { path, reason }.into())
+                }
+                // The record names the file.
+                SourceError::Stream { error, .. } => {
+                    Record::failed(name, number, "stream", error.to_string())
+                }
+                other => Record::failed(name, number, other.kind(), other.to_string()),
+            }),
+        )?;
     }
-    if next > 0 {
-        warn_of_rest(name, frames.skipped_at_end());
-    } else {
+    if next == 0 {
         let empty = RecogniseError::Decode(DecodeError::Empty);
         return answer(None, Err(Record::not_recognised(name.into(), None, &empty)));
     }
