@@ -109,7 +109,7 @@ struct Shapes {
     #[arg(long, default_value_t = Preset::Paper, value_name = "NAME", value_parser = preset(), hide_possible_values = true)]
     preset: Preset,
     /// Step between views in degrees, in azimuth and elevation.
-    #[arg(long, value_name = "DEG", value_parser = parse_step)]
+    #[arg(long, value_name = "DEG", value_parser = parse_step, allow_negative_numbers = true)]
     step: Option<f64>,
     /// How hand images are described: `learned`, `upright`, `default` or `paper`, as for `build`.
     /// By default as `build` does for the preset.

@@ -43,7 +43,7 @@ pub(super) struct PlanOptions {
     #[arg(long, value_name = "FILE")]
     grasps: Option<PathBuf>,
     /// Step between views in degrees, in azimuth and elevation.
-    #[arg(long, value_name = "DEG", value_parser = parse_step)]
+    #[arg(long, value_name = "DEG", value_parser = parse_step, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Elevations in degrees, e.g. 0..84, or -84..84 for both half-spheres.
     #[arg(long, value_name = "LOW..HIGH", value_parser = elevations, allow_hyphen_values = true)]
@@ -57,20 +57,20 @@ pub(super) struct PlanOptions {
     views: Option<u32>,
     /// Pose this share of the scenes, 0 to 1, like the examples in the grasps' file; the rest close
     /// on their objects.
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     examples: Option<f64>,
     /// Distance of the camera, in hand lengths.
-    #[arg(long, value_name = "LENGTHS")]
+    #[arg(long, value_name = "LENGTHS", allow_negative_numbers = true)]
     distance: Option<f64>,
     /// Length of the bare forearm behind the wrist in millimetres, the same in all scenes; 0 cuts
     /// at the wrist. By default `standard` and `wide` draw arms of 0 to 160 mm, `paper` none.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     forearm: Option<f64>,
     /// How far the light may move from view to view, 0 to 1.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     light_variation: Option<f64>,
     /// How far the distance may vary from view to view, 0 to 0.5.
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     distance_variation: Option<f64>,
     /// The grasps of an index, where no file of them is named.
     #[arg(skip)]

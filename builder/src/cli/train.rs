@@ -64,7 +64,7 @@ pub(crate) struct Train {
     keep: u8,
     /// The learning rate after the warm-up: 0.002 unless given, and 0.001 with --from. A smaller
     /// one forgets less of what the network has learned.
-    #[arg(long, value_name = "R", value_parser = parse_rate)]
+    #[arg(long, value_name = "R", value_parser = parse_rate, allow_negative_numbers = true)]
     rate: Option<f32>,
     /// How weights are moved. The shipped networks were trained by `adam`, the mask network and, at
     /// last, the thing network by `muon`.

@@ -160,11 +160,11 @@ struct TrustArguments {
     #[command(flatten)]
     segment: SegmentArguments,
     /// The trust below which a hand is unknown; without it, that of the model that is replaced.
-    #[arg(long, value_name = "P", value_parser = parse_share)]
+    #[arg(long, value_name = "P", value_parser = parse_share, allow_negative_numbers = true)]
     least: Option<f64>,
     /// The least that probabilities are tempered by, however little an answer is trusted; without
     /// it, that of the model that is replaced.
-    #[arg(long, value_name = "P", value_parser = parse_share)]
+    #[arg(long, value_name = "P", value_parser = parse_share, allow_negative_numbers = true)]
     floor: Option<f64>,
     /// Write the model into this file.
     #[arg(long, value_name = "OUT.toml")]
@@ -276,6 +276,11 @@ impl UnknownArguments {
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
         let others = self.others.as_ref().map(|path| Selected::others(path)).transpose()?;
+        if others.is_none() && !selected.labels.iter().any(|label| label.grasp == OTHER) {
+            bail!(
+                "there is nothing to distinguish the grasps from: label pictures of other hands `{OTHER}`, or name a table of such by --others"
+            );
+        }
         // What is measured here must not have been decided before.
         let options =
             RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options()? };
@@ -285,11 +290,6 @@ impl UnknownArguments {
         if let Some(others) = others {
             outcomes.extend(self.labelled.score(&others, &index, options, global)?);
             broken.extend(others.broken);
-        }
-        if !outcomes.iter().any(|outcome| outcome.label.grasp == OTHER) {
-            bail!(
-                "there is nothing to distinguish the grasps from: label pictures of other hands `{OTHER}`, or name a table of such by --others"
-            );
         }
         let calibration = index.catalogue().calibration;
         let limits = calibration.farthest.map(|farthest| Limits {

@@ -39,10 +39,10 @@ pub(super) struct RecogniseArguments {
     k: Option<usize>,
     /// Width of the vote's kernel as a distance between descriptors (Equation 3), in place of the
     /// index's own.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "sigma_scale", value_parser = parse_positive, allow_negative_numbers = true)]
     sigma: Option<f64>,
     /// Width of the vote's kernel as a multiple of the index's measured sigma.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "X", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "X", value_parser = parse_positive, allow_negative_numbers = true)]
     sigma_scale: Option<f64>,
     /// Take the vote's sigma from Equation 5 as it is printed, instead of from its words.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, conflicts_with_all = ["sigma", "sigma_scale"])]
@@ -56,7 +56,7 @@ pub(super) struct RecogniseArguments {
     accept: AcceptChoice,
     /// A hand is unknown where its nearest entry lies farther than D, whatever the index was
     /// calibrated with.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "accept", value_parser = parse_positive)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "D", conflicts_with = "accept", value_parser = parse_positive, allow_negative_numbers = true)]
     unknown_at: Option<f64>,
 }
 
@@ -233,10 +233,10 @@ impl RecogniseArguments {
 #[derive(Debug, clap::Args)]
 pub(super) struct FrameArguments {
     /// The probability that the grasp changes from one frame of a sequence to the next.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share, allow_negative_numbers = true)]
     switch: f64,
     /// How far the hand turns from one frame of a sequence to the next, in degrees.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees, allow_negative_numbers = true)]
     motion: f64,
 }
 

@@ -69,10 +69,10 @@ pub(super) struct Serve {
     #[arg(long, value_name = "MP", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=128))]
     max_pixels: u16,
     /// Seconds that a request may take to arrive, and again to be answered.
-    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds, allow_negative_numbers = true)]
     timeout: f64,
     /// Seconds between two looks at whether another index lies at the path.
-    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = parse_seconds, allow_negative_numbers = true)]
     poll: f64,
     /// Read an index of at most this many megabytes into memory, so that it is served on while
     /// another is copied over it; a larger one is mapped, and a copy over it turns requests away
@@ -88,7 +88,7 @@ pub(super) struct Serve {
     #[arg(long, value_name = "ANSWERS.csv", default_value = "answers.csv", requires = "quiz")]
     quiz_out: PathBuf,
     /// Seconds that requests under way may take after SIGTERM or Ctrl-C.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_seconds, allow_negative_numbers = true)]
     drain: f64,
 }
 

@@ -26,7 +26,8 @@ pub struct Outcome {
     pub label: Label,
     /// What was recognised, or why nothing was.
     pub result: Result<Guess, Miss>,
-    /// Time for the picture, decoding included, in milliseconds.
+    /// Time for the picture from its file to the answer, in milliseconds; 0 where it was not looked
+    /// at.
     pub ms: f64,
     /// Intersection over union of the segmentation and the labelled mask, before the forearm is cut
     /// off and after.
@@ -83,20 +84,21 @@ pub struct Miss {
 /// for it.
 pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_masks: bool) -> Outcome {
     let path = resolve(folder, &label.file);
+    let labelled = labelled_mask(folder, &label);
     let started = Instant::now();
     let read = picture::read(&path).map_err(RecogniseError::from).map_err(|error| miss(&error));
-    let labelled = labelled_mask(folder, &label);
-    let mut iou = None;
+    let (mut iou, mut ms) = (None, 0.0);
     let result = read.and_then(|bytes| {
         let mask = labelled?;
         let source = source_of(label.kind, mask.clone(), labelled_masks);
         let found = recogniser.recognise(&bytes, &source);
+        ms = started.elapsed().as_secs_f64() * 1e3;
         if let (MaskSource::Camera, Some(mask)) = (&source, &mask) {
             iou = overlap(&found, mask);
         }
         found.map(|found| guess(recogniser, &found)).map_err(|error| miss(&error))
     });
-    Outcome { label, result, ms: started.elapsed().as_secs_f64() * 1e3, iou }
+    Outcome { label, result, ms, iou }
 }
 
 /// The hand image H of a labelled picture, in full size; what finds the hand is as in [`score`].

@@ -198,8 +198,8 @@ fn vote(canvas: &mut Canvas, (x, top): (u32, u32), found: &Recognition, answer: 
     };
     let besides = match found.context {
         Context::Nothing => "",
-        Context::Object => ", and by how this object is usually grasped",
-        Context::Frames => ", in this frame and those before it",
+        Context::Object => ", times the prior",
+        Context::Frames => ", in all frames so far",
     };
     let note = format!("the probability of each grasp, by {by}{besides}");
     for (line, text) in (0u32..).zip(Font::BODY.wrap(&note, LARGE)) {
