@@ -106,7 +106,7 @@ fn as_text(name: &str, index: &Index) -> String {
     line("thumbnails", format!("{} pixels a side", catalogue.thumbnail_side));
     line("seed", catalogue.seed.to_string());
     for (key, value) in &catalogue.provenance {
-        line(key, value.clone());
+        line(key, shortened(value));
     }
     for section in &catalogue.sections {
         line(
@@ -122,6 +122,17 @@ fn as_text(name: &str, index: &Index) -> String {
         );
     }
     lines.join("\n") + "\n"
+}
+
+/// What is longer than anybody reads, such as grasps of one's own, cut.
+fn shortened(text: &str) -> String {
+    const MOST: usize = 300;
+    let length = text.chars().count();
+    if length <= MOST {
+        return text.to_owned();
+    }
+    let beginning: String = text.chars().take(MOST).collect();
+    format!("{beginning}... ({length} characters: --json prints all)")
 }
 
 /// A network's fingerprint, as `train` prints it.

@@ -112,7 +112,7 @@ enum SegmentBy {
 }
 
 impl SegmentArguments {
-    /// How hands are found. What networks are asked begins to be read.
+    /// How hands are found.
     ///
     /// # Errors
     /// Where networks that are asked for cannot be used, or none are asked for that are named.
@@ -125,11 +125,6 @@ impl SegmentArguments {
             ),
             (Some(folder), _) => Networks::read(folder)?,
         };
-        if self.segment != SegmentBy::Skin && rayon::current_num_threads() > 1 {
-            // Another thread reads them while this one opens the index.
-            let networks = networks.clone();
-            rayon::spawn(move || networks.read_ahead());
-        }
         Ok(SegmentParams { by: self.finder()?, networks, ..SegmentParams::default() })
     }
 

@@ -28,8 +28,8 @@ use grasp_answer::{human, moveit};
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_recognise::picture;
 use grasp_recognise::prior::Priors;
-use grasp_recognise::segment::Mask;
 use grasp_recognise::segment::depth::DepthRange;
+use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, Recogniser, Recognition, Warning};
 use grasp_robot::Setting;
@@ -174,7 +174,9 @@ impl Recognise {
             return self.run_remote(address, &images, drawings.as_ref());
         }
         let robot = self.robot.read()?;
+        let are_cut_out = self.segmented || self.mask.is_some() || self.depth.is_some();
         let options = self.recognise.options()?;
+        read_ahead(&options.segment, are_cut_out);
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, options);
         let setup = Setup { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
@@ -409,6 +411,15 @@ impl Recognise {
             return Ok(MaskSource::Landmarks(landmarks::read(path)?));
         }
         Ok(MaskSource::Camera)
+    }
+}
+
+/// Begins to read the networks that will be asked, on another thread, while this one opens the
+/// index.
+fn read_ahead(segment: &SegmentParams, are_cut_out: bool) {
+    if segment.by != Finder::Skin && rayon::current_num_threads() > 1 {
+        let networks = segment.networks.clone();
+        rayon::spawn(move || networks.read_ahead(are_cut_out));
     }
 }
 

@@ -105,9 +105,11 @@ impl Networks {
 
     /// Loads the built-in networks in the order of their first use. Where a processor sums products
     /// of bytes, there is little to do; elsewhere weights are converted first, which the first look
-    /// would otherwise wait for.
-    pub fn read_ahead(&self) {
-        for read in [Self::finding, Self::cutting, Self::naming, Self::things] {
+    /// would otherwise wait for. Hands that are cut out are only looked at by two of them.
+    pub fn read_ahead(&self, are_cut_out: bool) {
+        let of_scenes = [Self::finding, Self::cutting, Self::naming, Self::things];
+        let of_hands = [Self::finding, Self::naming];
+        for read in if are_cut_out { &of_hands[..] } else { &of_scenes } {
             read(self);
         }
     }
