@@ -261,9 +261,19 @@ mod socket {
                 Err(error) => return Err(error),
             }
         }
-        let listener = UnixListener::bind(path)?;
-        let socket = Socket(path.to_owned());
-        std::fs::set_permissions(path, Permissions::from_mode(0o600))?;
-        Ok((listener, socket))
+        Ok((bind_unseen(path)?, Socket(path.to_owned())))
+    }
+
+    /// Listens at a path where the socket appears with its permissions set: until then it lies in a
+    /// folder that nobody else may enter.
+    fn bind_unseen(path: &Path) -> io::Result<UnixListener> {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let folder = tempfile::Builder::new().prefix(".").tempdir_in(parent.unwrap_or(Path::new(".")))?;
+        let unseen = folder.path().join("s");
+        let listener = UnixListener::bind(&unseen)?;
+        std::fs::set_permissions(&unseen, Permissions::from_mode(0o600))?;
+        // Unlike a file that is renamed, a link takes no other's place.
+        std::fs::hard_link(&unseen, path)?;
+        Ok(listener)
     }
 }
