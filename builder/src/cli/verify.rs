@@ -9,8 +9,8 @@ use grasp_terminal::text::{counted, shown};
 
 /// Read every byte of an index and check it.
 ///
-/// Opening an index checks its header, its catalogue and its network only, so that it takes no time;
-/// this checks the rest: every section against its hash, and what the numbers in it refer to.
+/// Opening an index checks its header, its catalogue and its network only, so that it takes no
+/// time; this checks the rest: every section against its hash, and what the numbers in it refer to.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

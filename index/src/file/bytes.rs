@@ -73,8 +73,9 @@ impl Bytes {
         // bytes live on as long as they are mapped (tested in tests/writing.rs). Every byte pattern
         // is valid for the plain numbers that are read from it, and the catalogue and texts are
         // copied before they are checked, so bytes changed by a stranger can give wrong answers,
-        // but no undefined values: they are noticed by `check_unchanged`. A file truncated by a stranger ends the process with
-        // SIGBUS, unless it is guarded (`super::fault`). Where neither will do, use `Bytes::read`.
+        // but no undefined values: they are noticed by `check_unchanged`. A file truncated by a
+        // stranger ends the process with SIGBUS, unless it is guarded (`super::fault`). Where
+        // neither will do, use `Bytes::read`.
         let map = unsafe { Mmap::map(stamp.file())? };
         let registered = Registered::new(&map);
         Ok(Self::Mapped(Mapping { registered, map, stamp, is_changed: AtomicBool::new(false) }))

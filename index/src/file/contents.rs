@@ -119,8 +119,8 @@ impl Opened {
     }
 }
 
-/// String `at` of a table of text: a copy, for what lies in a mapped file may be changed once it has
-/// been checked.
+/// String `at` of a table of text: a copy, for what lies in a mapped file may be changed once it
+/// has been checked.
 fn text(offsets: &[u32], text: &[u8], at: usize) -> Option<String> {
     let (start, end) = (*offsets.get(at)?, *offsets.get(at.checked_add(1)?)?);
     String::from_utf8(text.get(start as usize..end as usize)?.to_vec()).ok()

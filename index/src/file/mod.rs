@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Opening reads the header, the catalogue and a network, where there is one, and no more
-//! ([`open`]); hashing everything is for [`verify`]. Where another program changes it all the same, [`stamp`] notices it, and [`fault`]
-//! keeps the reader alive.
+//! ([`open`]); hashing everything is for [`verify`]. Where another program changes it all the same,
+//! [`stamp`] notices it, and [`fault`] keeps the reader alive.
 
 mod align;
 pub(crate) mod atomic;

@@ -89,8 +89,8 @@ pub struct Strategy {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arm: Option<ArmMotion>,
     /// The probability that the estimate's error stays within what is tolerated, were it normal; 0
-    /// where the strategy is not feasible, null where the spread of the position, how far the orientation may be off, or
-    /// the window is unknown.
+    /// where the strategy is not feasible, null where the spread of the position, how far the
+    /// orientation may be off, or the window is unknown.
     pub quality: Option<f64>,
     /// Where everything is in the world, as drawings show it.
     pub layout: Layout,

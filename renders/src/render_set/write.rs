@@ -121,8 +121,9 @@ fn files(scenes: &[SceneSpec], plan: &RenderPlan) -> Vec<Vec<String>> {
 /// Renders that are there already and were made of the same parameters (each PNG file carries them)
 /// are kept. Every file appears whole or not at all; the manifest lists the plan's renders only.
 /// Before a picture is replaced by one of other parameters, the manifest that was there is removed:
-/// what it says of that picture may no longer be so. `progress` is called from any thread with the renders done and the plan's total. The same plan
-/// and seed give the same bytes at any thread count.
+/// what it says of that picture may no longer be so. `progress` is called from any thread with the
+/// renders done and the plan's total. The same plan and seed give the same bytes at any thread
+/// count.
 ///
 /// # Errors
 ///

@@ -51,8 +51,8 @@ pub(crate) struct Options {
     /// How pictures come: as they are (image), or as JPEG or PNG (image/compressed).
     #[arg(long, value_enum, default_value_t = Transport::Raw)]
     pub(crate) image_transport: Transport,
-    /// Which hand the pictures show; `auto` tries both: neighbours, networks and where the arm comes
-    /// from say which it is.
+    /// Which hand the pictures show; `auto` tries both: neighbours, networks and where the arm
+    /// comes from say which it is.
     #[arg(long, value_enum, default_value_t = Hand::Auto)]
     hand: Hand,
     /// What finds the hand: a network that was trained on scenes, or the colour of skin.
