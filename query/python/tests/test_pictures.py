@@ -23,7 +23,7 @@ def test_arrays_that_could_be_meant_otherwise_are_refused(recogniser):
         (numpy.zeros(40, numpy.uint8), r"\(40,\): \(h, w, 3\), RGB, or \(h, w\), grey, is needed"),
         (numpy.zeros((0, 50, 3), numpy.uint8), r"\(0, 50, 3\) has no pixels"),
         (numpy.zeros((0, 0), numpy.uint8), r"\(0, 0\) has no pixels"),
-        (numpy.broadcast_to(numpy.uint8(0), (1 << 14, 1 << 14)), "is too large: shrink it to at most 128"),
+        (numpy.broadcast_to(numpy.uint8(0), (1 << 14, 1 << 14)), "is too large: shrink it to at most 134 megapixels"),
         ([[1, 2], [3, 4]], "a picture is a path, or a NumPy array"),
         (None, "a picture is a path, or a NumPy array"),
     ]
