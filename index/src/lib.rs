@@ -70,6 +70,7 @@ mod rotation;
 mod search;
 mod segments;
 mod vote;
+mod voting;
 
 pub use descriptor::{
     Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, NetworkEstimate,
