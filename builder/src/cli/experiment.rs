@@ -10,11 +10,11 @@ use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
 use tracing::info;
 
-use super::build::ENTRIES;
 use super::form::Form;
 use super::networks_experiment::Networks;
 use super::plan::parse_step;
 use super::preset::preset;
+use super::report::ENTRIES;
 use super::seed::DEFAULT_SEED;
 use crate::experiment::scale::data::Data;
 use crate::experiment::scale::fit::power_law;

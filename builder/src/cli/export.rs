@@ -8,7 +8,7 @@ use grasp_index::Index;
 use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
-use super::build::ENTRIES;
+use super::report::ENTRIES;
 use crate::same_file::is_same_file;
 use crate::shard::{PartReader, is_part};
 use crate::sound::open_sound;

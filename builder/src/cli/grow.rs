@@ -9,9 +9,9 @@ use grasp_renders::Preset;
 use grasp_terminal::text::shown;
 use tracing::warn;
 
-use super::build::print_report;
 use super::plan::PlanOptions;
 use super::preset::preset;
+use super::report::print_report;
 use crate::grow::{Growth, grow};
 use crate::indexing::{OPTIONS, RenderSet, Source};
 use crate::interrupt;

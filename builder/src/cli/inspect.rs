@@ -8,7 +8,7 @@ use grasp_about::{IndexInfo, class_counts};
 use grasp_index::{Calibration, Catalogue, DescriptorKind, EPS, HashInfo, Index, Measured, Sampling, Tone};
 use grasp_terminal::text::{counted, percent, printable};
 
-use super::build::ENTRIES;
+use super::report::ENTRIES;
 
 /// Show what is in an index: its entries, parameters, origin, and how well its search does.
 #[derive(Debug, clap::Args)]

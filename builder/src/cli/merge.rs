@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use grasp_program::{Global, output_file};
 
-use super::build::print_report;
+use super::report::print_report;
 use super::split::{parse_count, print_segments};
 use crate::interrupt;
 use crate::merge::merge;

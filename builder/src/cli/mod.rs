@@ -12,11 +12,13 @@ mod plan;
 mod preset;
 mod queries;
 mod render;
+mod report;
 mod seed;
 mod shard;
 mod split;
 mod train;
 mod verify;
+mod work;
 
 use std::process::ExitCode;
 

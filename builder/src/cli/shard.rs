@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use grasp_program::Global;
 use grasp_terminal::text::{counted, shown};
 
-use super::build::WorkOptions;
+use super::work::WorkOptions;
 use crate::descriptor::shipped_network;
 use crate::interrupt;
 use crate::shard::{Share, shard};
