@@ -110,8 +110,8 @@ impl PlanOptions {
         self.preset.is_some()
     }
 
-    /// What an index keeps of these options: how hands are posed and seen. Whose hands they are and
-    /// files are left out.
+    /// What an index keeps of these options: how hands are posed and seen, with the text of a file
+    /// of grasps. Whose hands they are is left out.
     ///
     /// # Errors
     /// Where the file of the grasps cannot be read.
@@ -154,7 +154,7 @@ impl PlanOptions {
         }
     }
 
-    /// These options with the grasps of an index, where they name none.
+    /// These options with the grasps that an index keeps, for where they name no file of any.
     pub(super) fn or_grasps(self, kept: Option<String>) -> Self {
         Self { kept_grasps: kept, ..self }
     }

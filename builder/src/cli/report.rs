@@ -61,7 +61,7 @@ pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyho
             if summary.measured.held_out {
                 "other hands"
             } else {
-                "its own entries, each left out for its own,"
+                "its own entries, each held out for its own query,"
             },
             percent(point.recall_at_10),
             format_args!("{:.0} %", 100.0 * EPS),

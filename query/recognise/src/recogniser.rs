@@ -118,8 +118,8 @@ impl<'a> Recogniser<'a> {
         }
         let doubt = self.options.accept.doubt(self.index, &best, trusted, &self.options.vote);
         let is_none = none.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
-        // That no class stands out is what such a hand looks like: what else is known of it may
-        // make one stand out all the same.
+        // Such a hand often looks like no class in particular. A prior or the frames before may
+        // settle that doubt, but not this one: it goes first.
         let doubt = doubt.filter(|doubt| !doubt.is_unsure()).or(is_none).or(doubt);
         let warnings = Vec::new();
         let mut found = Recognition {

@@ -13,8 +13,8 @@ use super::{DescriptionFault, RobotError};
 const UNIT_TOLERANCE: f64 = 1e-3;
 /// Nothing that this program is for lies farther away, in metres.
 const FAR: f64 = 100.0;
-/// The longest description in bytes, ten times as long as any that is known: what the parser makes
-/// of a text takes many times as much memory.
+/// The longest description in bytes, thirty times as long as the longest of the built-in ones: what
+/// the parser makes of a text takes many times as much memory.
 const LONGEST: usize = 256 << 10;
 
 /// A description's name and what it should describe, for its errors.
