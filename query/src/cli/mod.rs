@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, and what several share in files of their own.
 
+mod answering;
 mod effort;
 mod evaluate;
 mod experiment;

@@ -15,6 +15,7 @@ use grasp_index::Index;
 use grasp_terminal::error::message;
 use rayon::prelude::*;
 
+use super::answering::Answering;
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::overwriting::refuse_overwriting_by_any;
@@ -23,7 +24,7 @@ use super::robot::{MessageArguments, RobotArguments};
 use drawings::Drawings;
 use feed::{Feed, is_stream};
 use grasp_answer::explain;
-use grasp_answer::record::{Record, SingleRecord};
+use grasp_answer::record::Record;
 use grasp_answer::{human, moveit};
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_recognise::picture;
@@ -32,7 +33,6 @@ use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::segment::{Finder, Mask, SegmentParams};
 use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, Recogniser, Recognition, Warning};
-use grasp_robot::Setting;
 #[cfg(feature = "serve")]
 use grasp_serve::client::Address;
 
@@ -141,9 +141,8 @@ pub(super) struct Recognise {
 
 /// What every picture is answered with.
 struct Setup<'a> {
-    recogniser: Recogniser<'a>,
+    answering: Answering<'a>,
     source: MaskSource,
-    robot: Option<Setting>,
     /// The probability of each class without the picture.
     prior: Option<Vec<f64>>,
     drawings: Option<Drawings>,
@@ -179,7 +178,8 @@ impl Recognise {
         read_ahead(&options.segment, are_cut_out);
         let index = self.index.open_for_pictures()?;
         let recogniser = Recogniser::new(&index, options);
-        let setup = Setup { recogniser, source: self.source()?, robot, prior: self.prior(&index)?, drawings };
+        let answering = Answering { recogniser, robot, timings: self.timings };
+        let setup = Setup { answering, source: self.source()?, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(setup.prior.clone()));
 
         let mut output = Output { form: self.form(), status: SUCCESS, out: io::stdout().lock() };
@@ -280,7 +280,7 @@ impl Recognise {
                 found
             });
             let record = self.finish(setup, name.clone(), frame, found, filter.as_mut());
-            self.index.check(setup.recogniser.index())?;
+            self.index.check(setup.answering.recogniser.index())?;
             output.write(&record)
         })
     }
@@ -308,7 +308,7 @@ impl Recognise {
     }
 
     fn find(&self, setup: &Setup<'_>, name: String, frame: Option<u64>, bytes: &[u8]) -> Found {
-        let found = setup.recogniser.recognise(bytes, &setup.source);
+        let found = setup.answering.recogniser.recognise(bytes, &setup.source);
         found.map_err(|error| Record::not_recognised(name, frame, &error))
     }
 
@@ -321,35 +321,21 @@ impl Recognise {
         found: Found,
         filter: Option<&mut Filter>,
     ) -> Record {
-        let index = setup.recogniser.index();
-        let mut found = match (found, &filter) {
-            (Ok(found), _) => found,
-            (Err(record), None) => return record,
-            (Err(record), Some(_)) => {
+        let answering = &setup.answering;
+        let mut found = match found {
+            Ok(found) => found,
+            Err(record) => {
                 // Time goes by all the same.
                 filter.map(Filter::pass);
                 return record;
             }
         };
-        let mut single = None;
-        match (filter, &setup.prior) {
-            (Some(filter), _) => {
-                single = Some(SingleRecord::new(&found));
-                setup.recogniser.follow(&mut found, filter);
-            }
-            (None, Some(prior)) => setup.recogniser.weigh(&mut found, prior),
-            (None, None) => {}
+        // A filter has the prior from its first frame on.
+        if let (None, Some(prior)) = (&filter, &setup.prior) {
+            answering.recogniser.weigh(&mut found, prior);
         }
-        let mut record = match Record::answer(name.clone(), frame, &found, index, self.timings) {
-            Ok(record) => record,
-            Err(error) => return Record::failed(name, frame, "index", error.to_string()),
-        };
-        if let Record::Answer(answer) = &mut record {
-            answer.single = single;
-            if let Some(setting) = &setup.robot {
-                answer.imitate(&found, setting);
-            }
-        }
+        let record = answering.record(&name, frame, &mut found, filter);
+        let index = answering.recogniser.index();
         if let (Some(drawings), Record::Answer(answer)) = (&setup.drawings, &record) {
             let drawing = explain::draw(&found, answer, index);
             // What an index says that has changed is no answer: its record will not be written

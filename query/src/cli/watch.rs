@@ -8,20 +8,21 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use grasp_answer::annotate::{Annotator, FrameContent};
-use grasp_answer::record::{Record, SingleRecord};
+use grasp_answer::human;
+use grasp_answer::record::Record;
 use grasp_recognise::picture::{self, Decoded};
 use grasp_recognise::sequence::Filter;
-use grasp_recognise::{Recogniser, Recognition, Tracker};
-use grasp_robot::Setting;
+use grasp_recognise::{Recogniser, Tracker};
 use grasp_terminal::text::counted;
 
+use super::answering::Answering;
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
 use super::overwriting::refuse_overwriting_by_any;
 use super::pictures::pictures;
 use super::robot::RobotArguments;
 use crate::live::camera::{self, Camera};
-use crate::live::{Ahead, Frame, Keep, Pace, Source};
+use crate::live::{Ahead, EncodedFrame, Frame, Keep, Pace, Source};
 use grasp_program::status::{INTERRUPTED, SUCCESS};
 use output::Output;
 
@@ -82,15 +83,13 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// What is known from frame to frame, and what every frame is answered with.
 struct Watching<'a> {
-    recogniser: Recogniser<'a>,
-    robot: Option<Setting>,
+    answering: Answering<'a>,
     tracker: Tracker,
     filter: Filter,
     annotator: Annotator,
     pace: Pace,
     /// What records call the source of the frame at hand.
     name: String,
-    timings: bool,
 }
 
 impl Watch {
@@ -100,14 +99,16 @@ impl Watch {
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let mut watching = Watching {
-            recogniser: Recogniser::new(&index, self.recognise.options()?),
-            robot,
+            answering: Answering {
+                recogniser: Recogniser::new(&index, self.recognise.options()?),
+                robot,
+                timings: self.timings,
+            },
             tracker: Tracker::default(),
             filter: Filter::new(self.frames.params(), None),
             annotator: Annotator::new(&index),
             pace: Pace::default(),
             name: self.named(),
-            timings: self.timings,
         };
         let mut output = Output::new(&self.out, self.json.as_deref())?;
         // The frames so far are kept; a second signal ends the program at once.
@@ -218,43 +219,41 @@ impl Watching<'_> {
         if let Some(name) = name {
             self.name = name.display().to_string();
         }
+        let warning = frame.given.as_ref().ok().and_then(EncodedFrame::warning);
         let started = Instant::now();
         let decoded = self.decoded(frame);
         let decode = started.elapsed();
         let shown = decoded.as_ref().ok().map(|decoded| decoded.picture.clone());
         let found = decoded.and_then(|decoded| {
-            let found =
-                self.recogniser.recognise_next(decoded, 1e3 * decode.as_secs_f64(), &mut self.tracker);
+            let decode_ms = 1e3 * decode.as_secs_f64();
+            let found = self.answering.recogniser.recognise_next(decoded, decode_ms, &mut self.tracker);
             found.map_err(|error| Record::not_recognised(self.name.clone(), Some(number), &error))
         });
-        let answered = self.record(number, found);
-        let recognised = started.elapsed();
-        let (record, drawing) = match answered {
-            Ok((record, found)) => {
-                let drawing = match &record {
-                    Record::Answer(answer) => {
-                        let approach = self.robot.as_ref().zip(answer.strategy.as_ref());
-                        let approach =
-                            approach.map(|(setting, strategy)| setting.approach_in_camera(strategy));
-                        let seen = FrameContent::Hand { found: &found, answer, approach };
-                        self.annotator.draw(number, shown, seen)
-                    }
-                    Record::Failure(failure) => {
-                        self.annotator.draw(number, shown, FrameContent::Nothing(&failure.error.message))
-                    }
-                };
-                (record, drawing)
+        let (record, found) = match found {
+            Ok(mut found) => {
+                let filter = Some(&mut self.filter);
+                (self.answering.record(&self.name, Some(number), &mut found, filter), Some(found))
             }
             Err(record) => {
                 // Time goes by all the same.
                 self.filter.pass();
-                let why = match &record {
-                    Record::Failure(failure) => failure.error.message.clone(),
-                    Record::Answer(_) => String::new(),
-                };
-                (record, self.annotator.draw(number, shown, FrameContent::Nothing(&why)))
+                if let Some(warning) = warning {
+                    tracing::warn!(subject = human::name(&self.name, Some(number)), "warning: {warning}");
+                }
+                (record, None)
             }
         };
+        let recognised = started.elapsed();
+        let content = match (&record, &found) {
+            (Record::Answer(answer), Some(found)) => {
+                let approach = self.answering.robot.as_ref().zip(answer.strategy.as_ref());
+                let approach = approach.map(|(setting, strategy)| setting.approach_in_camera(strategy));
+                FrameContent::Hand { found, answer, approach }
+            }
+            (Record::Failure(failure), _) => FrameContent::Nothing(&failure.error.message),
+            (Record::Answer(_), None) => FrameContent::Nothing(""),
+        };
+        let drawing = self.annotator.draw(number, shown, content);
         let drawn = started.elapsed();
         let bytes = drawing.as_ref().map(output::encoded).transpose()?;
         let done = started.elapsed();
@@ -272,27 +271,5 @@ impl Watching<'_> {
             .map_err(|error| Record::not_recognised(self.name.clone(), number, &error.into()))?;
         decoded.warnings.splice(0..0, given.warning());
         Ok(decoded)
-    }
-
-    /// The record of what was found, by all frames so far.
-    fn record(
-        &mut self,
-        number: u64,
-        found: Result<Recognition, Record>,
-    ) -> Result<(Record, Recognition), Record> {
-        let mut found = found?;
-        let single = SingleRecord::new(&found);
-        self.recogniser.follow(&mut found, &mut self.filter);
-        let index = self.recogniser.index();
-        let (name, number) = (self.name.clone(), Some(number));
-        let mut record = Record::answer(name.clone(), number, &found, index, self.timings)
-            .map_err(|error| Record::failed(name, number, "index", error.to_string()))?;
-        if let Record::Answer(answer) = &mut record {
-            answer.single = Some(single);
-            if let Some(setting) = &self.robot {
-                answer.imitate(&found, setting);
-            }
-        }
-        Ok((record, found))
     }
 }
