@@ -1,10 +1,11 @@
-//! Who may ask, and what every answer says to a browser.
+//! Who may ask.
 
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use super::browser::protected;
 use super::linger::Linger;
 use super::metrics::PATHS;
 use super::origin::{Names, check_host, check_origin};
@@ -23,31 +24,16 @@ const COOKIE: &str = "grasp_token";
 /// is protected unless it is added here.
 const OPEN: [&str; 5] = ["/docs", "/docs.css", "/openapi.json", "/healthz", "/readyz"];
 
-/// Nothing from elsewhere is loaded, no other page may frame or embed what is sent, and answers are
-/// not kept.
-const HEADERS: [(HeaderName, &str); 5] = [
-    (
-        header::CONTENT_SECURITY_POLICY,
-        "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-    ),
-    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (header::CACHE_CONTROL, "no-store"),
-];
-
 /// Checks and counts every request, and puts the headers on every answer.
 pub(super) async fn guard(State(service): State<Shared>, request: Request, next: Next) -> Response {
     let asked = RequestLog::of(&request);
     let request = Linger::around(request);
     let path = counted(request.uri().path());
-    let mut response = match check(&service, &request) {
+    let response = match check(&service, &request) {
         Err(problem) => problem.into_response(),
         Ok(()) => next.run(request).await,
     };
-    for (name, value) in HEADERS {
-        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
-    }
+    let response = protected(response);
     let (status, took) = (response.status().as_u16(), asked.at.elapsed());
     service.metrics.answered(path, status, took);
     asked.log(status, took);
@@ -121,7 +107,7 @@ mod tests {
     #[test]
     fn a_token_is_shown_by_header_or_cookie_and_no_other_will_do() {
         let token = Token::new("sesame-sesame-16").unwrap();
-        let shows = |name: HeaderName, value: &str| {
+        let shows = |name: axum::http::HeaderName, value: &str| {
             let mut headers = HeaderMap::new();
             headers.insert(name, HeaderValue::from_str(value).unwrap());
             check_token(&headers, &token).is_ok()

@@ -12,6 +12,7 @@
 mod about;
 mod arrival;
 mod body;
+pub mod browser;
 mod budget;
 pub mod client;
 mod current;

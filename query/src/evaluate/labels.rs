@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use grasp_index::NETWORK_STAGES;
 use grasp_labels::{REMARK, Row, RowFault, Table};
 use nalgebra::UnitQuaternion;
 use serde::Serialize;
@@ -50,7 +51,7 @@ pub struct Label {
     pub kind: Kind,
     /// The class name, or [`OTHER`].
     pub grasp: String,
-    /// How far the grasp is closed; may be empty.
+    /// How far the grasp is closed, one of [`NETWORK_STAGES`]; may be empty.
     pub stage: String,
     /// Which hand, where it is known.
     pub hand: Option<Side>,
@@ -111,6 +112,9 @@ pub enum LabelFault {
     /// A kind of picture that there is not.
     #[error("kind is `{0}`, it must be segmented or camera")]
     Kind(String),
+    /// No stage of a grasp.
+    #[error("stage is `{0}`, it must be {stages} or empty", stages = NETWORK_STAGES.join(", "))]
+    Stage(String),
     /// Neither hand.
     #[error("hand is `{0}`, it must be left, right or empty")]
     Hand(String),
@@ -175,7 +179,12 @@ fn label(line: u64, row: &Row<'_>, columns: BTreeMap<String, String>) -> Result<
         file: needed("file", row.file)?,
         mask: row.mask.map(str::to_owned),
         grasp: needed("grasp", row.grasp)?,
-        stage: row.stage.unwrap_or_default().to_owned(),
+        stage: match row.stage {
+            Some(stage) if !NETWORK_STAGES.contains(&stage) => {
+                return Err(LabelFault::Stage(stage.to_owned()));
+            }
+            stage => stage.unwrap_or_default().to_owned(),
+        },
         orientation: row.orientation()?,
         columns,
     })
@@ -237,13 +246,15 @@ mod tests {
             "c.png,,camera,pinch,,,1,1,1,1,\n",
             "d.png,,camera\n",
             "e.png,,camera,other,,,,,,,\n",
+            "f.png,,camera,pinch,grasping,,,,,,\n",
         ));
         let wrong: Vec<(u64, String)> =
             rows.iter().filter_map(|row| row.as_ref().err()).map(|e| (e.line, e.fault.to_string())).collect();
-        assert_eq!(wrong.len(), 3);
+        assert_eq!(wrong.len(), 4);
         assert_eq!(wrong[0], (3, "kind is `photo`, it must be segmented or camera".into()));
         assert!(wrong[1].1.contains("must be a unit quaternion"));
         assert_eq!(wrong[2], (5, "not a line of this table: it has 3 fields where the header has 11".into()));
+        assert_eq!(wrong[3], (7, "stage is `grasping`, it must be reach, close, grasp or empty".into()));
         assert_eq!(rows.iter().filter(|row| row.is_ok()).count(), 2);
     }
 

@@ -242,13 +242,17 @@ pub fn text(report: &Report) -> String {
 }
 
 fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
-    writeln!(
-        text,
-        "top-1 {:.1} % of {}, {} unknown or without a hand",
-        100.0 * report.top1,
-        counted(report.n, PICTURES),
-        report.unknown
-    )?;
+    if report.n == 0 {
+        writeln!(text, "no picture that was answered shows one of the classes")?;
+    } else {
+        writeln!(
+            text,
+            "top-1 {:.1} % of {}, {} unknown or without a hand",
+            100.0 * report.top1,
+            counted(report.n, PICTURES),
+            report.unknown
+        )?;
+    }
     let groups = [
         ("class", &report.per_class),
         ("stage", &report.per_stage),
@@ -262,10 +266,12 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
             writeln!(text, "  {:<16} {:5.1} %  of {}", printable(key), 100.0 * share.top1(), share.n)?;
         }
     }
-    writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
-    report.confusion.write_text(text)?;
-    writeln!(text)?;
-    report.calibration.write_text(text)?;
+    if report.n > 0 {
+        writeln!(text, "\nconfusion (rows: labelled; columns: answered)")?;
+        report.confusion.write_text(text)?;
+        writeln!(text)?;
+        report.calibration.write_text(text)?;
+    }
     orientation_text(text, "orientation error", &report.orientation_error_deg)?;
     orientation_text(text, "  of the right class", &report.orientation_error_deg_right_class)?;
     report.spread.write_text(text)?;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path, Request, State as Shared};
-use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{StatusCode, header};
 use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -21,25 +21,13 @@ use super::result::QuizResult;
 use super::{CHOICES, Quiz, Refused, State};
 use grasp_serve::LOOK;
 use grasp_serve::Problem;
+use grasp_serve::browser::protected;
 use grasp_serve::origin::{Names, check_host, check_origin};
 use grasp_serve::small;
 
 /// What the page is made of: anybody may link to it, and it tells nothing. All else answers to the
 /// page alone.
 const OPEN: [&str; 4] = ["/", "/look.css", "/quiz.css", "/quiz.js"];
-
-/// Nothing from elsewhere is loaded, no other page may frame or embed what is sent, and nothing is
-/// kept that a later quiz would show again.
-const HEADERS: [(HeaderName, &str); 5] = [
-    (
-        header::CONTENT_SECURITY_POLICY,
-        "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-    ),
-    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (header::CACHE_CONTROL, "no-store"),
-];
 
 /// The quiz, between requests.
 #[derive(Clone, Debug)]
@@ -87,17 +75,13 @@ pub async fn serve(
 async fn guard(names: Names, request: Request, next: Next) -> Response {
     let is_open = OPEN.contains(&request.uri().path());
     let checked = check_host(&request, names);
-    let mut response = match checked.and_then(|()| if is_open { Ok(()) } else { check_origin(&request) }) {
+    protected(match checked.and_then(|()| if is_open { Ok(()) } else { check_origin(&request) }) {
         Ok(()) => next.run(request).await,
         Err(problem) => problem.into_response(),
-    };
-    for (name, value) in HEADERS {
-        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
-    }
-    response
+    })
 }
 
-/// The paths of the quiz, to be served alone or beside others.
+/// The paths of the quiz, to be served alone or beside others, behind a guard.
 pub fn router(table: Table) -> Router {
     Router::new()
         .route("/", get(async || page("text/html; charset=utf-8", include_bytes!("page/index.html"))))
@@ -108,7 +92,7 @@ pub fn router(table: Table) -> Router {
             get(async || page("text/javascript; charset=utf-8", include_bytes!("page/quiz.js"))),
         )
         .route("/examples.png", get(async || page("image/png", include_bytes!("page/examples.png"))))
-        .route("/choices", get(async || (HEADERS, Json(CHOICES))))
+        .route("/choices", get(async || Json(CHOICES)))
         .route("/state", get(state))
         .route("/picture/{number}", get(picture))
         .route("/answer", post(answer))
@@ -119,11 +103,11 @@ pub fn router(table: Table) -> Router {
 }
 
 fn page(content_type: &'static str, bytes: &'static [u8]) -> Response {
-    (HEADERS, [(header::CONTENT_TYPE, content_type)], bytes).into_response()
+    ([(header::CONTENT_TYPE, content_type)], bytes).into_response()
 }
 
-async fn state(Shared(table): Shared<Table>) -> (HeaderList, Json<State>) {
-    (HEADERS, Json(table.quiz().state()))
+async fn state(Shared(table): Shared<Table>) -> Json<State> {
+    Json(table.quiz().state())
 }
 
 async fn picture(
@@ -134,23 +118,18 @@ async fn picture(
         return Err(Problem::bad_request("a picture is named by its number, an integer from 0"));
     };
     let png = table.quiz().picture(number)?;
-    Ok((HEADERS, [(header::CONTENT_TYPE, "image/png")], png).into_response())
+    Ok(([(header::CONTENT_TYPE, "image/png")], png).into_response())
 }
 
-async fn answer(
-    Shared(table): Shared<Table>,
-    request: Request,
-) -> Result<(HeaderList, Json<State>), Problem> {
+async fn answer(Shared(table): Shared<Table>, request: Request) -> Result<Json<State>, Problem> {
     let answer: Answer = small::json(request, "{\"picture\": N, \"answer\": 1 to 6}").await?;
     let state = table.quiz().answer(answer.picture, answer.answer)?;
-    Ok((HEADERS, Json(state)))
+    Ok(Json(state))
 }
 
-async fn finish(Shared(table): Shared<Table>) -> Result<(HeaderList, Json<QuizResult>), Problem> {
-    Ok((HEADERS, Json(table.quiz().finish()?)))
+async fn finish(Shared(table): Shared<Table>) -> Result<Json<QuizResult>, Problem> {
+    Ok(Json(table.quiz().finish()?))
 }
-
-type HeaderList = [(HeaderName, &'static str); 5];
 
 impl From<Refused> for Problem {
     fn from(refused: Refused) -> Self {
