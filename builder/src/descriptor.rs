@@ -1,7 +1,6 @@
 //! Descriptors by name, the network that comes with the program, and what in a picture is
 //! described.
 
-use std::fs;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -10,6 +9,9 @@ use grasp_index::{BACKGROUND, DescriptorModel, DescriptorParams, HandImage, Hand
 
 /// The weights that `data/README.md` describes.
 const SHIPPED: &[u8] = include_bytes!("../data/hand.network");
+
+/// The most bytes of a network's file.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// Names of the descriptors of pictures, as options take them.
 pub const NAMES: [&str; 4] = [LEARNED, "upright", "default", "paper"];
@@ -48,7 +50,7 @@ pub fn shipped_network() -> anyhow::Result<Arc<Network>> {
 /// Reads a network's file.
 pub(crate) fn read_network(path: &Path) -> anyhow::Result<Network> {
     let cannot = || format!("cannot use the network {}", path.display());
-    let bytes = fs::read(path).with_context(cannot)?;
+    let bytes = grasp_bounded::read(path, MOST_BYTES).with_context(cannot)?;
     Network::from_bytes(&bytes).with_context(cannot)
 }
 

@@ -97,7 +97,7 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
         let mut take = |mut batch: Vec<Described>| -> anyhow::Result<()> {
             bar.inc(batch.len() as u64);
             interrupt::check()?;
-            let is_new = |entry: &NewEntry| !there.contains(&identity(&entry.file, entry.source_hash));
+            let mut is_new = |entry: &NewEntry| there.insert(identity(&entry.file, entry.source_hash));
             batch.retain(|described| described.as_ref().is_none_or(|(entry, _)| is_new(entry)));
             gathered.take(batch)
         };
@@ -145,9 +145,9 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     }
     for catalogue in indexes.iter().map(Index::catalogue) {
         for hand in catalogue.hand_shapes.iter().filter(|hand| !growth.without.contains(hand)) {
-            names.hand_shapes.add(hand)?;
+            names.add_hand_shape(hand)?;
         }
-        catalogue.stages.iter().try_for_each(|stage| names.stages.add(stage))?;
+        catalogue.stages.iter().try_for_each(|stage| names.add_stage(stage))?;
         names.classes.extend_from_slice(&catalogue.classes);
     }
     if let Some(source) = &growth.more {
@@ -157,8 +157,8 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
             );
         }
         let more = source.names()?;
-        more.hand_shapes.names.iter().try_for_each(|hand| names.hand_shapes.add(hand))?;
-        more.stages.names.iter().try_for_each(|stage| names.stages.add(stage))?;
+        more.hand_shapes.names.iter().try_for_each(|hand| names.add_hand_shape(hand))?;
+        more.stages.names.iter().try_for_each(|stage| names.add_stage(stage))?;
         names.classes.extend(more.classes);
     }
     if first.kept.labels && names.hand_shapes.names.is_empty() {

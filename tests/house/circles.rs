@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// All crates.
-const CRATES: [&str; 20] = [
+const CRATES: [&str; 21] = [
     "builder",
     "builder/train",
     "index",
     "index/about",
+    "index/bounded",
     "index/canonical",
     "index/labels",
     "index/log",

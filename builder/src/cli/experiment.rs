@@ -208,9 +208,9 @@ impl Shapes {
             info!(entries = report.entries, seconds, "{} {done}: {entries}, {seconds:.1} s", shown(path));
         })?;
         let mut stdout = std::io::stdout().lock();
-        write!(stdout, "grasp-query experiment shapes LABELS.csv --out {}", self.out.display())?;
+        write!(stdout, "grasp-query experiment shapes LABELS.csv --out {}", shown(&self.out))?;
         for index in indexes {
-            write!(stdout, " --index {}", index.display())?;
+            write!(stdout, " --index {}", shown(&index))?;
         }
         writeln!(stdout)?;
         Ok(())

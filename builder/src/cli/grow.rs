@@ -45,7 +45,7 @@ pub(crate) struct Add {
     renders: Vec<PathBuf>,
     /// Write an index of the added entries alone, which can be searched beside the other and joined
     /// to it with `compact`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     segment: Option<PathBuf>,
     #[command(flatten)]
     plan: PlanOptions,

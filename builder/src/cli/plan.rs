@@ -181,7 +181,7 @@ impl PlanOptions {
     /// The grasps as they are written down, where they are not the built-in ones.
     fn grasps_text(&self) -> anyhow::Result<Option<String>> {
         let Some(path) = &self.grasps else { return Ok(self.kept_grasps.clone()) };
-        let text = std::fs::read_to_string(path);
+        let text = grasp_bounded::read_text(path);
         text.map(Some).with_context(|| format!("cannot read the grasps {}", path.display()))
     }
 

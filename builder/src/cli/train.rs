@@ -11,6 +11,7 @@ use grasp_terminal::text::{counted, shown};
 use super::seed::DEFAULT_SEED;
 use crate::descriptor::read_network;
 use crate::interrupt;
+use crate::same_file::is_same_file;
 use crate::train::{
     DEFAULT_VALIDATE_EVERY, Files, Kind, LeftOut, Optimiser, Options, Schedule, Trained, train,
 };
@@ -75,7 +76,7 @@ pub(crate) struct Train {
     seed: u64,
     /// What a training that was stopped goes on from: written every two minutes and at Ctrl-C,
     /// removed in the end. By default FILE.checkpoint.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     checkpoint: Option<PathBuf>,
     /// Measure, and add a line to the curve, each time that so many pictures have been shown.
     #[arg(long, default_value_t = DEFAULT_VALIDATE_EVERY, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -120,7 +121,7 @@ impl Train {
             left_out: self.left_out(),
         };
         let files = self.files();
-        if [&files.network, &files.curve].contains(&&files.checkpoint) {
+        if [&files.network, &files.curve].into_iter().any(|file| is_same_file(file, &files.checkpoint)) {
             let checkpoint = shown(&files.checkpoint);
             bail!("--checkpoint {checkpoint} is where the network or its curve goes: name another file");
         }

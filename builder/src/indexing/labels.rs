@@ -40,8 +40,8 @@ impl Labels {
         while table.advance().with_context(|| at_line(path, &table))? {
             let mut take = || -> anyhow::Result<()> {
                 let Line { row, grasp, .. } = Line::new(table.row()?, kept)?;
-                names.hand_shapes.add(row.hand_shape.unwrap_or_default())?;
-                names.stages.add(row.stage.unwrap_or_default())?;
+                names.add_hand_shape(row.hand_shape.unwrap_or_default())?;
+                names.add_stage(row.stage.unwrap_or_default())?;
                 match numbers.get_mut(grasp) {
                     None => drop(numbers.insert(grasp.to_owned(), row.cutkosky)),
                     Some(number) => match (*number, row.cutkosky) {
@@ -55,13 +55,6 @@ impl Labels {
             };
             take().with_context(|| at_line(path, &table))?;
             lines += 1;
-        }
-        if names.stages.names.len() > 1 << 8 {
-            bail!(
-                "{} names {} stages: at most 256 can be numbered",
-                path.display(),
-                names.stages.names.len()
-            );
         }
         let class = |(name, number): (String, Option<u8>)| {
             let cutkosky = number.or_else(|| grasps.get(&name).map(|grasp| grasp.cutkosky)).unwrap_or(0);

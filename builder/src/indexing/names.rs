@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, ensure};
 use grasp_index::{ClassInfo, KeptFields};
 
 /// The names that entries refer to by number.
@@ -29,6 +29,21 @@ impl Names {
         self.classes.sort_by(|a, b| (a.cutkosky, &a.name).cmp(&(b.cutkosky, &b.name)));
     }
 
+    /// # Errors
+    /// Where there are more than can be numbered.
+    pub(crate) fn add_hand_shape(&mut self, name: &str) -> anyhow::Result<()> {
+        let is_added = self.hand_shapes.add(name, 1 << 16);
+        ensure!(is_added, "more than 65536 hand shapes: split what is to be indexed into several indexes");
+        Ok(())
+    }
+
+    /// # Errors
+    /// Where there are more than can be numbered.
+    pub(crate) fn add_stage(&mut self, name: &str) -> anyhow::Result<()> {
+        ensure!(self.stages.add(name, 1 << 8), "more than 256 stages: at most 256 can be numbered");
+        Ok(())
+    }
+
     pub(crate) fn class(&self, name: &str) -> anyhow::Result<u16> {
         number(self.classes.iter().position(|class| class.name == name), name)
     }
@@ -43,21 +58,17 @@ impl Names {
 }
 
 impl Numbered {
-    /// More names than that cannot be numbered in the file.
-    const MOST: usize = 1 << 16;
-
-    pub(crate) fn add(&mut self, name: &str) -> anyhow::Result<()> {
-        if !self.numbers.contains_key(name) {
-            if self.names.len() == Self::MOST {
-                bail!(
-                    "more than {} different hand shapes: split the render sets into several indexes",
-                    Self::MOST
-                );
-            }
-            self.numbers.insert(name.to_owned(), self.names.len());
-            self.names.push(name.to_owned());
+    /// Numbers a name, unless there are `most` already; returns whether it has a number now.
+    fn add(&mut self, name: &str, most: usize) -> bool {
+        if self.numbers.contains_key(name) {
+            return true;
         }
-        Ok(())
+        if self.names.len() == most {
+            return false;
+        }
+        self.numbers.insert(name.to_owned(), self.names.len());
+        self.names.push(name.to_owned());
+        true
     }
 }
 

@@ -21,13 +21,13 @@ const SCENES_AT_ONCE: usize = 16;
 pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
     let mut names = Names { classes: classes(plan), ..Names::default() };
     for shape in &plan.hand_shapes {
-        names.hand_shapes.add(&shape.name)?;
+        names.add_hand_shape(&shape.name)?;
     }
     for model in &plan.hand_models {
-        names.hand_shapes.add(&model.shape().name)?;
+        names.add_hand_shape(&model.shape().name)?;
     }
     for stage in &plan.stages {
-        names.stages.add(stage.name())?;
+        names.add_stage(stage.name())?;
     }
     Ok(names)
 }

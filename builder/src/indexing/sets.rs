@@ -112,8 +112,8 @@ impl RenderSet {
 pub(super) fn names(sets: &[RenderSet]) -> anyhow::Result<Names> {
     let mut names = Names::default();
     for (_, row) in sets.iter().flat_map(RenderSet::rows) {
-        names.hand_shapes.add(&row.hand_shape)?;
-        names.stages.add(row.stage.name())?;
+        names.add_hand_shape(&row.hand_shape)?;
+        names.add_stage(row.stage.name())?;
         if !names.classes.iter().any(|class| class.name == row.grasp) {
             names.classes.push(ClassInfo { name: row.grasp.clone(), cutkosky: row.cutkosky });
         }

@@ -86,7 +86,7 @@ pub struct Options {
     pub seed: u64,
     /// Whether a fifth of the recorded poses is not trained on.
     pub hold_out_poses: bool,
-    /// Its share among the other recorded poses, in percent.
+    /// The share of the other recorded poses that is trained on, in percent.
     pub recorded_percent: u8,
     /// How many hand shapes are drawn; `None` of no end.
     pub hands: Option<u64>,

@@ -10,7 +10,6 @@
 
 mod accept;
 mod belief;
-pub mod bounded;
 mod doubtful;
 mod error;
 mod evidence;

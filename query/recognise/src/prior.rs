@@ -15,8 +15,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::bounded;
-
 /// The least probability of any grasp: a table of habits cannot rule one out.
 const FLOOR: f64 = 1e-3;
 
@@ -98,8 +96,8 @@ impl Priors {
     /// # Errors
     /// [`PriorError`], where the file cannot be read or is no table.
     pub fn read(path: &Path) -> Result<Self, PriorError> {
-        let text =
-            bounded::read_text(path).map_err(|source| PriorError::Read { path: path.to_owned(), source })?;
+        let text = grasp_bounded::read_text(path)
+            .map_err(|source| PriorError::Read { path: path.to_owned(), source })?;
         toml::from_str(&text).map_err(|source| PriorError::Form { path: path.to_owned(), source })
     }
 

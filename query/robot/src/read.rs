@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use grasp_recognise::bounded;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::de::DeserializeOwned;
 
@@ -86,5 +85,5 @@ pub(super) fn built_in(all: &[(&str, &'static str)], name: &str) -> Option<&'sta
 
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, RobotError> {
-    bounded::read_text(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
+    grasp_bounded::read_text(path).map_err(|cause| RobotError::Read { path: path.to_owned(), cause })
 }

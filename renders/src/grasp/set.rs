@@ -1,9 +1,5 @@
 //! Reading grasps from TOML.
 
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
-
 use serde::Deserialize;
 
 use super::definition::{Grasp, ObjectRange, Placement, StagePose};
@@ -15,17 +11,9 @@ use crate::hand::Digit;
 
 const BUILTIN: &str = include_str!("../../data/grasps.toml");
 
-/// What is wrong with a file of grasps.
+/// What is wrong with a set of grasps.
 #[derive(Debug, thiserror::Error)]
 pub enum GraspSetError {
-    /// The file cannot be read.
-    #[error("cannot read the grasps in {path}")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
     /// Not TOML, or a key that is missing, unknown or of the wrong kind.
     #[error("the grasps cannot be parsed")]
     Syntax(#[from] toml::de::Error),
@@ -52,18 +40,6 @@ impl GraspSet {
     /// The six grasps of the method, in the order of Cutkosky's numbers.
     pub fn builtin() -> GraspSet {
         GraspSet::parse(BUILTIN).expect("data/grasps.toml is checked by a test")
-    }
-
-    /// Reads a set from a file.
-    ///
-    /// # Errors
-    ///
-    /// When the file cannot be read or says something that cannot be.
-    pub fn load(path: impl AsRef<Path>) -> Result<GraspSet, GraspSetError> {
-        let path = path.as_ref();
-        let text = fs::read_to_string(path)
-            .map_err(|source| GraspSetError::Read { path: path.to_owned(), source })?;
-        GraspSet::parse(&text)
     }
 
     /// Reads a set from TOML text; `data/grasps.toml` documents the keys.
@@ -285,11 +261,5 @@ mod tests {
         insta::assert_snapshot!(broken("\nplace = \"palm\"", "\nplace = \"tips\""), @r#"grasp `large-diameter`: place = "tips" needs between and nothing else"#);
         insta::assert_snapshot!(broken("up = [0.0, 1.0, 0.0]", "up = [0.0, 0.0, 0.0]"), @"grasp `large-diameter`: up has no direction: it needs three numbers that are not all 0");
         insta::assert_snapshot!(broken("name = \"large-diameter\"", "name = \"../up\""), @"grasp `../up`: its name becomes a folder's: use a-z, 0-9 and -");
-    }
-
-    #[test]
-    fn a_missing_file_is_named() {
-        let error = GraspSet::load("/nowhere/grasps.toml").expect_err("missing");
-        assert!(error.to_string().starts_with("cannot read the grasps in /nowhere/grasps.toml"));
     }
 }

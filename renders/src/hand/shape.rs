@@ -147,7 +147,7 @@ impl HandShape {
         self.palm_length + self.digits[2].bones.iter().sum::<f64>()
     }
 
-    /// Every measure as a list, in a fixed order: what a parameter hash needs.
+    /// Every measure as a list, in a fixed order.
     pub fn measures(&self) -> Vec<f64> {
         let palm = [
             self.palm_length,

@@ -82,7 +82,7 @@ impl HandPose {
 }
 
 /// A digit in place: its joints' centres from the palm to the tip, the radius of the flesh at each,
-/// and the directions out of the nail's side along each bone.
+/// and the direction out of the nail.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chain {
     /// Knuckle, middle joint, end joint, centre of the tip (thumb: root, knuckle, end joint, tip).

@@ -8,7 +8,10 @@ use serde::Deserialize;
 
 use super::error::HandModelError;
 use super::fault::{ModelFault, Unsupported};
+use super::few::few;
 
+/// Bytes of the JSON document: a hand's has some ten thousand.
+const LONGEST_DOCUMENT: usize = 16 << 20;
 /// Rows that one accessor may have: more than the largest mesh taken has corners.
 const MOST_ROWS: usize = 4_000_000;
 /// Rows that are read of a file altogether: every node may name the same large accessor.
@@ -25,19 +28,19 @@ const HARMLESS: [&str; 4] = ["KHR_mesh_quantization", "KHR_materials_", "KHR_tex
 #[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     asset: Asset,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     extensions_required: Vec<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     pub(super) nodes: Vec<Node>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     pub(super) skins: Vec<Skin>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     pub(super) meshes: Vec<Mesh>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     accessors: Vec<Accessor>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     buffer_views: Vec<BufferView>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     buffers: Vec<Buffer>,
 }
 
@@ -49,7 +52,7 @@ struct Asset {
 #[derive(Debug, Deserialize)]
 pub(super) struct Node {
     pub(super) name: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "few")]
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
@@ -62,12 +65,14 @@ pub(super) struct Node {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Skin {
+    #[serde(deserialize_with = "few")]
     pub(super) joints: Vec<usize>,
     pub(super) inverse_bind_matrices: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Mesh {
+    #[serde(deserialize_with = "few")]
     pub(super) primitives: Vec<Primitive>,
 }
 
@@ -142,6 +147,9 @@ impl<'a> Glb<'a> {
             (found == kind).then_some(body)
         };
         let json = chunk(12, JSON).ok_or(ModelFault::NoDocument)?;
+        if json.len() > LONGEST_DOCUMENT {
+            return Err(Unsupported::TooFine { what: "bytes of description", most: LONGEST_DOCUMENT }.into());
+        }
         let document: Document = serde_json::from_slice(json)?;
         // Parts start at multiples of four, the JSON document after 20 bytes.
         let numbers = chunk(20 + json.len().next_multiple_of(4), BIN).unwrap_or_default();

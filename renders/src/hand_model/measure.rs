@@ -173,7 +173,7 @@ fn shape(name: &str, rig: &Rig, mean: &Skeleton) -> Result<HandShape, HandModelE
         *measures = finger(rig, digit, measures, scale);
         let typical = &typical.digits[digit as usize];
         for (i, (bone, mean)) in measures.bones.iter().zip(typical.bones).enumerate() {
-            checked(&format!("{} finger's bone {}", digit.name(), i + 1), *bone, mean)?;
+            checked(&format!("{}'s bone {}", digit.name(), i + 1), *bone, mean)?;
         }
     }
     // As wide as a mean hand, for knuckles that are as far apart.

@@ -7,6 +7,7 @@
 
 mod error;
 mod fault;
+mod few;
 mod glb;
 mod measure;
 mod pose;

@@ -22,6 +22,9 @@ pub(super) enum PartHeader {
 /// The header that `bytes` begins with, with the line break that ends the part before.
 pub(super) fn header(bytes: &[u8]) -> PartHeader {
     let breaks = bytes.iter().take_while(|&&byte| matches!(byte, b'\r' | b'\n')).count();
+    if breaks > MAX_HEADER {
+        return PartHeader::None;
+    }
     let text = &bytes[breaks..];
     let begins = |with: &[u8]| text.starts_with(with) || with.starts_with(text);
     if !begins(b"--") && !begins(b"HTTP/1.") {
@@ -55,5 +58,7 @@ mod tests {
         }
         assert_eq!(header(b"not a picture"), PartHeader::None);
         assert_eq!(header(&[b"--".as_slice(), &[b'-'; MAX_HEADER]].concat()), PartHeader::None);
+        assert_eq!(header(&[b'\n'; MAX_HEADER]), PartHeader::NeedsMore);
+        assert_eq!(header(&[b'\n'; MAX_HEADER + 1]), PartHeader::None);
     }
 }

@@ -11,7 +11,6 @@ use thiserror::Error;
 use super::hand::{self, HAND_SIDE, Hand};
 use super::network::{Network, NetworkFault};
 use super::palm::{self, PALM_SIDE, Palm};
-use crate::bounded;
 
 /// No file of either network has more bytes: they have 4 and 11 millions.
 const MOST_BYTES: u64 = 64 << 20;
@@ -105,7 +104,7 @@ fn run(network: &Network, pixels: &[f32], file: usize) -> Result<Vec<Vec<f32>>, 
 
 fn read(path: &Path) -> Result<Vec<u8>, HandNetworksError> {
     let failed = |source| HandNetworksError::Read { path: path.to_owned(), source };
-    bounded::read(path, MOST_BYTES).map_err(failed)
+    grasp_bounded::read(path, MOST_BYTES).map_err(failed)
 }
 
 impl fmt::Debug for HandNetworks {

@@ -8,8 +8,6 @@ use std::sync::{Arc, LazyLock};
 
 use thiserror::Error;
 
-use crate::bounded;
-
 pub(crate) use network::{GRASP, Heads, MASKS, SIDE, STAGES, normalised};
 pub use network::{SceneNetwork, SceneNetworkError};
 
@@ -148,7 +146,7 @@ impl PartialEq for Networks {
 
 /// `None` where there is no such file.
 fn read(path: PathBuf) -> Result<Option<Arc<SceneNetwork>>, NetworksError> {
-    let bytes = match bounded::read(&path, MOST_BYTES) {
+    let bytes = match grasp_bounded::read(&path, MOST_BYTES) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(source) => return Err(NetworksError::Read { path, source }),

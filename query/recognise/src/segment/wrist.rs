@@ -31,12 +31,7 @@ impl Circle {
 /// The region without its forearm; unchanged where no forearm leaves the picture.
 ///
 /// `scale` is how many of the region's pixels one of `outline`'s spans: the wrist is looked for in
-/// `outline`, the region itself or the same at a smaller size.
-pub fn cut_forearm(region: &Mask, outline: &Mask, scale: usize) -> Mask {
-    cut_at_wrist(region, outline, Deepest::of(outline), scale)
-}
-
-/// The same where the deepest place of `outline` is known.
+/// `outline`, the region itself or the same at a smaller size, whose deepest place is known.
 pub(super) fn cut_at_wrist(region: &Mask, outline: &Mask, deepest: Option<Deepest>, scale: usize) -> Mask {
     let Some(cut) = deepest.and_then(|deepest| find_cut(outline, Circle::around(deepest))) else {
         return region.clone();
@@ -130,6 +125,10 @@ fn widest_exit(region: &Mask) -> Option<(f32, f32, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn cut_forearm(region: &Mask, outline: &Mask, scale: usize) -> Mask {
+        cut_at_wrist(region, outline, Deepest::of(outline), scale)
+    }
 
     /// A palm of radius 20 at (60, 50), a wrist 24 wide at x = 88, a forearm that widens to the
     /// right border or to `arm_end`.

@@ -8,7 +8,7 @@ use std::path::Path;
 /// or small programs write.
 const MOST_TEXT: u64 = 16 << 20;
 
-/// The text of a file.
+/// The text of a file of text.
 ///
 /// # Errors
 /// Those of reading, where the bytes are not UTF-8, and [`io::ErrorKind::FileTooLarge`] beyond
@@ -22,7 +22,7 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 ///
 /// # Errors
 /// Those of reading, and [`io::ErrorKind::FileTooLarge`] beyond `most` bytes.
-pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
