@@ -3,6 +3,8 @@
 
 use crate::phase::Phase;
 use crate::search::build::{BuiltHash, HashParams, build};
+use crate::search::queries::{HeldOut, NOISE};
+use crate::search::stored::Kept;
 use crate::search::{Neighbour, Rows, Source};
 use crate::vote::{
     Calibration, Example, MOST_VOTERS, Sigma, calibrate, measure_sigma, noise_of_the_farthest,
@@ -12,8 +14,8 @@ use crate::vote::{
 /// What to learn, and from what besides the descriptors.
 pub(crate) struct ModelParams<'a> {
     pub(crate) hash: HashParams,
-    /// Whether a search will have the descriptors to measure distances by.
-    pub(crate) keeps_descriptors: bool,
+    /// In what form a search will have the descriptors to measure distances by.
+    pub(crate) kept: Kept,
     /// The class of each descriptor; nothing where that is not known.
     pub(crate) labels: &'a [u16],
     /// How many classes there are.
@@ -46,9 +48,12 @@ impl Model {
         progress(Phase::Sigma, 0.0)?;
         let sigma = measure_sigma(rows.values, rows.dim, params.labels, params.classes);
         let held_out = Rows { values: params.held_out, dim: rows.dim };
-        let (keeps_descriptors, seed) = (params.keeps_descriptors, params.seed);
-        let search =
-            build(source, keeps_descriptors, held_out, params.hash, sigma.mean_distance, seed, progress)?;
+        // Of what class they are is known of renders alone, which lie nearer than pictures do. Others
+        // are what will be searched for.
+        let noise = if params.held_out_classes.is_empty() { [0.0; 2] } else { NOISE };
+        let outside = HeldOut { rows: held_out, noise };
+        let mean = sigma.mean_distance;
+        let search = build(source, params.kept, outside, params.hash, mean, params.seed, progress)?;
         let mut model = Self { sigma, calibration: params.calibration, search };
         if !params.held_out_classes.is_empty() {
             progress(Phase::Calibrate, 0.0)?;

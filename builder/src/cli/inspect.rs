@@ -207,9 +207,15 @@ fn some_of(names: &[&str]) -> String {
 }
 
 fn measured_text(measured: &Measured) -> String {
-    let whose = if measured.held_out { "held-out hands" } else { "entries, each held out for its own query" };
+    let queries = counted(measured.queries, QUERIES);
     let [least, most] = measured.noise;
-    format!("{} of {whose}, moved by {least} to {most} sigma", counted(measured.queries, QUERIES))
+    match (measured.held_out, most > 0.0) {
+        (true, true) => format!("{queries} of held-out hands, moved by {least} to {most} sigma"),
+        (true, false) => format!("{queries} that were held out, as they are"),
+        (false, _) => {
+            format!("{queries} of entries, each held out for its own query, moved by {least} to {most} sigma")
+        }
+    }
 }
 
 /// The first names of a list, and how many more there are.

@@ -3,13 +3,23 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use grasp_index::{EPS, Effort, HashInfo};
+use grasp_index::{EPS, Effort, HashInfo, Measured};
 use grasp_terminal::text::{counted, percent, shown};
 
 use crate::indexing::Report;
 
 /// What an index holds, in the singular and the plural.
 pub(super) const ENTRIES: [&str; 2] = ["entry", "entries"];
+
+/// Whose the queries are that a search was measured by.
+fn queries_of(measured: &Measured) -> &'static str {
+    let [_, moved] = measured.noise;
+    match (measured.held_out, moved > 0.0) {
+        (true, true) => "other hands",
+        (true, false) => "the rows that were held out",
+        (false, _) => "its own entries, each held out for its own query,",
+    }
+}
 
 /// Prints for a person what came of a build.
 pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyhow::Result<()> {
@@ -58,15 +68,21 @@ pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyho
             "  for {} of {} a search finds {} of the 10 nearest entries, an entry within {} of the nearest for {} of \
              the queries, and looks at {} of the index",
             counted(summary.measured.queries, ["query", "queries"]),
-            if summary.measured.held_out {
-                "other hands"
-            } else {
-                "its own entries, each held out for its own query,"
-            },
+            queries_of(&summary.measured),
             percent(point.recall_at_10),
             format_args!("{:.0} %", 100.0 * EPS),
             percent(point.success()),
             percent(point.share_of_database),
+        )?;
+    } else {
+        let best = summary.measured.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max);
+        writeln!(
+            stdout,
+            "  for {} of {} no search finds 95 % of the 10 nearest entries, but {} at most: one that is asked for more \
+             compares with every entry, or is refused where no descriptors are kept",
+            counted(summary.measured.queries, ["query", "queries"]),
+            queries_of(&summary.measured),
+            percent(best),
         )?;
     }
     Ok(())

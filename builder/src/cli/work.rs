@@ -45,8 +45,8 @@ struct VectorOptions {
     /// `qy`, `qz`, `qw`. Without it the index can be searched, but recognises nothing.
     #[arg(long, value_name = "Y.csv", requires = "descriptors")]
     labels: Option<PathBuf>,
-    /// Measure the search by the rows of this array, which are like what will be searched for and
-    /// not in the index.
+    /// Measure the search by the rows of this array, as they are: they should be like what will be
+    /// searched for, and not in the index.
     #[arg(long, value_name = "Q.npy", requires = "descriptors")]
     held_out: Option<PathBuf>,
 }

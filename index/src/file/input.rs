@@ -6,6 +6,7 @@ use super::kept::{KeptFields, Originals};
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::rotation::turned_orientation;
 use crate::search::build::HashParams;
+use crate::search::distance::LARGEST_VALUE;
 use crate::search::effort::Measured;
 use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};
@@ -37,7 +38,10 @@ pub struct IndexParams {
     pub hash: HashParams,
     /// Descriptors from outside the index, rows of [`DescriptorParams::dim`] values: what the
     /// search is tuned and measured with. Those of hand shapes that the index does not hold are
-    /// best. Where there are none, the index's own are used, each held out for its own query.
+    /// best. Without [`Self::held_out_classes`] they are what will be searched for, and measured
+    /// with as they are; of known classes they are taken for renders, and moved by
+    /// [`NOISE`](crate::NOISE) first. Where there are none, the index's own are used, so moved, each
+    /// held out for its own query.
     pub held_out: Vec<f32>,
     /// What those show, a position in [`Self::classes`] a row: what the vote is calibrated with.
     /// Nothing where that is not known.
@@ -96,10 +100,6 @@ impl NewEntry {
         Self { orientation, roll_deg, ..self }
     }
 }
-
-/// The largest magnitude of a descriptor's value: the squared distance of two descriptors of such
-/// values is finite by far.
-pub(crate) const LARGEST_VALUE: f32 = 1e15;
 
 /// Why an entry does not fit its index.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

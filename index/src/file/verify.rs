@@ -122,7 +122,9 @@ fn elements(file: &Opened) -> Vec<Problem> {
 fn descriptors(file: &Opened) -> Option<Problem> {
     let (kind, what) = (SectionKind::Descriptors, "is not a finite number");
     match file.descriptors() {
-        Values::F32(values) => first(kind, values, what, |value| value.is_finite()),
+        Values::F32(values) | Values::ToBeHalved(values) => {
+            first(kind, values, what, |value| value.is_finite())
+        }
         Values::F16(values) => first(kind, values, what, |value| value.is_finite()),
         Values::None | Values::Several(_) => None,
     }

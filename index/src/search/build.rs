@@ -7,12 +7,12 @@ use super::learned::fit::{Fitted, fit};
 use super::measure::measure;
 use super::nearest::Neighbour;
 use super::options::SearchOptions;
-use super::queries::{QUERIES_OF_THE_VOTE, moved};
+use super::queries::{HeldOut, QUERIES_OF_THE_VOTE, moved};
 use super::random::tables::Tables;
 use super::random::{self, Entries, Random, RandomHash, RandomHyperplanes, tune};
 use super::rows::{Rows, Source};
 use super::simd::Simd;
-use super::stored::{Stored, Values};
+use super::stored::{Kept, Stored};
 use crate::phase::Phase;
 use rayon::prelude::*;
 
@@ -48,7 +48,7 @@ pub enum RandomParams {
 #[derive(Debug)]
 pub(crate) struct BuiltHash {
     pub(crate) hash: OwnedHash,
-    keeps_descriptors: bool,
+    kept: Kept,
     pub(crate) measured: Measured,
 }
 
@@ -63,8 +63,8 @@ pub(crate) enum OwnedHash {
 /// the share of it that is done, and stops the work by returning an error.
 pub(crate) fn build<E: Send>(
     source: Source<'_>,
-    keeps_descriptors: bool,
-    held_out: Rows<'_>,
+    kept: Kept,
+    held_out: HeldOut<'_>,
     params: HashParams,
     sigma: f64,
     seed: u64,
@@ -75,7 +75,7 @@ pub(crate) fn build<E: Send>(
     let hash = match params {
         HashParams::Learned => {
             let progress = |share| progress(Phase::Tables, share);
-            OwnedHash::Learned(fit(rows, keeps_descriptors, Simd::best(), &progress)?)
+            OwnedHash::Learned(fit(rows, kept != Kept::Nothing, Simd::best(), &progress)?)
         }
         HashParams::Random(params) => {
             let size = match params {
@@ -94,16 +94,10 @@ pub(crate) fn build<E: Send>(
         }
     };
     progress(Phase::Measure, 0.0)?;
-    let stored = stored(rows, keeps_descriptors);
+    let stored = Stored::of(rows, kept);
     let progress = |share| progress(Phase::Measure, share);
     let measured = measure(source, stored, held_out, &hash.as_hash(rows), sigma, seed, &progress)?;
-    Ok(BuiltHash { hash, keeps_descriptors, measured })
-}
-
-/// Rounded to 16 bits, descriptors find what they find as they are.
-fn stored(rows: Rows<'_>, keeps_descriptors: bool) -> Stored<'_> {
-    let values = if keeps_descriptors { Values::F32(rows.values) } else { Values::None };
-    Stored { values, ..rows.into() }
+    Ok(BuiltHash { hash, kept, measured })
 }
 
 impl OwnedHash {
@@ -141,7 +135,7 @@ impl BuiltHash {
         let hash = self.hash.as_hash(rows);
         let enough = self.measured.enough(SearchOptions::default().effort);
         let probes = enough.or(self.measured.curve.last()).map_or(1, |point| point.probes);
-        let stored = stored(rows, self.keeps_descriptors);
+        let stored = Stored::of(rows, self.kept);
         let queries = moved(held_out, QUERIES_OF_THE_VOTE, noise, sigma, seed, 3);
         let find = |in_flight: &mut InFlight<'_>, (row, vector): (u32, Vec<f32>)| {
             (row, in_flight.search(stored, Simd::best(), &vector, k, probes).neighbours)

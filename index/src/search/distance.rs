@@ -1,5 +1,9 @@
 //! The Euclidean distance between descriptors.
 
+/// The largest magnitude of a value of a descriptor or a query: the squared distance of two of such
+/// values is finite by far.
+pub(crate) const LARGEST_VALUE: f32 = 1e15;
+
 /// Partial sums kept apart: enough for the widest vector registers, and a fixed order of summation
 /// on every machine.
 const LANES: usize = 16;

@@ -173,9 +173,9 @@ impl<'a> Lookup<'a> {
 
     /// Offers the candidates to `nearest` at the squared distances that the hash itself knows of,
     /// if it does.
-    pub(crate) fn estimate(&mut self, nearest: &mut Nearest) {
+    pub(crate) fn estimate(&mut self, entries: usize, nearest: &mut Nearest) {
         if let Self::Learned(lookup) = self {
-            lookup.estimate(nearest);
+            lookup.estimate(entries, nearest);
         }
     }
 }

@@ -71,7 +71,7 @@ impl<'a> InFlight<'a> {
         if stored.are_kept() {
             stored.measure(simd, query, lookup.candidates(), row, nearest);
         } else {
-            lookup.estimate(nearest);
+            lookup.estimate(stored.entries, nearest);
         }
     }
 }

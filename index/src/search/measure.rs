@@ -6,7 +6,7 @@ use super::effort::{EPS_GRID, EffortPoint, Measured};
 use super::hash::Hash;
 use super::in_flight::InFlight;
 use super::nearest::Neighbour;
-use super::queries::{NOISE, Query, is_near_enough, queries};
+use super::queries::{HeldOut, Query, is_near_enough, queries};
 use super::rows::{Rows, Source};
 use super::simd::Simd;
 use super::stored::Stored;
@@ -101,7 +101,7 @@ fn point(rows: Rows<'_>, stored: Stored<'_>, hash: &Hash<'_>, queries: &[Query],
 pub(crate) fn measure<E>(
     source: Source<'_>,
     stored: Stored<'_>,
-    held_out: Rows<'_>,
+    held_out: HeldOut<'_>,
     hash: &Hash<'_>,
     sigma: f64,
     seed: u64,
@@ -112,7 +112,12 @@ pub(crate) fn measure<E>(
     source.will_jump();
     let curve = curve(source.rows, stored, hash, &queries, &half(0.5))?;
     source.will_pass();
-    Ok(Measured { queries: queries.len() as u32, held_out: held_out.len() > 0, noise: NOISE, curve })
+    Ok(Measured {
+        queries: queries.len() as u32,
+        held_out: !held_out.is_empty(),
+        noise: held_out.noise_of_queries(),
+        curve,
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What a search is asked for, and why it cannot be.
 
+use super::distance::LARGEST_VALUE;
 use thiserror::Error;
 
 /// What to search for.
@@ -63,6 +64,14 @@ pub enum SearchError {
         /// Which value, counted over all queries of a batch.
         at: usize,
     },
+    /// The query holds a value whose distance from an entry would not be finite.
+    #[error(
+        "value {at} of the query is larger than {LARGEST_VALUE:e}: scale it as the index's descriptors are"
+    )]
+    Huge {
+        /// Which value, counted over all queries of a batch.
+        at: usize,
+    },
     /// No search can reach what is wanted of it.
     #[error("{what} of {found} is not possible: it must be {wanted}")]
     Effort {
@@ -78,6 +87,15 @@ pub enum SearchError {
         "the index keeps no descriptors to measure exact distances by: ask for less, or build it with `--originals f32`"
     )]
     NoOriginals,
+    /// No effort was measured to be enough, and not every entry can be compared with.
+    #[error(
+        "searches of the index were measured to find {best:.3} of the nearest entries at most, and it keeps no descriptors \
+         to compare with all: ask for less with --recall, or build it with `--originals f32`"
+    )]
+    NotReached {
+        /// The largest recall of ten that was measured.
+        best: f64,
+    },
     /// There is no memory for the rows of neighbours that were asked for.
     #[error("{k} neighbours for each of {queries} queries do not fit into memory: ask for fewer")]
     TooManyNeighbours {
@@ -93,8 +111,9 @@ pub enum SearchError {
 
 /// Checks queries and what is wanted of their search.
 pub(crate) fn check(queries: &[f32], options: &SearchOptions) -> Result<(), SearchError> {
-    if let Some(at) = queries.iter().position(|value| !value.is_finite()) {
-        return Err(SearchError::NotFinite { at });
+    if let Some(at) = queries.iter().position(|value| !value.is_finite() || value.abs() > LARGEST_VALUE) {
+        let is_finite = queries[at].is_finite();
+        return Err(if is_finite { SearchError::Huge { at } } else { SearchError::NotFinite { at } });
     }
     if options.k == 0 {
         return Err(SearchError::NoNeighbours);

@@ -29,21 +29,42 @@ pub(crate) struct Query {
     pub(crate) nearest: Vec<Neighbour>,
 }
 
+/// Rows from outside an index, to measure it by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HeldOut<'a> {
+    pub(crate) rows: Rows<'a>,
+    /// How far they are moved to be queries, in units of sigma: nothing where they are what will be
+    /// searched for.
+    pub(crate) noise: [f64; 2],
+}
+
+impl HeldOut<'_> {
+    /// Whether there are none, so that the index's own rows stand in.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.len() == 0
+    }
+
+    /// How far queries are moved, in units of sigma.
+    pub(crate) fn noise_of_queries(&self) -> [f64; 2] {
+        if self.is_empty() { NOISE } else { self.noise }
+    }
+}
+
 /// Draws queries from `held_out`, or, where that holds none, from the rows themselves, and finds
 /// their `k` nearest. `stream` distinguishes one set from another. `progress` hears what share of
 /// that is done, and stops it by an error.
 pub(crate) fn queries<E>(
     source: Source<'_>,
-    held_out: Rows<'_>,
+    held_out: HeldOut<'_>,
     sigma: f64,
     k: usize,
     seed: u64,
     stream: u64,
     progress: &dyn Fn(f64) -> Result<(), E>,
 ) -> Result<Vec<Query>, E> {
-    let (rows, own) = (source.rows, held_out.len() == 0);
+    let (rows, own, noise) = (source.rows, held_out.is_empty(), held_out.noise_of_queries());
     source.will_jump();
-    let moved = moved(if own { rows } else { held_out }, QUERIES, NOISE, sigma, seed, stream);
+    let moved = moved(if own { rows } else { held_out.rows }, QUERIES, noise, sigma, seed, stream);
     source.will_pass();
     let vectors: Vec<f32> = moved.iter().flat_map(|(_, vector)| vector).copied().collect();
     // One more, because the row that a query was made from is among them.
@@ -74,7 +95,8 @@ pub(crate) fn moved(
     (0..count.min(from.len()))
         .filter_map(|_| {
             let [row, start, end] = [(); 3].map(|()| rng.random_range(0..from.len() as u64) as u32);
-            let length = rng.random_range(noise[0]..noise[1]) * sigma;
+            let [least, most] = noise;
+            let length = if least < most { rng.random_range(least..most) } else { least } * sigma;
             Some((row, moved_along(from.get(row)?, from.get(start)?, from.get(end)?, length as f32)))
         })
         .collect()

@@ -216,7 +216,11 @@ impl<'a> Searcher<'a> {
             Effort::Recall(_) | Effort::Success { .. } => self.measured.enough(effort),
         };
         match point {
-            None if !self.stored.are_kept() => Err(SearchError::NoOriginals),
+            None if !self.stored.are_kept() && effort == Effort::Exact => Err(SearchError::NoOriginals),
+            None if !self.stored.are_kept() => {
+                let found = self.measured.curve.iter().map(|point| point.recall_at_10);
+                Err(SearchError::NotReached { best: found.fold(0.0, f64::max) })
+            }
             point => Ok(point.map(|point| (point.probes, Some(point.recall_at_10)))),
         }
     }

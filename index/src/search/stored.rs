@@ -15,6 +15,17 @@ pub(crate) struct Stored<'a> {
     pub(crate) values: Values<'a>,
 }
 
+/// In what form an index keeps its descriptors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// As they were made.
+    Whole,
+    /// Rounded to half the bits.
+    Halves,
+    /// Not at all.
+    Nothing,
+}
+
 /// Rows of values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Values<'a> {
@@ -22,6 +33,9 @@ pub(crate) enum Values<'a> {
     F32(&'a [f32]),
     /// Rounded to half the bits.
     F16(&'a [f16]),
+    /// As they were made, to be rounded to half the bits when they are measured: an index that will
+    /// keep them so, while it is built.
+    ToBeHalved(&'a [f32]),
     /// None: an entry's distance is known by its codes alone.
     None,
     /// In several files.
@@ -44,6 +58,16 @@ impl<'a> From<Rows<'a>> for Stored<'a> {
 }
 
 impl<'a> Stored<'a> {
+    /// Rows as an index will keep them.
+    pub(crate) fn of(rows: Rows<'a>, kept: Kept) -> Self {
+        let values = match kept {
+            Kept::Whole => Values::F32(rows.values),
+            Kept::Halves => Values::ToBeHalved(rows.values),
+            Kept::Nothing => Values::None,
+        };
+        Self { values, ..rows.into() }
+    }
+
     pub(crate) fn are_kept(&self) -> bool {
         !matches!(self.values, Values::None)
     }
@@ -53,6 +77,9 @@ impl<'a> Stored<'a> {
         match self.values {
             Values::F32(values) => row_of(values, self.dim, id).map(Cow::Borrowed),
             Values::F16(values) => row_of(values, self.dim, id).map(|row| Cow::Owned(row.to_f32_vec())),
+            Values::ToBeHalved(values) => {
+                row_of(values, self.dim, id).map(|row| Cow::Owned(row.iter().copied().map(halved).collect()))
+            }
             Values::None => None,
             Values::Several(several) => several.locate(id).and_then(|(stored, id)| stored.get(id)),
         }
@@ -68,6 +95,11 @@ impl<'a> Stored<'a> {
             Values::F16(values) => {
                 row.resize(self.dim, 0.0);
                 row_of(values, self.dim, id)?.convert_to_f32_slice(row);
+                Some(row)
+            }
+            Values::ToBeHalved(values) => {
+                row.clear();
+                row.extend(row_of(values, self.dim, id)?.iter().copied().map(halved));
                 Some(row)
             }
             Values::None => None,
@@ -103,7 +135,7 @@ impl<'a> Stored<'a> {
                     }
                 });
             }
-            Values::Several(_) => {
+            Values::ToBeHalved(_) | Values::Several(_) => {
                 for &id in ids {
                     if let Some(row) = self.row(id, row) {
                         simd.distances(query, [row].into_iter(), |_, squared| nearest.offer(id, squared));
@@ -117,7 +149,9 @@ impl<'a> Stored<'a> {
     /// The bytes of a descriptor; none where there is no such entry or none is kept.
     pub(crate) fn part(&self, id: u32) -> &'a [u8] {
         let part: Option<&[u8]> = match self.values {
-            Values::F32(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
+            Values::F32(values) | Values::ToBeHalved(values) => {
+                row_of(values, self.dim, id).map(bytemuck::cast_slice)
+            }
             Values::F16(values) => row_of(values, self.dim, id).map(bytemuck::cast_slice),
             Values::None => None,
             Values::Several(several) => several.locate(id).map(|(stored, id)| stored.part(id)),
@@ -147,6 +181,9 @@ impl<'a> Stored<'a> {
         match self.values {
             Values::F32(values) => values.chunks(length).map(Values::F32).enumerate().map(numbered).collect(),
             Values::F16(values) => values.chunks(length).map(Values::F16).enumerate().map(numbered).collect(),
+            Values::ToBeHalved(values) => {
+                values.chunks(length).map(Values::ToBeHalved).enumerate().map(numbered).collect()
+            }
             Values::None => Vec::new(),
             Values::Several(several) => {
                 let of_a_file = |(start, stored): (u32, Stored<'a>)| {
@@ -170,6 +207,11 @@ impl<'a> Stored<'a> {
                 values.convert_to_f32_slice(into);
                 Some(into)
             }
+            Values::ToBeHalved(values) => {
+                into.clear();
+                into.extend(values.iter().copied().map(halved));
+                Some(into)
+            }
             Values::None | Values::Several(_) => None,
         }
     }
@@ -177,11 +219,16 @@ impl<'a> Stored<'a> {
     /// The bytes of a block as they are kept.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         match self.values {
-            Values::F32(values) => bytemuck::cast_slice(values),
+            Values::F32(values) | Values::ToBeHalved(values) => bytemuck::cast_slice(values),
             Values::F16(values) => bytemuck::cast_slice(values),
             Values::None | Values::Several(_) => &[],
         }
     }
+}
+
+/// A value rounded to half its bits.
+fn halved(value: f32) -> f32 {
+    f16::from_f32(value).to_f32()
 }
 
 fn row_of<T>(values: &[T], dim: usize, id: u32) -> Option<&[T]> {

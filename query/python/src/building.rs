@@ -36,7 +36,7 @@ const AT_ONCE: usize = 1 << 14;
 ///     The numbers of classes in Cutkosky's taxonomy, 0 to 255; 0 where one is not named.
 /// held_out : array_like of float32, shape (m, dim), optional
 ///     Vectors that are like what will be searched for, and not among `vectors`: how much
-///     effort a recall takes is measured with them. Without them it is measured with
+///     effort a recall takes is measured with them, as they are. Without them it is measured with
 ///     entries, each held out for its own query.
 /// hash : {"learned", "random"}, default "learned"
 ///     Hyperplanes that are fitted to the vectors, or random ones as in the paper.

@@ -363,6 +363,7 @@ fn search_part(
 fn behind(error: SearchError, before: usize) -> SearchError {
     match error {
         SearchError::NotFinite { at } => SearchError::NotFinite { at: before + at },
+        SearchError::Huge { at } => SearchError::Huge { at: before + at },
         other => other,
     }
 }

@@ -1,10 +1,11 @@
 //! What makes no index is refused before anything is written.
 
 use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
-use crate::file::input::{BuildError, EntryFault, IndexParams, LARGEST_VALUE, NewEntry};
+use crate::file::input::{BuildError, EntryFault, IndexParams, NewEntry};
 use crate::file::kept::Originals;
 use crate::file::layout::MOST_NAMES;
 use crate::search::build::{HashParams, RandomParams};
+use crate::search::distance::LARGEST_VALUE;
 use crate::search::random::MAX_PLANES;
 use half::f16;
 use std::sync::Arc;

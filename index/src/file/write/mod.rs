@@ -21,6 +21,7 @@ use super::wire;
 use crate::model::{Model, ModelParams};
 use crate::phase::Phase;
 use crate::search::build::{HashParams, RandomParams};
+use crate::search::stored::Kept;
 use crate::search::{Rows, Source};
 use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
@@ -206,7 +207,11 @@ impl IndexWriter {
         check_count(params, rows.len())?;
         let model_params = ModelParams {
             hash: params.hash,
-            keeps_descriptors: params.originals != Originals::None,
+            kept: match params.originals {
+                Originals::F32 => Kept::Whole,
+                Originals::F16 => Kept::Halves,
+                Originals::None => Kept::Nothing,
+            },
             labels: &columns.labels,
             classes: params.classes.len(),
             hand_shapes: params.hand_shapes.len(),

@@ -12,6 +12,9 @@ use crate::search::smallest::Smallest;
 /// codes' rounding. With half of k in place of twice k, forty buckets of `wide` find 0.984 in place
 /// of 0.996, and more buckets cost more than the measuring.
 const MORE: usize = 2;
+/// Fewer neighbours than these are looked for as these are: what a search finds was measured with
+/// as many (`measure`), and depends on how many are measured exactly.
+const LEAST: usize = 10;
 /// More are never measured exactly, whatever k is asked for.
 const MOST: usize = 1 << 30;
 /// Groups of centres that are looked through, besides three for every ten buckets that are wanted.
@@ -86,6 +89,7 @@ impl<'a> Lookup<'a> {
     /// the `k` that are wanted, and some more.
     pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
         let Self { hash, quantised, ranking, found, candidates, .. } = self;
+        let k = k.max(LEAST);
         let more = k.saturating_mul(MORE).saturating_add(ranking.buckets.len() / 4);
         found.reset(k.saturating_add(more).min(MOST));
         let factor = 2.0 * hash.residual_scale * quantised.step;
@@ -119,11 +123,12 @@ impl<'a> Lookup<'a> {
         self.found.keys()
     }
 
-    /// Offers the candidates at the squared distances that their codes give.
-    pub(crate) fn estimate(&mut self, nearest: &mut Nearest) {
+    /// Offers the candidates at the squared distances that their codes give. An id past the last of
+    /// so many `entries`, as a damaged file may hold, has none.
+    pub(crate) fn estimate(&mut self, entries: usize, nearest: &mut Nearest) {
         // The query's own square, which the scores leave out.
         let square: f32 = self.coordinates.iter().map(|value| value * value).sum();
-        for (score, id) in self.found.unsorted() {
+        for (score, id) in self.found.unsorted().filter(|&(_, id)| (id as usize) < entries) {
             nearest.offer(id, (score + square).max(0.0));
         }
     }

@@ -3,8 +3,8 @@
 
 use super::{RandomHash, RandomHyperplanes, draw};
 use crate::search::effort::EPS;
-use crate::search::queries::{is_near_enough, queries};
-use crate::search::rows::{Rows, Source};
+use crate::search::queries::{HeldOut, is_near_enough, queries};
+use crate::search::rows::Source;
 use rayon::prelude::*;
 
 /// The share of queries whose nearest found shall be within `1 + EPS` of the true nearest: 0.95 is
@@ -28,7 +28,7 @@ fn buckets_for(rows: usize) -> u32 {
 /// distances and products. `progress` stops the work by an error.
 pub(crate) fn choose<E>(
     source: Source<'_>,
-    held_out: Rows<'_>,
+    held_out: HeldOut<'_>,
     sigma: f64,
     seed: u64,
     progress: &dyn Fn(f64) -> Result<(), E>,

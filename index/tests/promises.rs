@@ -1,0 +1,115 @@
+//! What a search was measured to find is what it finds, of queries like those that were held out.
+
+use grasp_index::{
+    DescriptorParams, Effort, Index, IndexParams, IndexWriter, KeptFields, NewEntry, Originals, SearchError,
+    SearchOptions,
+};
+
+const DIM: usize = 24;
+const ROWS: usize = 3000;
+const CLUSTERS: usize = 100;
+
+/// Numbers from -1 to 1 that look drawn.
+fn drawn(seed: u64) -> impl Iterator<Item = f32> {
+    (0..).map(move |at: u64| {
+        let hash = xxh3(seed << 32 | at);
+        hash as f32 / u64::MAX as f32 * 2.0 - 1.0
+    })
+}
+
+/// A mixture of bits, for want of a generator here.
+fn xxh3(number: u64) -> u64 {
+    let mixed = (number ^ (number >> 31)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    mixed ^ (mixed >> 32)
+}
+
+/// A row near the middle of a cluster, `spread` times as far from it as clusters are apart.
+fn row(seed: u64, spread: f32) -> Vec<f32> {
+    let middle = drawn(xxh3(seed) % CLUSTERS as u64);
+    middle.zip(drawn(1_000 + seed)).map(|(middle, away)| middle + spread * away).take(DIM).collect()
+}
+
+fn rows(from: u64, count: usize, spread: f32) -> Vec<Vec<f32>> {
+    (from..).map(|seed| row(seed, spread)).take(count).collect()
+}
+
+fn built(rows: &[Vec<f32>], held_out: &[Vec<f32>], originals: Originals) -> Index {
+    let params = IndexParams {
+        descriptor: DescriptorParams::raw(DIM as u32),
+        kept: KeptFields::nothing(),
+        originals,
+        held_out: held_out.concat(),
+        ..IndexParams::default()
+    };
+    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    for row in rows {
+        writer.push(NewEntry { descriptor: row.clone(), ..NewEntry::default() }).expect("the entry fits");
+    }
+    Index::from_bytes(&writer.finish_bytes().expect("the index is built")).expect("the index opens")
+}
+
+/// The share of queries whose first of `k` neighbours is the nearest of `rows`.
+fn successes(index: &Index, rows: &[Vec<f32>], queries: &[Vec<f32>], k: usize, effort: Effort) -> f64 {
+    let squared =
+        |one: &[f32], other: &[f32]| one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
+    let is_right = |query: &&Vec<f32>| {
+        let nearest = rows.iter().map(|row| squared(row, query)).fold(f32::INFINITY, f32::min);
+        let found = index.search(query, &SearchOptions { k, effort }).expect("the query fits");
+        found
+            .neighbours
+            .first()
+            .is_some_and(|first| squared(&rows[first.id as usize], query) <= nearest * 1.0001)
+    };
+    queries.iter().filter(is_right).count() as f64 / queries.len() as f64
+}
+
+#[test]
+fn few_neighbours_are_found_as_surely_as_many() {
+    let (all, held_out) = (rows(0, ROWS, 0.1), rows(50_000, 500, 0.1));
+    let index = built(&all, &held_out, Originals::F32);
+    let effort = Effort::Success { eps: 0.0, success: 0.95 };
+    let queries = rows(90_000, 400, 0.1);
+    for k in [1, 2, 10] {
+        let found = successes(&index, &all, &queries, k, effort);
+        assert!(found > 0.93, "{found} of the queries find their nearest, {k} asked for");
+    }
+}
+
+#[test]
+fn rows_that_are_held_out_are_measured_as_they_are() {
+    let (all, held_out) = (rows(0, ROWS, 0.01), rows(50_000, 500, 0.01));
+    let index = built(&all, &held_out, Originals::F32);
+    let measured = &index.catalogue().measured;
+    assert_eq!((measured.held_out, measured.noise), (true, [0.0; 2]));
+    let queries = rows(90_000, 400, 0.01);
+    for wanted in [0.9, 0.99] {
+        let found = successes(&index, &all, &queries, 10, Effort::Success { eps: 0.0, success: wanted });
+        assert!(found > wanted - 0.02, "{found} of the queries find their nearest, {wanted} wanted");
+    }
+}
+
+#[test]
+fn what_is_kept_in_half_the_bits_is_measured_so() {
+    // So far from 0, half the bits leave two decimals less than the rows differ by.
+    let far = |rows: Vec<Vec<f32>>| -> Vec<Vec<f32>> {
+        rows.into_iter().map(|row| row.into_iter().map(|value| value + 1_000.0).collect()).collect()
+    };
+    let (all, held_out) = (far(rows(0, ROWS, 0.5)), far(rows(50_000, 500, 0.5)));
+    let [whole, halved] = [Originals::F32, Originals::F16].map(|originals| built(&all, &held_out, originals));
+    let best = |index: &Index| {
+        index.catalogue().measured.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max)
+    };
+    assert!(best(&whole) > 0.95 && best(&halved) < 0.8, "{} and {}", best(&whole), best(&halved));
+}
+
+#[test]
+fn what_cannot_be_found_is_said() {
+    let all = rows(0, ROWS, 0.1);
+    let index = built(&all, &[], Originals::None);
+    let search = |effort| index.search(&all[3], &SearchOptions { k: 1, effort });
+    assert_eq!(search(Effort::Exact), Err(SearchError::NoOriginals));
+    assert!(matches!(search(Effort::Recall(1.0)), Err(SearchError::NotReached { .. })));
+    let huge = vec![2e15; DIM];
+    assert_eq!(index.search(&huge, &SearchOptions::default()), Err(SearchError::Huge { at: 0 }));
+}
