@@ -144,18 +144,22 @@ fn priors_that_cannot_be_used_are_told() {
 #[test]
 fn views_at_all_stages_make_the_experiment() {
     let folder = tempfile::tempdir().unwrap();
-    let mut table = String::from("file,kind,grasp,stage,hand,azimuth\n");
+    let mut table = String::from("file,kind,grasp,stage,hand,azimuth,elevation,roll\n");
     for stage in ["reach", "close", "grasp"] {
         for (file, grasp) in [("09-pinch.png", "pinch"), ("10-power-sphere.png", "power-sphere")] {
             let path = pictures().join("segmented").join(file);
-            table += &format!("{},segmented,{grasp},{stage},right,0\n", path.display());
+            table += &format!("{},segmented,{grasp},{stage},right,0,0,0\n", path.display());
         }
     }
-    std::fs::write(folder.path().join("l.csv"), table).unwrap();
-    let outcome = run(program("grasp-query")
-        .args(["experiment", "sequence", "l.csv", "--hand", "right", "--json", "--out", "out", "--index"])
-        .arg(small_index())
-        .current_dir(folder.path()));
+    let sequence = |table: &str, arguments: &[&str]| {
+        std::fs::write(folder.path().join("l.csv"), table).unwrap();
+        run(program("grasp-query")
+            .args(["experiment", "sequence", "l.csv", "--hand", "right", "--json", "--out", "out", "--index"])
+            .arg(small_index())
+            .args(arguments)
+            .current_dir(folder.path()))
+    };
+    let outcome = sequence(&table, &[]);
     assert_eq!(outcome.status, 0, "{}", outcome.stderr);
     let rows = outcome.json_lines()[0]["rows"].as_array().unwrap().clone();
     let stages: Vec<_> =
@@ -163,4 +167,22 @@ fn views_at_all_stages_make_the_experiment() {
     assert_eq!(stages, [("reach", 2), ("close", 2), ("grasp", 2)]);
     assert_eq!(rows[0]["alone_top1"], rows[0]["together_top1"]);
     assert!(folder.path().join("out/sequence.csv").is_file());
+
+    // A picture that cannot be read takes its sequence with it.
+    let outcome = sequence(&table.replacen("09-pinch.png", "missing.png", 1), &[]);
+    let report = &outcome.json_lines()[0];
+    assert_eq!((outcome.status, &report["rows"][2]["n"]), (2, &1.into()), "{report}");
+    assert_eq!(report["errors"].as_array().unwrap().len(), 1);
+
+    let refused = |table: &str, arguments: &[&str]| {
+        let outcome = sequence(table, arguments);
+        assert_eq!(outcome.status, 2, "{}", outcome.stdout);
+        outcome.stderr
+    };
+    let said = refused(&table.replacen(",roll", ",angle", 1), &[]);
+    assert!(said.contains("no column `roll`"), "{said}");
+    let line = table.lines().nth(1).unwrap();
+    let said = refused(&format!("{table}{line}\n"), &[]);
+    assert!(said.contains("lines 2 and 8 of the labels show one view of pinch at the stage reach"), "{said}");
+    assert!(refused(&table, &["--part", "final"]).contains("--part would divide"));
 }

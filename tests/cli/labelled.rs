@@ -90,6 +90,37 @@ fn a_picture_that_cannot_be_used_is_named_and_fails_the_run() {
         .arg(small_index()));
     assert_eq!(outcome.status, 2);
     assert!(outcome.stdout.contains("line 3: missing.png"), "{}", outcome.stdout);
+
+    // Where the first picture is missing, the others say where they lie; lines are counted alike on
+    // every system; what is in none of the classes is not missing an answer.
+    let no_hand = pictures().join("camera/no-hand.jpg");
+    let table = format!(
+        "file,kind,grasp\nmissing.png,segmented,pinch\ncopy/a.png,segmented,pinch\n{},camera,other\nb.png,film,pinch\n",
+        no_hand.display()
+    );
+    fs::create_dir_all(folder.path().join("table/below")).unwrap();
+    fs::create_dir(folder.path().join("copy")).unwrap();
+    fs::copy(pictures().join("segmented/09-pinch.png"), folder.path().join("copy/a.png")).unwrap();
+    for line_end in ["\n", "\r\n"] {
+        let labels = folder.path().join("table/below/labels.csv");
+        fs::write(&labels, table.replace('\n', line_end)).unwrap();
+        let outcome = run(program("grasp-query")
+            .args(["evaluate", "--json", "--index"])
+            .arg(small_index())
+            .arg(&labels));
+        let report = &outcome.json_lines()[0];
+        assert_eq!(
+            (&report["n"], &report["unknown"], &report["other"]["n"]),
+            (&1.into(), &0.into(), &1.into())
+        );
+        let lines: Vec<_> = report["errors"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|error| error["line"].as_u64().unwrap())
+            .collect();
+        assert_eq!(lines, [5, 2], "{report}");
+    }
     let nothing = paper(&["--where", "kind=film"]);
     assert!(nothing.status == 2 && nothing.stderr.contains("no row of"), "{}", nothing.stderr);
 }

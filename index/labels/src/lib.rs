@@ -4,11 +4,15 @@
 //! Columns come in any order; those that are not in [`Row`] are ignored. White space around a value
 //! does not count.
 
+mod line_ends;
+
 use std::io::Read;
 
 use csv::{Reader, ReaderBuilder, StringRecord};
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Deserialize;
+
+use line_ends::LineEnds;
 
 /// How far a quaternion's length may be from 1: three decimals are enough.
 const UNIT_TOLERANCE: f64 = 1e-2;
@@ -19,7 +23,7 @@ pub const REMARK: u8 = b'#';
 /// A table that is read line by line.
 #[derive(Debug)]
 pub struct Table<R> {
-    reader: Reader<R>,
+    reader: Reader<LineEnds<R>>,
     header: StringRecord,
     record: StringRecord,
     line: u64,
@@ -91,7 +95,8 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// Where the header, line 1, cannot be read.
     pub fn new(table: R, remark: Option<u8>) -> Result<Self, RowFault> {
-        let mut reader = ReaderBuilder::new().comment(remark).trim(csv::Trim::All).from_reader(table);
+        let mut reader =
+            ReaderBuilder::new().comment(remark).trim(csv::Trim::All).from_reader(LineEnds::new(table));
         let header = reader.headers()?.clone();
         Ok(Self { reader, header, record: StringRecord::new(), line: 1 })
     }

@@ -19,9 +19,11 @@ use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection, without_folders};
+use crate::evaluate::Outcome;
 use crate::evaluate::labels::{Kind, OTHER};
+use crate::evaluate::report::RowReport;
 use crate::experiment::paper::{Class, Paper};
-use crate::experiment::sequence::Sequences;
+use crate::experiment::sequence::{self, Sequences};
 use crate::experiment::shapes::{Scored, Shapes};
 use crate::experiment::trust::{Fitted, HANDS_PER_NONE, Recognisers};
 use crate::experiment::unknown::{Limits, Unknown};
@@ -281,23 +283,24 @@ impl UnknownArguments {
                 "there is nothing to distinguish the grasps from: label pictures of other hands `{OTHER}`, or name a table of such by --others"
             );
         }
-        // What is measured here must not have been decided before.
-        let options =
-            RecogniseOptions { accept: Accept::Always, temper: false, ..self.labelled.recognise.options()? };
+        let score = |options: &RecogniseOptions| -> anyhow::Result<Vec<Outcome>> {
+            let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
+            if let Some(others) = &others {
+                outcomes.extend(self.labelled.score(others, &index, options.clone(), global)?);
+            }
+            Ok(outcomes)
+        };
+        let options = self.labelled.recognise.options()?;
         let trust = Trust::of_descriptor(&index.catalogue().descriptor, &options.segment.by);
-        let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
-        let mut broken = selected.broken.clone();
-        if let Some(others) = others {
-            outcomes.extend(self.labelled.score(&others, &index, options, global)?);
-            broken.extend(others.broken);
+        let limits = Limits::new(options.accept, &index.catalogue().calibration, trust.least);
+        // What is measured must not have been decided before; what the limits make of it, by all that
+        // the program goes by.
+        let measured = score(&RecogniseOptions { accept: Accept::Always, temper: false, ..options.clone() })?;
+        let decided = limits.map(|limits| Ok::<_, anyhow::Error>((limits, score(&options)?))).transpose()?;
+        let mut unknown = Unknown::new(self.labelled.table(), &measured, &selected.broken, decided);
+        if let (Some(path), Some(others)) = (&self.others, &others) {
+            unknown.errors.extend(RowReport::of_table(path, &others.broken));
         }
-        let calibration = index.catalogue().calibration;
-        let limits = calibration.farthest.map(|farthest| Limits {
-            farthest,
-            least_probability: calibration.least_probability,
-            least_trust: trust.least,
-        });
-        let unknown = Unknown::new(self.labelled.table(), &outcomes, &broken, limits);
         if let Some(folder) = &self.out {
             unknown.write(folder)?;
         }
@@ -368,7 +371,11 @@ impl TrustArguments {
 impl SequenceArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
         let index = self.index.open_for_pictures()?;
+        if self.labelled.selection.is_of_a_part() {
+            bail!("--part would divide the pictures of a sequence: leave it out");
+        }
         let selected = self.labelled.read(&index)?;
+        sequence::check(&selected.labels)?;
         // A frame that is unknown by itself may count for something with the others.
         let options = RecogniseOptions { accept: Accept::Always, ..self.labelled.recognise.options()? };
         let outcomes = self.labelled.score(&selected, &index, options, global)?;

@@ -22,6 +22,7 @@ use crate::quiz::server::{Table, serve};
 use crate::quiz::{CHOICES, Quiz};
 use grasp_program::status::{ERROR, INTERRUPTED, SUCCESS};
 use grasp_recognise::Recogniser;
+use grasp_recognise::segment::SegmentParams;
 
 /// What the order comes from, unless another seed is named.
 pub(super) const DEFAULT_SEED: u64 = 7;
@@ -73,9 +74,10 @@ impl Quizzing {
         let index = self.index.open_if_there()?;
         let limit = self.limit.map_or(usize::MAX, |limit| limit as usize);
         let recognise = self.labelled.recognise.options()?;
+        let segment = recognise.segment.clone();
         let recogniser = index.as_ref().map(|index| Recogniser::new(index, recognise));
         let labelled_masks = self.labelled.labelled_masks;
-        let options = QuizOptions { seed: self.seed, limit, labelled_masks, recogniser };
+        let options = QuizOptions { seed: self.seed, limit, labelled_masks, segment, recogniser };
         let (quiz, errors) = make(&self.labelled.selection, &self.out, &options)?;
         let table = Table::new(quiz);
         self.serve(&table)?;
@@ -127,6 +129,8 @@ pub(super) struct QuizOptions<'a> {
     pub(super) limit: usize,
     /// Take the labelled masks of camera pictures.
     pub(super) labelled_masks: bool,
+    /// How hands are found in camera pictures.
+    pub(super) segment: SegmentParams,
     /// Who is asked the same.
     pub(super) recogniser: Option<Recogniser<'a>>,
 }
@@ -149,7 +153,13 @@ pub(super) fn make(
         warn!(line = row.line, "line {}: {}", row.line, printable(&row.fault.to_string()));
     }
     let mut shown: Vec<Shown> = Vec::new();
-    for made in pictures::make(&labels, &folder, options.labelled_masks, options.recogniser.as_ref()) {
+    for made in pictures::make(
+        &labels,
+        &folder,
+        options.labelled_masks,
+        &options.segment,
+        options.recogniser.as_ref(),
+    ) {
         match made {
             Ok(picture) => shown.push(picture),
             Err((file, miss)) => {

@@ -114,11 +114,9 @@ impl ImitationArguments {
         let selected = self.labelled.read(&index)?;
         let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options()?, global)?;
         let bar = global.progress().bar(outcomes.len() as u64, "simulating", "trials");
-        let imitation = Imitation::new(&hand, &outcomes, || bar.inc(1))?;
+        let imitation = Imitation::new(&hand, &outcomes, &selected.broken, || bar.inc(1))?;
         drop(bar);
         print(self.labelled.json, &imitation, || imitation.text())?;
-        let failed =
-            outcomes.iter().any(|outcome| outcome.result.as_ref().is_err_and(|miss| !miss.is_rejection));
-        Ok(if failed || !selected.broken.is_empty() { ERROR } else { SUCCESS })
+        Ok(if imitation.errors.is_empty() { SUCCESS } else { ERROR })
     }
 }

@@ -48,6 +48,11 @@ impl Selection {
         tables.iter().map(|table| Self::all(table).read(classes)).collect()
     }
 
+    /// Whether not all pictures are meant, but a part of them.
+    pub(super) fn is_of_a_part(&self) -> bool {
+        self.part != Part::All
+    }
+
     /// The table's path.
     pub(super) fn path(&self) -> &Path {
         &self.labels
@@ -70,7 +75,7 @@ impl Selection {
                 Err(error) => broken.push(error),
             }
         }
-        let Some(first) = selected.first() else {
+        if selected.is_empty() {
             let name = self.labels.display();
             match broken.first() {
                 Some(error) => bail!("no row of {name} can be used; line {}: {}", error.line, error.fault),
@@ -81,8 +86,8 @@ impl Selection {
                     bail!("no row of {name} meets all of --where and --part together: leave one of them out")
                 }
             }
-        };
-        let folder = folder_of(&self.labels, &first.file);
+        }
+        let folder = folder_of(&self.labels, &selected);
         Ok(Selected { labels: selected, broken, folder })
     }
 
@@ -125,10 +130,10 @@ impl Selected {
             .filter_map(Result::ok)
             .map(|label| Label { grasp: OTHER.to_owned(), ..label })
             .collect();
-        let Some(first) = labels.first() else {
+        if labels.is_empty() {
             bail!("no row of {} can be used", path.display());
-        };
-        let folder = folder_of(path, &first.file);
+        }
+        let folder = folder_of(path, &labels);
         Ok(Self { labels, broken: broken.into_iter().filter_map(Result::err).collect(), folder })
     }
 

@@ -20,6 +20,7 @@ use super::signals::signals;
 use crate::quiz::server::{Table, router};
 use grasp_program::Global;
 use grasp_program::status::{ERROR, INTERRUPTED, SUCCESS};
+use grasp_recognise::segment::SegmentParams;
 use grasp_recognise::{RecogniseOptions, Recogniser};
 use grasp_serve::{Ended, Event, Listener, Service, Settings};
 
@@ -210,8 +211,13 @@ impl Serve {
         refuse_overwriting(&self.quiz_out, [labels, self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
         let recogniser = Some(Recogniser::new(&index, RecogniseOptions::default()));
-        let options =
-            QuizOptions { seed: DEFAULT_SEED, limit: usize::MAX, labelled_masks: false, recogniser };
+        let options = QuizOptions {
+            seed: DEFAULT_SEED,
+            limit: usize::MAX,
+            labelled_masks: false,
+            segment: SegmentParams::default(),
+            recogniser,
+        };
         let (quiz, _) = make(&Selection::all(labels), &self.quiz_out, &options)?;
         Ok(Table::new(quiz))
     }

@@ -101,14 +101,20 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
     Outcome { label, result, ms, iou }
 }
 
-/// The hand image H of a labelled picture, in full size; what finds the hand is as in [`score`].
+/// The hand image H of a labelled picture, in full size, as `segment` finds it; a mask is used as in
+/// [`score`].
 ///
 /// # Errors
 /// [`Miss`]: where the picture or its mask cannot be used, or no hand is found.
-pub fn hand_image(folder: &Path, label: &Label, labelled_masks: bool) -> Result<HandImage, Miss> {
+pub fn hand_image(
+    folder: &Path,
+    label: &Label,
+    labelled_masks: bool,
+    segment: &SegmentParams,
+) -> Result<HandImage, Miss> {
     let source = source_of(label.kind, labelled_mask(folder, label)?, labelled_masks);
     let bytes = picture::read(&resolve(folder, &label.file)).map_err(|error| miss(&error.into()))?;
-    let prepared = Prepared::decode(&bytes, &source, &SegmentParams::default());
+    let prepared = Prepared::decode(&bytes, &source, segment);
     prepared.and_then(|prepared| prepared.hand_image()).map_err(|error| miss(&error))
 }
 
@@ -134,9 +140,10 @@ fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource
     }
 }
 
-/// The folder that a table's paths are relative to: the nearest folder above the table in which its
-/// first picture is found, as `dev/hands/labels.csv` names `hands/easy/a.jpg`.
-pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
+/// The folder that a table's paths are relative to: the nearest folder above the table in which the
+/// first of its pictures that is anywhere is found, as `dev/hands/labels.csv` names
+/// `hands/easy/a.jpg`.
+pub fn folder_of<'l>(table: &Path, labels: impl IntoIterator<Item = &'l Label>) -> PathBuf {
     // `labels.csv` alone lies in the current folder, whose name is not the empty one that `parent`
     // gives.
     let beside = match table.parent() {
@@ -144,8 +151,8 @@ pub fn folder_of(table: &Path, first_file: &str) -> PathBuf {
         _ => PathBuf::from("."),
     };
     let above = beside.canonicalize().unwrap_or_else(|_| beside.clone());
-    let found = above.ancestors().take(3).find(|folder| folder.join(first_file).is_file());
-    found.map_or(beside, Path::to_owned)
+    let holds = |label: &Label| above.ancestors().take(3).find(|folder| folder.join(&label.file).is_file());
+    labels.into_iter().find_map(holds).map_or(beside, Path::to_owned)
 }
 
 fn resolve(folder: &Path, file: &str) -> PathBuf {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use grasp_index::euler_deg;
 use grasp_terminal::text::{counted, printable};
@@ -50,7 +51,8 @@ pub struct Report {
     pub hand_right: Option<f64>,
     /// Pictures in which no hand was found, or whose class is unknown.
     pub unknown: usize,
-    /// Pictures labelled `other`: in none of the classes. They count nowhere else.
+    /// Pictures labelled `other`: in none of the classes. They are neither right nor wrong, and
+    /// count elsewhere only where probabilities are stated high, in masks and in time.
     pub other: Other,
     /// Mean overlap of the segmentation with labelled masks.
     pub segmentation: Option<SegmentationReport>,
@@ -58,6 +60,18 @@ pub struct Report {
     pub ms_per_picture: f64,
     /// Rows and pictures that could not be used.
     pub errors: Vec<RowReport>,
+}
+
+impl RowReport {
+    /// The broken rows of another table than the one that was asked for.
+    pub fn of_table(table: &Path, broken: &[RowError]) -> impl Iterator<Item = Self> {
+        let file = table.display().to_string();
+        broken.iter().map(move |row| Self {
+            line: row.line,
+            file: Some(file.clone()),
+            message: row.fault.to_string(),
+        })
+    }
 }
 
 /// What became of pictures that show none of the classes.
@@ -151,7 +165,7 @@ impl Report {
             spread: SpreadReport::new(&scored),
             euler_error_deg: euler_errors(&scored),
             hand_right: if hand_is_free { hand_right(&scored) } else { None },
-            unknown: usable.iter().filter(|outcome| outcome.is_unknown()).count(),
+            unknown: scored.iter().filter(|outcome| outcome.is_unknown()).count(),
             other: Other {
                 n: other.len(),
                 unknown: other.iter().filter(|outcome| outcome.is_unknown()).count(),
@@ -172,6 +186,11 @@ impl Outcome {
     /// Whether no class was answered.
     pub fn is_unknown(&self) -> bool {
         self.guess().is_none_or(|guess| guess.grasp == UNKNOWN)
+    }
+
+    /// Whether the picture, and its mask, could be read: where not, nothing is known of it.
+    pub fn was_read(&self) -> bool {
+        self.result.as_ref().err().is_none_or(|miss| miss.is_rejection)
     }
 
     /// Whether the labelled class was answered.
@@ -291,12 +310,13 @@ fn write_text(text: &mut String, report: &Report) -> std::fmt::Result {
         )?;
     }
     if report.other.n > 0 {
-        let probability = report.other.mean_probability.unwrap_or(0.0);
+        let probability = report.other.mean_probability;
         writeln!(
             text,
-            "{} none of the classes: {} unknown, mean probability {probability:.2}",
+            "{} none of the classes: {} unknown{}",
             counted(report.other.n, ["picture shows", "pictures show"]),
-            report.other.unknown
+            report.other.unknown,
+            probability.map_or_else(String::new, |mean| format!(", mean probability {mean:.2}"))
         )?;
     }
     writeln!(text, "{:.2} ms a picture", report.ms_per_picture)?;

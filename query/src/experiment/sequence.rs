@@ -1,18 +1,18 @@
 //! What the frames before are worth: labelled pictures of one view of one grasp at several stages,
 //! told one by one and in their order.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use grasp_terminal::text::counted;
 use serde::Serialize;
 
 use super::{KINDS, csv_of, write_file};
 use crate::evaluate::errors::median;
-use crate::evaluate::labels::{Kind, RowError};
+use crate::evaluate::labels::{Kind, Label, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
 use grasp_recognise::sequence::{Belief, Filter, SequenceParams, Turn};
@@ -21,6 +21,8 @@ use grasp_recognise::sequence::{Belief, Filter, SequenceParams, Turn};
 const STAGES: [&str; 3] = ["reach", "close", "grasp"];
 /// What pictures of one sequence have in common.
 const SAME: [&str; 6] = ["grasp", "hand", "azimuth", "elevation", "roll", "group"];
+/// The columns without which pictures of different views would pass for one sequence.
+const NEEDED: [&str; 4] = ["stage", "azimuth", "elevation", "roll"];
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -65,7 +67,7 @@ struct Scored {
 
 impl Sequences {
     /// Puts the outcomes together that show one view of one grasp at all three stages; others are
-    /// left out.
+    /// left out, and so is a sequence of which a picture could not be read.
     pub fn new(labels: String, outcomes: &[Outcome], broken: &[RowError], params: SequenceParams) -> Self {
         let rows = KINDS.iter().flat_map(|&kind| rows(kind, outcomes, params)).collect();
         let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
@@ -111,6 +113,36 @@ impl Sequences {
     }
 }
 
+/// Checks that labels say which pictures are one sequence.
+///
+/// # Errors
+/// Where a column is missing that a view is told by, or two pictures show one view at one stage.
+pub fn check(labels: &[Label]) -> anyhow::Result<()> {
+    let mut seen: HashMap<Vec<&str>, &Label> = HashMap::new();
+    for label in labels {
+        if let Some(missing) = NEEDED.iter().find(|column| !label.columns.contains_key(**column)) {
+            bail!("the labels have no column `{missing}`: a sequence is told by {}", NEEDED.join(", "));
+        }
+        if label.stage.is_empty() {
+            continue;
+        }
+        let kind = if label.kind == Kind::Camera { "camera" } else { "segmented" };
+        let view = SAME.iter().map(|name| label.columns.get(*name).map_or("", String::as_str));
+        let place = view.chain([kind, label.stage.as_str()]).collect();
+        if let Some(other) = seen.insert(place, label) {
+            bail!(
+                "lines {} and {} of the labels show one view of {} at the stage {}: give them different values in the \
+                 column group",
+                other.line,
+                label.line,
+                label.grasp,
+                label.stage
+            );
+        }
+    }
+    Ok(())
+}
+
 fn rows(kind: Kind, outcomes: &[Outcome], params: SequenceParams) -> Vec<Row> {
     let mut views: BTreeMap<Vec<&str>, BTreeMap<usize, &Outcome>> = BTreeMap::new();
     for outcome in outcomes.iter().filter(|outcome| outcome.label.kind == kind) {
@@ -119,7 +151,10 @@ fn rows(kind: Kind, outcomes: &[Outcome], params: SequenceParams) -> Vec<Row> {
         views.entry(SAME.iter().map(column).collect()).or_default().insert(stage, outcome);
     }
     let mut scored: [Vec<Scored>; 3] = Default::default();
-    for frames in views.values().filter(|frames| frames.len() == STAGES.len()) {
+    let is_whole = |frames: &&BTreeMap<usize, &Outcome>| {
+        frames.len() == STAGES.len() && frames.values().all(|frame| frame.was_read())
+    };
+    for frames in views.values().filter(is_whole) {
         let mut filter = Filter::new(params, None);
         for (stage, outcome) in scored.iter_mut().zip(frames.values()) {
             stage.push(score(outcome, &mut filter));

@@ -12,6 +12,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 use crate::evaluate::labels::Label;
 use crate::evaluate::{Miss, hand_image, score};
 use grasp_recognise::Recogniser;
+use grasp_recognise::segment::SegmentParams;
 
 /// A picture of the quiz.
 #[derive(Clone, Debug)]
@@ -46,10 +47,11 @@ pub fn make(
     labels: &[Label],
     folder: &Path,
     labelled_masks: bool,
+    segment: &SegmentParams,
     machine: Option<&Recogniser<'_>>,
 ) -> Vec<Result<Shown, (String, Miss)>> {
     let make = |label: &Label| -> Result<Shown, Miss> {
-        let png = png(&hand_image(folder, label, labelled_masks)?)?;
+        let png = png(&hand_image(folder, label, labelled_masks, segment)?)?;
         let machine = machine.map(|recogniser| {
             let outcome = score(recogniser, folder, label.clone(), labelled_masks);
             outcome.result.ok().map(|guess| guess.grasp)

@@ -14,6 +14,8 @@ use serde::Serialize;
 use crate::evaluate::Outcome;
 use crate::evaluate::confusion::Share;
 use crate::evaluate::errors::median;
+use crate::evaluate::labels::RowError;
+use crate::evaluate::report::{Report, RowReport, errors_text};
 use grasp_recognise::Side;
 use grasp_robot::simulation::{Offset, Plan, Scene};
 use grasp_robot::{RobotError, RobotHand, hand_from_palm};
@@ -30,6 +32,8 @@ pub struct Imitation {
     /// Pictures that no trial was made of: they are labelled with no orientation, or with none of
     /// the six grasps.
     pub left_out: usize,
+    /// Rows and pictures that could not be used.
+    pub errors: Vec<RowReport>,
 }
 
 /// The pictures of one class.
@@ -69,13 +73,20 @@ struct Case {
 }
 
 impl Imitation {
-    /// Tries what was recognised in each picture. `tick` is called after each.
+    /// Tries what was recognised in each picture that could be read; `broken` are rows that could
+    /// not. `tick` is called after each.
     ///
     /// # Errors
     /// [`RobotError`]: the hand cannot be simulated.
-    pub fn new(hand: &RobotHand, outcomes: &[Outcome], tick: impl Fn() + Sync) -> Result<Self, RobotError> {
+    pub fn new(
+        hand: &RobotHand,
+        outcomes: &[Outcome],
+        broken: &[RowError],
+        tick: impl Fn() + Sync,
+    ) -> Result<Self, RobotError> {
         let cases: Vec<Option<Case>> = outcomes
             .par_iter()
+            .filter(|outcome| outcome.was_read())
             .map(|outcome| {
                 let case = Case::new(hand, outcome);
                 tick();
@@ -90,7 +101,8 @@ impl Imitation {
         let mut classes: Vec<ClassResult> =
             names.into_iter().map(|name| ClassResult::new(name, &cases, |case| case.grasp == name)).collect();
         classes.push(ClassResult::new("all", &cases, |_| true));
-        Ok(Self { robot: hand.name.clone(), engine: super::robustness::ENGINE, classes, left_out })
+        let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
+        Ok(Self { robot: hand.name.clone(), engine: super::robustness::ENGINE, classes, left_out, errors })
     }
 
     /// The table for a person.
@@ -123,7 +135,8 @@ impl Imitation {
             );
         }
         let left_out = counted(self.left_out, ["picture", "pictures"]);
-        text + &format!("{left_out} left out; {} by {}\n", self.robot, self.engine)
+        text += &format!("{left_out} left out; {} by {}\n", self.robot, self.engine);
+        text + &errors_text(&self.errors)
     }
 }
 

@@ -8,6 +8,8 @@ use serde::Serialize;
 use crate::evaluate::labels::{OTHER, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
 use crate::evaluate::{Guess, Outcome};
+use grasp_index::Calibration;
+use grasp_recognise::Accept;
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -22,7 +24,7 @@ pub struct Unknown {
     pub others: usize,
     /// Pictures of something else in which none was found: they are told already.
     pub no_hand: usize,
-    /// What the index's own limits make of them; null where it has none.
+    /// What the program makes of them by its limits; null where it has none.
     pub at_limits: Option<AtLimits>,
     /// The curves, one for each measure.
     pub curves: Vec<Curve>,
@@ -41,7 +43,22 @@ pub struct Limits {
     pub least_trust: f64,
 }
 
-/// The shares beyond the limits, 0..=1 each.
+impl Limits {
+    /// Those that `accept` sets, by the index's calibration and the model of trust; `None` where it
+    /// sets none, or the index has none.
+    pub fn new(accept: Accept, calibration: &Calibration, least_trust: f64) -> Option<Self> {
+        let least_probability = calibration.least_probability;
+        match accept {
+            Accept::Always => None,
+            Accept::Within(farthest) => Some(Self { farthest, least_probability: 0.0, least_trust: 0.0 }),
+            Accept::Calibrated => {
+                calibration.farthest.map(|farthest| Self { farthest, least_probability, least_trust })
+            }
+        }
+    }
+}
+
+/// The shares that become unknown, 0..=1 each: beyond the limits, or rather in none of the grasps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AtLimits {
     /// The farthest distance of the nearest entry.
@@ -83,16 +100,20 @@ pub struct Point {
 
 impl Unknown {
     /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
-    /// not be read. The outcomes must not have been told from one another yet. `limits` are
-    /// those of the index and of the model of trust, where the index has any.
-    pub fn new(labels: String, outcomes: &[Outcome], broken: &[RowError], limits: Option<Limits>) -> Self {
+    /// not be read. The outcomes must not have been told from one another yet; `decided` are limits,
+    /// where there are any, and the outcomes of the same pictures, in the same order, told by them.
+    pub fn new(
+        labels: String,
+        outcomes: &[Outcome],
+        broken: &[RowError],
+        decided: Option<(Limits, Vec<Outcome>)>,
+    ) -> Self {
         let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
         let (others, known): (Vec<&Outcome>, Vec<&Outcome>) =
             outcomes.iter().partition(|outcome| outcome.label.grasp == OTHER);
         let no_hand =
             others.iter().filter(|o| o.result.as_ref().is_err_and(|miss| miss.is_rejection)).count();
-        let right: Vec<&Guess> =
-            known.iter().filter(|o| o.is_right()).filter_map(|o| o.result.as_ref().ok()).collect();
+        let right = known.iter().filter(|outcome| outcome.is_right()).count();
         let [known, others] =
             [known, others].map(|all| all.iter().filter_map(|o| o.result.as_ref().ok()).collect::<Vec<_>>());
         let curve = |measure, value: &dyn Fn(&Guess) -> f64, sign: f64| {
@@ -104,28 +125,23 @@ impl Unknown {
             curve("probability", &|guess| guess.probability, -1.0),
             curve("trust", &|guess| guess.trust.unwrap_or(1.0), -1.0),
         ];
-        let at_limits = limits.map(|Limits { farthest, least_probability, least_trust }| {
-            let beyond = |guesses: &[&Guess]| {
-                let is_beyond = |guess: &&&Guess| {
-                    guess.nearest > farthest
-                        || guess.probability < least_probability
-                        || guess.trust.is_some_and(|trust| trust < least_trust)
-                };
-                guesses.iter().filter(is_beyond).count() as f64 / guesses.len().max(1) as f64
+        let at_limits = decided.map(|(Limits { farthest, least_probability, least_trust }, decided)| {
+            let lost = |of: &dyn Fn(&Outcome) -> bool| {
+                let found = outcomes.iter().zip(&decided).filter(|(one, _)| one.result.is_ok() && of(one));
+                let lost: Vec<bool> = found.map(|(_, decided)| decided.is_unknown()).collect();
+                lost.iter().filter(|is_lost| **is_lost).count() as f64 / lost.len().max(1) as f64
             };
-            let (known_lost, right_lost, others_told) = (beyond(&known), beyond(&right), beyond(&others));
-            AtLimits { farthest, least_probability, least_trust, known_lost, right_lost, others_told }
+            let is_other = |outcome: &Outcome| outcome.label.grasp == OTHER;
+            AtLimits {
+                farthest,
+                least_probability,
+                least_trust,
+                known_lost: lost(&|one| !is_other(one)),
+                right_lost: lost(&|one| one.is_right()),
+                others_told: lost(&is_other),
+            }
         });
-        Self {
-            labels,
-            known: known.len(),
-            right: right.len(),
-            others: others.len(),
-            no_hand,
-            at_limits,
-            curves,
-            errors,
-        }
+        Self { labels, known: known.len(), right, others: others.len(), no_hand, at_limits, curves, errors }
     }
 
     /// The figures for a person.
@@ -151,7 +167,7 @@ impl Unknown {
         if let Some(at) = &self.at_limits {
             writeln!(
                 text,
-                "farther than {:.3}, less probable than {:.2} or less trusted than {:.2}: {:.1} % of the others, {:.1} % of the known, {:.1} % of those classified correctly",
+                "unknown to the program (farther than {:.3}, less probable than {:.2}, less trusted than {:.2}, or rather in none of the grasps): {:.1} % of the others, {:.1} % of the known, {:.1} % of those classified correctly",
                 at.farthest,
                 at.least_probability,
                 at.least_trust,

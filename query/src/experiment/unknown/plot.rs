@@ -1,6 +1,6 @@
 //! Known hands kept over others kept, as SVG.
 
-use grasp_plot::{Axis, COLOURS, GREY, draw};
+use grasp_plot::{Axis, COLOURS, GREY, INK, draw};
 
 use super::figures::Unknown;
 
@@ -15,7 +15,10 @@ pub(super) fn svg(unknown: &Unknown) -> String {
             let area = curve.area.map_or_else(String::new, |area| format!(" (area {area:.3})"));
             x = page.key([x, 68.0], colour, false, &format!("{}{area}", curve.measure));
         }
-        page.key([x, 68.0], GREY, true, "by chance");
+        x = page.key([x, 68.0], GREY, true, "by chance");
+        if unknown.at_limits.is_some() {
+            page.key([x, 68.0], INK, false, "the program's limits (dot)");
+        }
         let axes = [(); 2].map(|()| Axis::from_zero(100.0, 20.0, " %"));
         let (kept, taken) = ("known hands kept", "others taken for known");
         let chart = page.chart([64.0, 520.0], [HEIGHT - 52.0, 112.0], kept, taken, axes);
@@ -26,7 +29,7 @@ pub(super) fn svg(unknown: &Unknown) -> String {
             chart.line(&points.collect::<Vec<_>>(), colour);
         }
         if let Some(at) = &unknown.at_limits {
-            chart.dot((100.0 * (1.0 - at.others_told), 100.0 * (1.0 - at.known_lost)), GREY);
+            chart.dot((100.0 * (1.0 - at.others_told), 100.0 * (1.0 - at.known_lost)), INK);
         }
     })
 }
