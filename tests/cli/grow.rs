@@ -55,6 +55,10 @@ fn a_grown_index_answers_as_one_built_from_nothing() {
     done(folder, &["add", "grown.idx", "two", "one"]);
     assert_same(folder, "grown.idx", "both.idx");
 
+    fs::copy(folder.join("one.idx"), folder.join("twice.idx")).unwrap();
+    done(folder, &["add", "twice.idx", "two", "two"]);
+    assert_same(folder, "twice.idx", "both.idx");
+
     // A segment of its own, which leaves the index alone until both become one.
     let before = fs::read(folder.join("one.idx")).unwrap();
     done(folder, &["add", "one.idx", "two", "--segment", "two.idx"]);

@@ -62,7 +62,8 @@ fn print_usage(message: &clap::Error) -> io::Result<()> {
     if safe == plain { message.print() } else { io::stderr().write_all(safe.as_bytes()) }
 }
 
-/// A reader that has seen enough (`| head`) is no failure of ours.
+/// A reader that has seen enough (`| head`) is no failure of ours. Nothing but the standard output
+/// is written to a pipe: what is asked of a service turns its errors into text.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error
         .chain()

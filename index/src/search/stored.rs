@@ -5,6 +5,7 @@ use super::rows::Rows;
 use super::simd::{self, Simd};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
+use half::vec::HalfFloatVecExt as _;
 use std::borrow::Cow;
 
 /// The descriptors of an index, as exactly as it keeps them.
@@ -78,7 +79,7 @@ impl<'a> Stored<'a> {
             Values::F32(values) => row_of(values, self.dim, id).map(Cow::Borrowed),
             Values::F16(values) => row_of(values, self.dim, id).map(|row| Cow::Owned(row.to_f32_vec())),
             Values::ToBeHalved(values) => {
-                row_of(values, self.dim, id).map(|row| Cow::Owned(row.iter().copied().map(halved).collect()))
+                row_of(values, self.dim, id).map(|row| Cow::Owned(halved(row).to_f32_vec()))
             }
             Values::None => None,
             Values::Several(several) => several.locate(id).and_then(|(stored, id)| stored.get(id)),
@@ -98,8 +99,8 @@ impl<'a> Stored<'a> {
                 Some(row)
             }
             Values::ToBeHalved(values) => {
-                row.clear();
-                row.extend(row_of(values, self.dim, id)?.iter().copied().map(halved));
+                row.resize(self.dim, 0.0);
+                halved(row_of(values, self.dim, id)?).convert_to_f32_slice(row);
                 Some(row)
             }
             Values::None => None,
@@ -208,8 +209,8 @@ impl<'a> Stored<'a> {
                 Some(into)
             }
             Values::ToBeHalved(values) => {
-                into.clear();
-                into.extend(values.iter().copied().map(halved));
+                into.resize(values.len(), 0.0);
+                halved(values).convert_to_f32_slice(into);
                 Some(into)
             }
             Values::None | Values::Several(_) => None,
@@ -226,9 +227,9 @@ impl<'a> Stored<'a> {
     }
 }
 
-/// A value rounded to half its bits.
-fn halved(value: f32) -> f32 {
-    f16::from_f32(value).to_f32()
+/// Values rounded to half their bits, all at once.
+fn halved(values: &[f32]) -> Vec<f16> {
+    Vec::from_f32_slice(values)
 }
 
 fn row_of<T>(values: &[T], dim: usize, id: u32) -> Option<&[T]> {

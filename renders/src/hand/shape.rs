@@ -148,7 +148,8 @@ impl HandShape {
     }
 
     /// Every measure as a list, in a fixed order.
-    pub fn measures(&self) -> Vec<f64> {
+    #[cfg(test)]
+    pub(crate) fn measures(&self) -> Vec<f64> {
         let palm = [
             self.palm_length,
             self.palm_breadth,
