@@ -195,6 +195,93 @@ fn it_says_what_it_serves_and_how_it_does() {
     }
 }
 
+/// What of a value is not as a schema of `api` says: the few words of JSON Schema that utoipa uses.
+fn fault(api: &Value, schema: &Value, value: &Value) -> Option<String> {
+    let is_of = |schema: &Value| fault(api, schema, value).is_none();
+    let each = |of: &str| schema[of].as_array().into_iter().flatten();
+    if let Some(name) = schema["$ref"].as_str() {
+        return fault(api, api.pointer(name.trim_start_matches('#')).unwrap(), value);
+    }
+    let ways = each("oneOf").filter(|schema| is_of(schema)).count();
+    if schema["oneOf"].is_array() && ways != 1 {
+        return Some(format!("{ways} of oneOf {} for {value}", schema["oneOf"]));
+    }
+    if schema["anyOf"].is_array() && !each("anyOf").any(is_of) {
+        return Some(format!("none of anyOf {} for {value}", schema["anyOf"]));
+    }
+    if let Some(why) = each("allOf").find_map(|schema| fault(api, schema, value)) {
+        return Some(why);
+    }
+    let is_type = |name: &Value| match name.as_str().unwrap() {
+        "null" => value.is_null(),
+        "boolean" => value.is_boolean(),
+        "integer" => value.is_i64() || value.is_u64(),
+        "number" => value.is_number(),
+        "string" => value.is_string(),
+        "array" => value.is_array(),
+        _ => value.is_object(),
+    };
+    let is_wrong = match &schema["type"] {
+        Value::Null => false,
+        Value::Array(names) => !names.iter().any(is_type),
+        name => !is_type(name),
+    };
+    if is_wrong || schema["enum"].as_array().is_some_and(|known| !known.contains(value)) {
+        return Some(format!("{value} is not of {schema}"));
+    }
+    if let Some(missing) = each("required").find(|key| value.get(key.as_str().unwrap()).is_none()) {
+        return Some(format!("{missing} is missing in {value}"));
+    }
+    let of_keys = value.as_object().into_iter().flatten();
+    let mut of_keys = of_keys.filter_map(|(key, value)| fault(api, schema["properties"].get(key)?, value));
+    let of_items = value.as_array().into_iter().flatten();
+    let items = schema.get("items").filter(|items| items.is_object());
+    of_keys.next().or_else(|| of_items.filter_map(|value| fault(api, items?, value)).next())
+}
+
+#[test]
+fn answers_are_as_the_description_says() {
+    let service = serve(&[]);
+    let api = service.get("/openapi.json").json();
+    let data = workspace().join("query/data/objects");
+    let [bottle, camera] =
+        ["bottle.toml", "camera.toml"].map(|name| std::fs::read_to_string(data.join(name)).unwrap());
+    let picture = sample("segmented/10-power-sphere.png");
+    let strategy = |object: &str| {
+        let parts =
+            [("picture", picture.as_slice()), ("object", object.as_bytes()), ("camera", camera.as_bytes())];
+        let (kind, body) = form(&parts);
+        let path = "/v1/strategy?robot=barrett&segmented=true&hand=right&accept=always";
+        service.send(&request("POST", path, &kind, &body))
+    };
+    let feasible = strategy(&bottle);
+    // The hand does not open so far: an answer with an error.
+    let too_wide = strategy(&bottle.replace("radius = 0.035", "radius = 0.3"));
+    let record = too_wide.json();
+    assert!(record["grasp"].is_string() && record["error"]["kind"] == "too_wide", "{record}");
+    let hand = sample("camera/09-pinch.jpg");
+    let schema_of = |path: &str, status: u16| {
+        let response = &api["paths"][path]["post"]["responses"][status.to_string()];
+        response["content"]["application/json"]["schema"].clone()
+    };
+    for (path, answer, status) in [
+        ("/v1/strategy", feasible, 200),
+        ("/v1/strategy", too_wide, 200),
+        ("/v1/recognise", service.post("/v1/recognise?timings=true", &hand), 200),
+        ("/v1/recognise", service.post("/v1/recognise", &sample("camera/no-hand.jpg")), 422),
+        ("/v1/recognise", service.post("/v1/recognise", b"no picture"), 400),
+        ("/v1/recognise", service.post("/v1/recognise?k=0", &hand), 400),
+    ] {
+        let record = answer.json();
+        assert_eq!(answer.status, status, "{record}");
+        assert_eq!(fault(&api, &schema_of(path, status), &record), None, "{path} {status}");
+    }
+    let explained = service.post("/v1/recognise?explained=true", &hand).json();
+    let schema = &api["components"]["schemas"]["ExplainedRecord"];
+    assert_eq!(fault(&api, schema, &explained), None);
+    assert!(fault(&api, schema, &record).is_some(), "a record that is not explained is none");
+}
+
 #[test]
 fn a_socket_serves_its_own_user_and_is_taken_over_from_the_dead() {
     use std::os::unix::fs::PermissionsExt as _;

@@ -56,6 +56,17 @@ fn who_sends_too_slowly_is_sent_away() {
     service.wait_until("the end of it", |service| service.metric("grasp_requests_arriving") == 0.0);
 }
 
+#[test]
+fn who_asks_nothing_shuts_nobody_out_for_long() {
+    let service = serve(&[]);
+    // As many as there are places.
+    let idle: Vec<TcpStream> = (0..512).map(|_| service.connect()).collect();
+    let started = Instant::now();
+    assert_eq!(service.get("/healthz").text(), "ok\n");
+    assert!(started.elapsed() < Duration::from_secs(15), "{:?}", started.elapsed());
+    drop(idle);
+}
+
 /// Clients that mean no good: each has sent the head of a request, and sends of its body at most
 /// `most` bytes, at most `each` at a time.
 struct Crowd {

@@ -114,7 +114,8 @@ fn a_foreign_page_makes_it_do_nothing() {
 }
 
 /// Words of the libraries that read requests, which say nothing to who sends them.
-const RAW: [&str; 8] = [
+const RAW: [&str; 9] = [
+    "out of range",
     "deserialize",
     "unknown variant",
     "unknown field",
@@ -132,6 +133,11 @@ fn what_is_wrong_is_said_in_the_services_own_words() {
     let (kind, doubled) = form(&[("picture", &picture), ("picture", &picture)]);
     let dim = service.get("/v1/index").json()["dim"].as_u64().unwrap() as usize;
     let row = vec!["0.5"; dim].join(",");
+    let searched = |second: &str| format!("{{\"descriptors\": [[{row}], [{second}]]}}").into_bytes();
+    let huge = row.replacen("0.5,0.5,0.5", "0.5,0.5,2e15", 1);
+    let [object, camera] = ["bottle", "camera"]
+        .map(|name| std::fs::read(workspace().join(format!("query/data/objects/{name}.toml"))).unwrap());
+    let (strategy, described) = form(&[("picture", &picture), ("object", &object), ("camera", &camera)]);
     for (method, path, headers, body, status, says) in [
         (
             "POST",
@@ -159,6 +165,26 @@ fn what_is_wrong_is_said_in_the_services_own_words() {
             "there is no parameter `kk`: there are file, frame, hand,",
         ),
         ("POST", "/v1/recognise?k=1&k=2", "", b"", 400, "k is given more than once"),
+        (
+            "POST",
+            "/v1/recognise?segment=landmarks",
+            "",
+            b"",
+            400,
+            "segment is `landmarks`: `scene` or `skin` is needed",
+        ),
+        ("POST", "/v1/search?probes=4294967296", "", b"", 400, "an integer from 1 to 4294967295 is needed"),
+        (
+            "POST",
+            "/v1/recognise",
+            "Accept: image/jpeg\r\n",
+            &picture,
+            406,
+            "`image/jpeg`: answers are one of application/json, text/plain, image/png, application/yaml",
+        ),
+        ("POST", "/v1/recognise", "Accept: application/yaml\r\n", &picture, 400, "say which robot: robot="),
+        ("POST", "/v1/strategy?robot=nope", &strategy, &described, 400, "and say robot=described"),
+        ("POST", "/v1/strategy?robot=barrett&arm=nope", &strategy, &described, 400, "and say arm=described"),
         ("POST", "/v1/recognise", "Content-Type: multipart/form-data\r\n", b"", 400, "names no boundary"),
         ("POST", "/v1/recognise", &kind, &doubled, 400, "the form has more than one picture"),
         ("POST", "/v1/recognise", &kind, &doubled[..200], 400, "the form ends within a part"),
@@ -175,14 +201,11 @@ fn what_is_wrong_is_said_in_the_services_own_words() {
         ("POST", "/v1/search", "", b"{\"descriptors\": [[1, 2", 400, "malformed at line 1, column 22"),
         ("POST", "/v1/search", "", b"[1]", 400, "{\"descriptors\": [[...], ...]} is needed"),
         ("POST", "/v1/search", "", b"{\"descriptors\": [[1]]}", 400, "descriptors[0] has 1 values"),
-        (
-            "POST",
-            "/v1/search",
-            "",
-            format!("{{\"descriptors\": [[{row}], [0, \"1\"]]}}").as_bytes(),
-            400,
-            "descriptors[1][1] is no number",
-        ),
+        ("POST", "/v1/search", "", &searched("0, \"1\""), 400, "descriptors[1][1] is no number"),
+        ("POST", "/v1/search", "", &searched("0, 1e39"), 400, "descriptors[1][1] is too large"),
+        ("POST", "/v1/search", "", &searched(&huge), 400, "descriptors[1][2] is larger than 1e15"),
+        ("POST", "/v1/search?exact=true", "", &searched(&huge), 400, "descriptors[1][2] is larger"),
+        ("POST", "/v1/search?shortlist=true", "", &searched(&huge), 400, "descriptors[1][2] is larger"),
         ("GET", "/nowhere", "", b"", 404, "/docs says what is"),
         ("GET", "/v1/recognise", "", b"", 405, "the header Allow says"),
         ("DELETE", "/", "", b"", 405, "the header Allow says"),
@@ -242,6 +265,7 @@ fn beyond_this_machine_a_token_is_needed() {
         assert_eq!((answer.status, answer.header("www-authenticate")), (401, Some("Bearer")), "{path}");
         assert_eq!(ask(path, "Authorization: Bearer 0123456789abcdeX\r\n").status, 401, "{path}");
         assert_eq!(ask(path, right).status, status, "{path}");
+        assert_eq!(ask(path, &right.replace("Bearer", "bearer")).status, status, "{path}");
     }
     for path in ["/", "/page.js", "/healthz", "/readyz", "/docs", "/openapi.json"] {
         assert_eq!(ask(path, "").status, 200, "{path}");

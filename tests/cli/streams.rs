@@ -151,6 +151,12 @@ fn raw_video_is_read() {
     DynamicImage::from(hand).write_to(&mut Cursor::new(&mut png), ImageFormat::Png).unwrap();
     let alone = told(&recognise(&png));
     assert_eq!(told(&outcome), [&alone[0], "no_hand", &alone[0]], "{}", outcome.stderr);
+    // A last frame that is cut short is told as that of encoded pictures is.
+    for missing in [1, stream.len() / 4] {
+        let outcome = recognise(&stream[..stream.len() - missing]);
+        assert_eq!(told(&outcome), [&alone[0], "no_hand", "truncated"], "{}", outcome.stderr);
+        assert_eq!((outcome.status, &outcome.json_lines()[2]["frame"]), (2, &2.into()));
+    }
     let outcome = recognise(b"YUV4MPEG2 W64 H48 C420p10\nFRAME\n");
     assert!(outcome.stdout.contains("`C420p10` is not read; ask for 4:2:0"), "{}", outcome.stdout);
 }

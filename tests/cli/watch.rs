@@ -177,6 +177,27 @@ fn what_cannot_be_watched_is_told_and_nothing_is_written() {
     assert!(!folder.path().join("out.mjpg").exists());
 }
 
+#[test]
+fn without_a_frame_to_draw_on_an_older_video_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("notes.txt"), "no picture").unwrap();
+    fs::write(path("keep.mjpg"), video()).unwrap();
+    let outcome =
+        run(&mut watch(folder.path(), &["notes.txt", "--out", "keep.mjpg", "--json=records.jsonl"]));
+    assert_eq!(outcome.status, 2, "{}", outcome.stderr);
+    assert!(fs::read(path("keep.mjpg")).unwrap() == video(), "the video is another");
+    assert!(
+        outcome.stderr.contains("keep.mjpg: not written: there was no frame to draw on"),
+        "{}",
+        outcome.stderr
+    );
+    // Why, the records say.
+    assert_eq!(json_lines(&path("records.jsonl"))[0]["error"]["kind"], "not_an_image");
+    run(&mut watch(folder.path(), &["notes.txt", "--out", "new.mjpg"]));
+    assert!(!path("new.mjpg").exists());
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_camera_that_is_not_there_is_told() {

@@ -1,7 +1,7 @@
 //! The JSON line of one query for raw neighbours. Its keys are an interface: they may be added to,
 //! never renamed.
 
-use grasp_index::{Index, Neighbour, Segments, Shortlist};
+use grasp_index::{Index, Neighbour, SearchError, Segments, Shortlist};
 use serde::Serialize;
 
 /// A query and its neighbours, nearest first.
@@ -111,6 +111,17 @@ impl<'a> QueryRecord<'a> {
     }
 }
 
+/// What is wrong with queries; where it is a value, `place` says which, as the asker counts them.
+pub fn with_place(error: &SearchError, place: impl FnOnce(usize) -> String) -> String {
+    let message = error.to_string();
+    match error {
+        &(SearchError::NotFinite { at } | SearchError::Huge { at }) => {
+            message.replacen(&format!("value {at} of the query"), &place(at), 1)
+        }
+        _ => message,
+    }
+}
+
 /// Without the places that the index had no entry for.
 pub fn present(neighbours: &[Neighbour]) -> impl Iterator<Item = &Neighbour> {
     neighbours.iter().filter(|neighbour| neighbour.id != u32::MAX)
@@ -128,4 +139,18 @@ pub fn names(index: &Index, id: u32) -> (Option<&str>, Option<String>) {
     };
     let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
     (class.map(|class| class.name.as_str()), Some(entry.file).filter(|file| !file.is_empty()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_cannot_be_searched_for_is_told_by_row_and_column() {
+        let told = |error| with_place(&error, |at| format!("descriptors[{}][{}]", at / 10, at % 10));
+        let (wrong, huge) = (told(SearchError::NotFinite { at: 123 }), told(SearchError::Huge { at: 7 }));
+        assert_eq!(wrong, "descriptors[12][3] is not a finite number");
+        assert!(huge.starts_with("descriptors[0][7] is larger than 1e15: "), "{huge}");
+        assert_eq!(told(SearchError::NoNeighbours), SearchError::NoNeighbours.to_string());
+    }
 }

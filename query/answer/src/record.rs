@@ -12,13 +12,49 @@ pub const UNKNOWN: &str = "unknown";
 
 /// What is known about one input: an answer or an error.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[serde(untagged)]
 pub enum Record {
     /// The input was recognised.
     Answer(Box<Answer>),
     /// The input has no answer.
     Failure(Failure),
+}
+
+/// As a schema it is not `oneOf`: an answer without the strategy that was asked for has an `error`,
+/// and with it all that a [`Failure`] must have.
+#[cfg(feature = "schema")]
+mod schema {
+    use std::borrow::Cow;
+
+    use utoipa::openapi::schema::{AnyOfBuilder, Schema};
+    use utoipa::openapi::{Ref, RefOr};
+    use utoipa::{PartialSchema, ToSchema};
+
+    use super::{Answer, Failure, Record};
+
+    impl PartialSchema for Record {
+        fn schema() -> RefOr<Schema> {
+            let either = AnyOfBuilder::new()
+                .item(Ref::from_schema_name(Answer::name()))
+                .item(Ref::from_schema_name(Failure::name()));
+            either
+                .description(Some("What is known about one input: an answer, with `grasp`, or an error."))
+                .into()
+        }
+    }
+
+    impl ToSchema for Record {
+        fn name() -> Cow<'static, str> {
+            "Record".into()
+        }
+
+        fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+            schemas.push((Answer::name().into(), Answer::schema()));
+            schemas.push((Failure::name().into(), Failure::schema()));
+            Answer::schemas(schemas);
+            Failure::schemas(schemas);
+        }
+    }
 }
 
 /// An input that was recognised.

@@ -5,6 +5,7 @@ use numpy::{Element, PyArrayMethods as _};
 use numpy::{
     PyArrayDescrMethods as _, PyArrayDyn, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods as _,
 };
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict as _;
 
@@ -17,12 +18,16 @@ pub(crate) struct Rows<'py> {
     pub(crate) count: usize,
     /// Values of a row.
     pub(crate) dim: usize,
+    /// There is one row only, which is no array of rows.
+    is_one: bool,
+    /// What messages call them.
+    what: &'static str,
 }
 
 impl<'py> Rows<'py> {
     /// The rows of `values`, or the only one where it has one dimension and `may_be_one`. `what`
     /// names them in messages. An array of float32 that lies row by row is not copied.
-    pub(crate) fn new(values: &Bound<'py, PyAny>, what: &str, may_be_one: bool) -> PyResult<Self> {
+    pub(crate) fn new(values: &Bound<'py, PyAny>, what: &'static str, may_be_one: bool) -> PyResult<Self> {
         let array = as_f32(values, what)?;
         let (count, dim) = match *array.shape() {
             [count, dim] => (count, dim),
@@ -35,7 +40,17 @@ impl<'py> Rows<'py> {
                 )));
             }
         };
-        Ok(Self { array: array.readonly(), count, dim })
+        let is_one = array.ndim() == 1;
+        Ok(Self { array: array.readonly(), count, dim, is_one, what })
+    }
+
+    /// How Python gets at a value, counted over all rows.
+    pub(crate) fn place(&self, at: usize) -> String {
+        let (what, dim) = (self.what, self.dim.max(1));
+        match self.is_one {
+            true => format!("{what}[{at}]"),
+            false => format!("{what}[{}][{}]", at / dim, at % dim),
+        }
     }
 
     /// All values, row by row.
@@ -51,7 +66,7 @@ fn as_f32<'py>(values: &Bound<'py, PyAny>, what: &str) -> PyResult<Bound<'py, Py
     {
         return Ok(array.clone());
     }
-    let array = as_array(values)?;
+    let array = as_array(values, what)?;
     let dtype = array.dtype();
     if !matches!(dtype.kind(), b'f' | b'i' | b'u') {
         return Err(parameter(format!(
@@ -65,10 +80,17 @@ fn as_f32<'py>(values: &Bound<'py, PyAny>, what: &str) -> PyResult<Bound<'py, Py
     contiguous::<f32>(&array, "float32")
 }
 
-/// `values` as an array of any type.
-pub(crate) fn as_array<'py>(values: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyUntypedArray>> {
-    let numpy = values.py().import("numpy")?;
-    Ok(numpy.call_method1("asarray", (values,))?.cast_into::<PyUntypedArray>()?)
+/// `values`, which messages call `what`, as an array of any type.
+pub(crate) fn as_array<'py>(values: &Bound<'py, PyAny>, what: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
+    let py = values.py();
+    let array = py.import("numpy")?.call_method1("asarray", (values,)).map_err(|cause| {
+        // NumPy's words are about arrays of any kind.
+        match cause.is_instance_of::<PyValueError>(py) {
+            true => parameter(format!("{what} are no array: rows of numbers, all of one length, are needed")),
+            false => cause,
+        }
+    })?;
+    Ok(array.cast_into::<PyUntypedArray>()?)
 }
 
 /// The same array in C order, aligned and in the machine's byte order, copied where it is not.

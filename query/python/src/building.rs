@@ -1,6 +1,6 @@
 //! `grasp.build`.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use grasp_index::{
@@ -8,11 +8,13 @@ use grasp_index::{
     OpenError, Originals, Phase, RandomParams,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use rayon::ThreadPoolBuilder;
 
 use crate::array::Rows;
 use crate::error::{self, parameter};
 use crate::index::Index;
+use crate::number::Integer;
 use crate::progress::{Progress, watched};
 
 /// Entries after which Python is asked whether to go on.
@@ -33,7 +35,8 @@ const AT_ONCE: usize = 1 << 14;
 /// labels : sequence of str, length n, optional
 ///     The class of each entry, which `Index.entry` returns.
 /// cutkosky : dict of str to int, optional
-///     The numbers of classes in Cutkosky's taxonomy, 0 to 255; 0 where one is not named.
+///     The numbers of classes in Cutkosky's taxonomy, 0 to 255; 0 where one is not named. What
+///     is named must be a label.
 /// held_out : array_like of float32, shape (m, dim), optional
 ///     Vectors that are like what will be searched for, and not among `vectors`: how much
 ///     effort a recall takes is measured with them, as they are. Without them it is measured with
@@ -81,18 +84,21 @@ pub(crate) fn build(
     path: PathBuf,
     labels: Option<&Bound<'_, PyAny>>,
     progress: Option<Py<PyAny>>,
-    seed: u64,
-    cutkosky: Option<HashMap<String, u8>>,
+    #[pyo3(from_py_with = self::seed)] seed: u64,
+    cutkosky: Option<BTreeMap<String, Integer>>,
     held_out: Option<&Bound<'_, PyAny>>,
     hash: &str,
     originals: &str,
-    threads: Option<i64>,
+    threads: Option<Integer>,
 ) -> PyResult<Index> {
     let threads = crate::parallel::threads(threads)?;
     let rows = Rows::new(vectors, "vectors", false)?;
     let values = rows.values()?;
-    let labels =
-        labels.map(|labels| Labels::new(labels, rows.count, &cutkosky.unwrap_or_default())).transpose()?;
+    let cutkosky = cutkosky_numbers(cutkosky.unwrap_or_default())?;
+    if labels.is_none() && !cutkosky.is_empty() {
+        return Err(parameter("cutkosky says which number a label has: give labels as well"));
+    }
+    let labels = labels.map(|labels| Labels::new(labels, rows.count, &cutkosky)).transpose()?;
     let held_out = held_out.map(|held_out| Rows::new(held_out, "held_out", false)).transpose()?;
     if let Some(held_out) = held_out.as_ref().filter(|held_out| held_out.dim != rows.dim) {
         return Err(parameter(format!(
@@ -140,6 +146,25 @@ pub(crate) fn build(
         other => parameter(other.to_string()),
     })?;
     Index::open(py, path, true)
+}
+
+/// What all randomness comes from.
+fn seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let seed: Integer = seed.extract()?;
+    seed.get()
+        .ok_or_else(|| parameter(format!("seed is {seed}: an integer from 0 to {} is needed", u64::MAX)))
+}
+
+/// The numbers of classes in the taxonomy.
+fn cutkosky_numbers(given: BTreeMap<String, Integer>) -> PyResult<BTreeMap<String, u8>> {
+    let number = |(name, number): (String, Integer)| match number.get() {
+        Some(number) => Ok((name, number)),
+        None => Err(parameter(format!(
+            "cutkosky[{name:?}] is {number}: an integer from 0 to {} is needed",
+            u8::MAX
+        ))),
+    };
+    given.into_iter().map(number).collect()
 }
 
 /// Adds a row an entry.
@@ -199,7 +224,11 @@ struct Labels {
 }
 
 impl Labels {
-    fn new(labels: &Bound<'_, PyAny>, count: usize, cutkosky: &HashMap<String, u8>) -> PyResult<Self> {
+    fn new(labels: &Bound<'_, PyAny>, count: usize, cutkosky: &BTreeMap<String, u8>) -> PyResult<Self> {
+        // Its letters would be labels.
+        if labels.is_instance_of::<PyString>() {
+            return Err(parameter(format!("labels is a single text: a sequence of {count} names is needed")));
+        }
         let mut names: Vec<String> = Vec::with_capacity(count);
         for label in labels.try_iter()? {
             let label = label?;
@@ -211,6 +240,12 @@ impl Labels {
             return Err(parameter(format!(
                 "there are {} labels and {count} vectors: one label a vector is needed",
                 names.len()
+            )));
+        }
+        let known: BTreeSet<&str> = names.iter().map(String::as_str).collect();
+        if let Some(name) = cutkosky.keys().find(|name| !known.contains(name.as_str())) {
+            return Err(parameter(format!(
+                "cutkosky names {name:?}, which is none of the labels: leave it out, or write it as there"
             )));
         }
         let number = |name: &str| cutkosky.get(name).copied().unwrap_or(0);

@@ -3,6 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use grasp_answer::found::with_place;
 use grasp_answer::human;
 use grasp_answer::record::Record;
 use grasp_index::{CannotRecognise, FileChanged, OpenError, SearchError};
@@ -51,6 +52,11 @@ pub(crate) fn picture(file: Option<&str>, error: &RecogniseError) -> PyErr {
 /// A search that cannot be made.
 pub(crate) fn search(error: &SearchError) -> PyErr {
     parameter(error.to_string())
+}
+
+/// Queries that cannot be searched for; `place` says which value is meant.
+pub(crate) fn queries(error: &SearchError, place: impl FnOnce(usize) -> String) -> PyErr {
+    parameter(with_place(error, place))
 }
 
 /// Where there is no index.

@@ -13,6 +13,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::Rows;
 use crate::error::{self, parameter};
+use crate::number::{Integer, real};
 use crate::parallel::{on_threads, share};
 
 /// Queries after which Python may stop the search (Ctrl-C).
@@ -146,15 +147,15 @@ impl Index {
         &self,
         py: Python<'py>,
         queries: &Bound<'py, PyAny>,
-        k: i64,
-        recall: f64,
+        #[pyo3(from_py_with = neighbours)] k: usize,
+        #[pyo3(from_py_with = real)] recall: f64,
         exact: bool,
-        threads: Option<i64>,
+        threads: Option<Integer>,
     ) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<f32>>)> {
         let index = self.get()?;
         let threads = crate::parallel::threads(threads)?;
         let effort = if exact { Effort::Exact } else { Effort::Recall(recall) };
-        let options = SearchOptions { k: neighbours(k)?, effort };
+        let options = SearchOptions { k, effort };
         let rows = Rows::new(queries, "queries", true)?;
         if rows.dim != index.dim() {
             let wrong = SearchError::WrongLength { expected: index.dim(), found: rows.dim };
@@ -179,7 +180,9 @@ impl Index {
         let answers = ids.chunks_mut(at_once).zip(distances.chunks_mut(at_once));
         for ((number, part), answers) in values.chunks(AT_ONCE * rows.dim.max(1)).enumerate().zip(answers) {
             let searched = py.detach(|| search_all(&index, part, &options, threads, answers));
-            searched.map_err(|cause| error::search(&behind(cause, number * AT_ONCE * rows.dim)))?;
+            searched.map_err(|cause| {
+                error::queries(&behind(cause, number * AT_ONCE * rows.dim), |at| rows.place(at))
+            })?;
             py.check_signals()?;
         }
         index.check_unchanged().map_err(|cause| error::changed(&self.named, cause))?;
@@ -208,9 +211,9 @@ impl Index {
     /// ------
     /// ParameterError
     ///     Where there is no such entry.
-    fn entry<'py>(&self, py: Python<'py>, id: i64) -> PyResult<Bound<'py, PyDict>> {
+    fn entry<'py>(&self, py: Python<'py>, id: Integer) -> PyResult<Bound<'py, PyDict>> {
         let index = self.get()?;
-        let number = u32::try_from(id).map_err(|_| {
+        let number: u32 = id.get().ok_or_else(|| {
             parameter(format!("there is no entry {id}: the index holds {}, counted from 0", index.len()))
         })?;
         let entry = index.entry(number).map_err(|cause| parameter(cause.to_string()))?;
@@ -305,8 +308,9 @@ impl Index {
 }
 
 /// How many neighbours are wanted.
-pub(crate) fn neighbours(k: i64) -> PyResult<usize> {
-    let count = usize::try_from(k).ok().filter(|k| (1..=MOST_NEIGHBOURS).contains(k));
+pub(crate) fn neighbours(k: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let k: Integer = k.extract()?;
+    let count = k.get().filter(|k| (1..=MOST_NEIGHBOURS).contains(k));
     count.ok_or_else(|| parameter(format!("k is {k}: an integer from 1 to {MOST_NEIGHBOURS} is needed")))
 }
 

@@ -17,7 +17,7 @@ pub(crate) fn landmarks(values: &Bound<'_, PyAny>, unit: &str) -> PyResult<Landm
             return Err(parameter(format!("landmark_unit is {other:?}: \"pixel\" or \"share\" is needed")));
         }
     };
-    let array = as_array(values)?;
+    let array = as_array(values, "landmarks")?;
     if !matches!(array.dtype().kind(), b'f' | b'i' | b'u') {
         return Err(parameter(format!("landmarks are of the type {}: numbers are needed", array.dtype())));
     }

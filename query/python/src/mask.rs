@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 
 use crate::array::{contiguous, shown};
 use crate::error::{self, parameter};
+use crate::number::Integer;
 
 /// A mask's values from here on are hand.
 const INSIDE: u8 = 128;
@@ -25,7 +26,7 @@ pub(crate) fn source(
     (landmarks, landmark_unit): (Option<&Bound<'_, PyAny>>, &str),
     segmented: bool,
     depth: Option<&Bound<'_, PyAny>>,
-    depth_range: Option<(i64, i64)>,
+    depth_range: Option<(Integer, Integer)>,
 ) -> PyResult<MaskSource> {
     let given_ways = [mask.is_some(), landmarks.is_some(), segmented, depth.is_some()];
     if given_ways.into_iter().filter(|is_given| *is_given).count() > 1 {

@@ -9,16 +9,17 @@ use std::thread;
 use pyo3::prelude::*;
 
 use crate::error::parameter;
+use crate::number::Integer;
 
 /// The most threads that can be asked for.
-const MOST: i64 = 1024;
+const MOST: usize = 1024;
 
 /// As many threads as are asked for, or as the machine has cores.
-pub(crate) fn threads(wanted: Option<i64>) -> PyResult<usize> {
+pub(crate) fn threads(wanted: Option<Integer>) -> PyResult<usize> {
     let Some(wanted) = wanted else {
         return Ok(thread::available_parallelism().map_or(1, Into::into));
     };
-    let threads = usize::try_from(wanted).ok().filter(|_| (1..=MOST).contains(&wanted));
+    let threads = wanted.get().filter(|threads| (1..=MOST).contains(threads));
     threads.ok_or_else(|| {
         parameter(format!("threads is {wanted}: 1 to {MOST} are possible, or None for one a core"))
     })

@@ -19,6 +19,7 @@ use crate::error::{self, parameter};
 use crate::found::Found;
 use crate::index::{Index, neighbours};
 use crate::mask;
+use crate::number::{Integer, real};
 use crate::parallel::each;
 use crate::picture::Input;
 
@@ -77,6 +78,13 @@ pub(crate) struct Recogniser {
 // Python shows the default only where it is written out.
 const _: () = assert!(DEFAULT_ROLLS == 1);
 
+/// How many turns are wanted.
+fn turns(rolls: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let rolls: Integer = rolls.extract()?;
+    let turns = rolls.get().filter(|turns| (1..=MOST_ROLLS).contains(turns));
+    turns.ok_or_else(|| parameter(format!("rolls is {rolls}: an integer from 1 to {MOST_ROLLS} is needed")))
+}
+
 /// A picture's answer, not yet Python's.
 type Answered = Result<(Record, Recognition), RecogniseError>;
 
@@ -93,12 +101,13 @@ impl Recogniser {
         index: &Bound<'_, PyAny>,
         hand: &str,
         segment: &str,
-        recall: f64,
+        #[pyo3(from_py_with = real)] recall: f64,
         exact: bool,
         accept: &str,
-        k: Option<i64>,
-        rolls: i64,
+        k: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = turns)] rolls: usize,
     ) -> PyResult<Self> {
+        let k = k.map(neighbours).transpose()?;
         let given = PyDict::new(py);
         for (name, value) in [("hand", hand), ("segment", segment), ("accept", accept)] {
             given.set_item(name, value)?;
@@ -113,10 +122,6 @@ impl Recogniser {
                 "a recall of {recall} is not possible: it must be above 0 and at most 1"
             )));
         }
-        let turns = usize::try_from(rolls).ok().filter(|rolls| (1..=MOST_ROLLS).contains(rolls));
-        let turns = turns.ok_or_else(|| {
-            parameter(format!("rolls is {rolls}: an integer from 1 to {MOST_ROLLS} is needed"))
-        })?;
         let unknown = |name: &str, value: &str, known: &str| {
             parameter(format!("{name} is {value:?}: {known} is needed"))
         };
@@ -127,8 +132,8 @@ impl Recogniser {
                 "right" => HandChoice::Right,
                 other => return Err(unknown("hand", other, "\"auto\", \"left\" or \"right\"")),
             },
-            rolls: turns,
-            k: k.map(neighbours).transpose()?,
+            rolls,
+            k,
             effort: if exact { Effort::Exact } else { Effort::Recall(recall) },
             vote: VoteOptions::default(),
             accept: match accept {
@@ -219,7 +224,7 @@ impl Recogniser {
         landmark_unit: &str,
         segmented: bool,
         depth: Option<&Bound<'py, PyAny>>,
-        depth_range: Option<(i64, i64)>,
+        depth_range: Option<(Integer, Integer)>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let input = Input::new(image)?;
         let source = mask::source(py, mask, (landmarks, landmark_unit), segmented, depth, depth_range)?;
@@ -259,7 +264,7 @@ impl Recogniser {
         images: &Bound<'py, PyAny>,
         segmented: bool,
         errors: &str,
-        threads: Option<i64>,
+        threads: Option<Integer>,
     ) -> PyResult<Bound<'py, PyList>> {
         let returns = match errors {
             "raise" => false,

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error::parameter;
 use crate::mask;
+use crate::number::real;
 use crate::picture::Input;
 use crate::recogniser::Recogniser;
 
@@ -47,7 +48,11 @@ pub(crate) struct Sequence {
 impl Sequence {
     #[new]
     #[pyo3(signature = (recogniser, *, switch=0.2, motion_deg=5.0))]
-    fn new(recogniser: Py<Recogniser>, switch: f64, motion_deg: f64) -> PyResult<Self> {
+    fn new(
+        recogniser: Py<Recogniser>,
+        #[pyo3(from_py_with = real)] switch: f64,
+        #[pyo3(from_py_with = real)] motion_deg: f64,
+    ) -> PyResult<Self> {
         let wrong = |name, value, most| parameter(format!("{name} is {value}: it must be from 0 to {most}"));
         if !(0.0..=1.0).contains(&switch) {
             return Err(wrong("switch", switch, 1));

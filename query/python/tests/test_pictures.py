@@ -64,11 +64,13 @@ def test_masks_that_do_not_fit_are_refused(recogniser, tmp_path):
         ({"landmarks": places[:, :1]}, r"landmarks of the shape \(21, 1\): \(21, 2\) or \(21, 3\) is needed"),
         ({"landmarks": places * numpy.nan}, "landmark 0 is not at a place"),
         ({"landmarks": [["a", "b"]] * 21}, "landmarks are of the type"),
+        ({"landmarks": [[1, 2]] * 20 + [[3]]}, "landmarks are no array: rows of numbers, all of one length"),
         ({"landmarks": places, "landmark_unit": "m"}, 'landmark_unit is "m": "pixel" or "share" is needed'),
         ({"depth": ones}, "depth and depth_range, .* go together"),
         ({"depth_range": (1, 2)}, "depth and depth_range, .* go together"),
         ({"depth": ones, "depth_range": (1, 2)}, "a depth picture of the type uint8: uint16 is needed"),
         ({"depth": ones.astype(numpy.uint16), "depth_range": (0, 2)}, r"depth_range is \(0, 2\): 1 <= near"),
+        ({"depth": ones.astype(numpy.uint16), "depth_range": (1, 2**70)}, r"depth_range is \(1, 1180"),
     ]
     for arguments, message in parameters:
         with pytest.raises(grasp.ParameterError, match=message):
@@ -89,6 +91,7 @@ def test_parameters_of_a_recogniser(index_path, vector_index_path):
         ({"k": 0}, "k is 0: an integer from 1 to 100000"),
         ({"rolls": -1}, "rolls is -1: an integer from 1 to 360"),
         ({"rolls": 0}, "rolls is 0: an integer from 1 to 360"),
+        ({"rolls": 2**70}, "rolls is 1180591620717411303424: an integer from 1 to 360"),
     ]
     for arguments, message in cases:
         with pytest.raises(grasp.ParameterError, match=message):

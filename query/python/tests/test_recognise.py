@@ -85,7 +85,7 @@ def test_a_sequence_is_answered_as_the_program_answers_it(recogniser, index_path
 
 
 def test_what_is_no_sequence_is_refused(recogniser):
-    for wrong in ({"switch": -0.1}, {"switch": float("nan")}, {"motion_deg": 181}):
+    for wrong in ({"switch": -0.1}, {"switch": float("nan")}, {"motion_deg": 181}, {"switch": 10**400}):
         with pytest.raises(grasp.ParameterError, match="it must be from 0 to"):
             grasp.Sequence(recogniser, **wrong)
     sequence = grasp.Sequence(recogniser)

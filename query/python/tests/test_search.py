@@ -107,17 +107,26 @@ def test_the_program_finds_the_same(index, vector_index_path, queries, program, 
 def test_what_cannot_be_searched_for_is_refused_with_what_can(index, queries):
     bad = queries.copy()
     bad[150, 3] = numpy.nan
-    at = 150 * index.dim + 3
+    wide = queries.copy()
+    wide[199, 23] = -2e15
     cases = [
         ({"queries": queries[:, :5]}, "the query has 5 values, the index's descriptors have 24"),
         ({"queries": queries[None]}, r"queries have the shape \(1, 200, 24\): \(n, dim\) or \(dim,\)"),
-        ({"queries": bad}, f"value {at} of the query is not a finite number"),
-        ({"queries": bad, "threads": 2}, f"value {at} of the query is not a finite number"),
+        ({"queries": bad}, r"queries\[150\]\[3\] is not a finite number"),
+        ({"queries": bad, "threads": 2}, r"queries\[150\]\[3\] is not a finite number"),
+        ({"queries": numpy.vstack([queries] * 100 + [bad])}, r"queries\[20150\]\[3\] is not a finite number"),
+        ({"queries": bad[150]}, r"queries\[3\] is not a finite number"),
+        ({"queries": wide}, r"queries\[199\]\[23\] is larger than 1e15"),
+        ({"queries": wide, "exact": True}, r"queries\[199\]\[23\] is larger than 1e15"),
+        ({"queries": [[1.0, 2.0], [3.0]]}, "queries are no array: rows of numbers, all of one length"),
         ({"queries": numpy.array(["a"])}, "queries are of the type <U1: real numbers are needed"),
         ({"queries": queries.astype(complex)}, "queries are of the type complex128"),
         ({"queries": 1.0}, "queries are a single number"),
         ({"queries": queries, "k": 0}, "k is 0: an integer from 1 to 100000"),
         ({"queries": queries, "k": -1}, "k is -1: an integer from 1 to 100000"),
+        ({"queries": queries, "k": 2**70}, "k is 1180591620717411303424: an integer from 1 to 100000"),
+        ({"queries": queries, "k": -(2**200)}, "k is an integer of more than 128 bits: an integer from 1"),
+        ({"queries": queries, "recall": 10**400}, "a recall of inf is not possible"),
         ({"queries": queries, "recall": 0.0}, "a recall of 0 is not possible: it must be above 0"),
         ({"queries": queries[:0], "recall": 2.0}, "a recall of 2 is not possible"),
         ({"queries": queries, "threads": 0}, "threads is 0: 1 to 1024 are possible"),
@@ -139,7 +148,7 @@ def test_an_index_says_what_it_is(index, vector_index_path, program):
     for key in info.keys() - {"descriptor", "recognises"}:
         assert info[key] == report[key], key
     assert index.entry(1)["grasp"] == "power-sphere"
-    for missing in (3000, -1, 2**40):
+    for missing in (3000, -1, 2**40, 2**70):
         with pytest.raises(grasp.ParameterError, match=f"there is no entry {missing}: the index holds 3000"):
             index.entry(missing)
 

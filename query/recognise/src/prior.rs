@@ -85,6 +85,9 @@ pub enum ProbabilityFault {
         /// What is said of it.
         probability: f64,
     },
+    /// No grasp is left.
+    #[error("each of the index's grasps is 0, which leaves none")]
+    Nothing,
     /// Together they are more than certain.
     #[error("its grasps sum to {0}")]
     Sum(f64),
@@ -128,6 +131,9 @@ impl Priors {
         let named: f64 = said.values().sum();
         if named > 1.0 + 1e-9 {
             return Err(wrong(ProbabilityFault::Sum(named)));
+        }
+        if named == 0.0 && said.len() == grasps.len() {
+            return Err(wrong(ProbabilityFault::Nothing));
         }
         let unnamed = grasps.len().saturating_sub(said.len()).max(1) as f64;
         let rest = (1.0 - named).max(0.0) / unnamed;
@@ -187,6 +193,9 @@ mod tests {
         insta::assert_snapshot!(told("[objects.cup]\npinch = -0.5"), @"the prior's object `cup`: pinch is -0.5: probabilities of 0 to 1 are needed that sum to 1 at most");
         insta::assert_snapshot!(told("[objects.cup]\npinch = nan"), @"the prior's object `cup`: pinch is NaN: probabilities of 0 to 1 are needed that sum to 1 at most");
         insta::assert_snapshot!(told("[objects.cup]\npinch = 0.5\npower-sphere = 0.6"), @"the prior's object `cup`: its grasps sum to 1.1: probabilities of 0 to 1 are needed that sum to 1 at most");
+        insta::assert_snapshot!(told("[objects.cup]\nlarge-diameter = 0.0\npinch = 0.0\npower-sphere = 0.0"), @"the prior's object `cup`: each of the index's grasps is 0, which leaves none: probabilities of 0 to 1 are needed that sum to 1 at most");
+        // What is not named has the rest.
+        assert!(priors("[objects.cup]\npinch = 0.0").probabilities("cup", &grasps()).is_ok());
         assert!(toml::from_str::<Priors>("[things.cup]\npinch = 1.0").is_err());
     }
 }

@@ -14,6 +14,7 @@ use super::explained::png;
 use super::metrics::{CONTENT_TYPE, Gauges};
 use super::problem::Problem;
 use super::query::Options;
+use super::refusals::{Guarded, Named};
 use super::service::Shared;
 use super::shown::shown;
 use super::tags;
@@ -67,6 +68,7 @@ pub(super) struct ClassName {
     summary = "Describe the index that is served",
     description = "Its classes and size, what its searches find at each effort, and where it comes from.",
     responses((status = 200, description = "The index", body = IndexRecord),
+        Guarded,
         (status = 503, description = "No index is open yet", body = super::problem::ProblemRecord)))]
 pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRecord>, Problem> {
     let served = service.served()?;
@@ -103,6 +105,7 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
 pub(super) struct IndexGeneration {
     /// The index that named the neighbour, as the header `grasp-index-generation` told it; another
     /// one has other entries.
+    #[param(maximum = 18_446_744_073_709_551_615u64)]
     generation: Option<u64>,
 }
 
@@ -112,8 +115,11 @@ pub(super) struct IndexGeneration {
     description = "The hand image of an entry that `neighbours` of a record names by its `id`.",
     params(("id" = u32, Path, description = "The entry's number"), IndexGeneration),
     responses((status = 200, description = "The entry's picture, grey", content_type = "image/png"),
+        (status = 400, description = "What is named is no entry's number", body = super::problem::ProblemRecord),
+        Guarded,
         (status = 404, description = "There is no such entry, or it has no picture", body = super::problem::ProblemRecord),
-        (status = 410, description = "The index that named the entry is no longer served", body = super::problem::ProblemRecord)))]
+        (status = 410, description = "The index that named the entry is no longer served", body = super::problem::ProblemRecord),
+        (status = 503, description = "No index is open yet", body = super::problem::ProblemRecord)))]
 pub(super) async fn thumbnail(
     State(service): State<Shared>,
     id: Result<Path<String>, PathRejection>,
@@ -166,7 +172,9 @@ pub(super) struct Ready {
     summary = "Say whether requests are answered",
     description = "For a load balancer, and for those who replace the index: `problem` says why the file that lies at its path now \
         is not the one that is served.",
+    security(()),
     responses((status = 200, description = "Requests are answered", body = Ready),
+    Named,
     (status = 503, description = "The index is not open yet or its file was overwritten, or the service is about to end", body = Ready)))]
 pub(super) async fn ready(State(service): State<Shared>) -> Response {
     let generation = service.current.get().map(|served| served.generation);
@@ -199,7 +207,8 @@ fn without(message: &str, path: &str) -> String {
 #[utoipa::path(get, path = "/healthz", tag = tags::OPERATION,
     summary = "Say whether the program runs",
     description = "Answers `ok` for as long as the process lives, whatever it does.",
-    responses((status = 200, description = "The program runs", content_type = "text/plain")))]
+    security(()),
+    responses((status = 200, description = "The program runs", body = String, content_type = "text/plain"), Named))]
 pub(super) async fn health() -> &'static str {
     "ok\n"
 }
@@ -208,7 +217,7 @@ pub(super) async fn health() -> &'static str {
 #[utoipa::path(get, path = "/metrics", tag = tags::OPERATION,
     summary = "Count requests, their times and the index's replacements",
     description = "Counters and histograms since the start, in the text form of OpenMetrics, which Prometheus reads.",
-    responses((status = 200, description = "The counters", content_type = "application/openmetrics-text")))]
+    responses((status = 200, description = "The counters", body = String, content_type = "application/openmetrics-text"), Guarded))]
 pub(super) async fn metrics(State(service): State<Shared>) -> Response {
     let (served, failures) = (service.current.get(), service.current.failures());
     let now = Gauges {

@@ -37,7 +37,9 @@ pub(super) async fn read(mut body: Body, most: usize, budget: &Arc<Budget>) -> R
         let frame = tokio::select! {
             biased;
             () = buffer.evicted() => return Err(evicted()),
-            frame = tokio::time::timeout_at(since + STALLED, body.frame()) => frame.map_err(|_| Problem::late())?,
+            frame = tokio::time::timeout_at(since + STALLED, body.frame()) => {
+                frame.map_err(|_| Problem::stalled(PROGRESS, STALLED))?
+            }
         };
         let Some(frame) = frame else { break };
         let frame = frame.map_err(|_| {
@@ -222,6 +224,7 @@ mod tests {
         }
         let refused = read(in_pieces(&noise[..most / 2], true), most, &budget).await.unwrap_err();
         assert_eq!(refused.status, StatusCode::REQUEST_TIMEOUT);
+        insta::assert_snapshot!(refused.message(), @"the request stopped coming: at least 4096 bytes of it have to come in each 5 s, or its end; send it again, without a pause");
         assert_eq!(budget.reserved(), 0);
     }
 }

@@ -143,8 +143,6 @@ impl Input {
             String::from_utf8(bytes.to_vec())
                 .map_err(|_| Problem::bad_request(format!("the part `{part}` is no text")))
         };
-        let wrong =
-            |error: RobotError| Problem::new(StatusCode::BAD_REQUEST, error.kind(), error.to_string());
         if self.robot.is_some() && name != DESCRIBED {
             return Err(Problem::bad_request("the form describes a robot: say robot=described"));
         }
@@ -156,15 +154,46 @@ impl Input {
             // No path: a request names no file of this machine.
             _ => RobotHand::built_in(name),
         };
-        let object = Object::parse("object", &text("object", &self.object)?).map_err(wrong)?;
-        let camera = Camera::parse("camera", &text("camera", &self.camera)?).map_err(wrong)?;
+        let object = Object::parse("object", &text("object", &self.object)?).map_err(refused)?;
+        let camera = Camera::parse("camera", &text("camera", &self.camera)?).map_err(refused)?;
         let arm = match arm {
             Some(DESCRIBED) => Some(Arm::parse("arm", &text("arm", &self.arm)?)),
             Some(name) => Some(Arm::built_in(name)),
             None => None,
         };
-        let arm = arm.transpose().map_err(wrong)?;
-        let setting = Setting::new(hand.map_err(wrong)?, object, camera).map_err(wrong)?;
+        let arm = arm.transpose().map_err(refused)?;
+        let setting = Setting::new(hand.map_err(refused)?, object, camera).map_err(refused)?;
         Ok(Some(setting.with_arm(arm)))
+    }
+}
+
+/// What is wrong with what is said of a robot. Where a file would help on a command line, a part of
+/// the form does here.
+fn refused(error: RobotError) -> Problem {
+    let message = match &error {
+        RobotError::UnknownHand { name, known } => format!(
+            "there is no robot hand {}: use {known}, or describe one in the form's part `robot` and say robot={DESCRIBED}",
+            shown(name)
+        ),
+        RobotError::UnknownArm { name, known } => format!(
+            "there is no arm {}: use {known}, or describe one in the form's part `arm` and say arm={DESCRIBED}",
+            shown(name)
+        ),
+        other => other.to_string(),
+    };
+    Problem::new(StatusCode::BAD_REQUEST, error.kind(), message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_names_no_hand_or_arm_is_told_what_a_request_can_do() {
+        let (name, known) = ("nope\n".to_owned(), "one, two".to_owned());
+        let hand = refused(RobotError::UnknownHand { name: name.clone(), known: known.clone() });
+        let arm = refused(RobotError::UnknownArm { name, known });
+        insta::assert_snapshot!(hand.message(), @r"there is no robot hand `nope\n`: use one, two, or describe one in the form's part `robot` and say robot=described");
+        insta::assert_snapshot!(arm.message(), @r"there is no arm `nope\n`: use one, two, or describe one in the form's part `arm` and say arm=described");
     }
 }

@@ -34,10 +34,16 @@ pub(super) enum DescriptorError {
     /// A value is no number.
     #[error("descriptors[{0}][{1}] is no number")]
     Value(usize, usize),
+    /// A value is beyond what a float of 32 bits holds.
+    #[error("descriptors[{0}][{1}] is too large: numbers of at most {max:e} are read", max = f32::MAX)]
+    TooLarge(usize, usize),
     /// A row does not fit the index.
     #[error("descriptors[{row}] has {found} values: the index holds descriptors of {dim}")]
     Length { row: usize, found: usize, dim: usize },
 }
+
+/// How serde_json says that a number is too large; it has no other sign of that.
+const OUT_OF_RANGE: &str = "number out of range";
 
 /// The values of all rows, one after another, each of `dim` values.
 pub(super) fn read(body: &[u8], dim: usize) -> Result<Vec<f32>, DescriptorError> {
@@ -47,6 +53,11 @@ pub(super) fn read(body: &[u8], dim: usize) -> Result<Vec<f32>, DescriptorError>
     match outcome.and_then(|values| json.end().map(|()| values)) {
         Ok(values) => Ok(values),
         Err(error) if error.is_data() => Err(reader.at.get()),
+        // serde_json counts it among what is malformed.
+        Err(error) if error.to_string().starts_with(OUT_OF_RANGE) => Err(match reader.at.get() {
+            DescriptorError::Value(row, column) => DescriptorError::TooLarge(row, column),
+            other => other,
+        }),
         Err(error) => Err(DescriptorError::Json { line: error.line(), column: error.column() }),
     }
 }
@@ -186,6 +197,10 @@ mod tests {
             ("{\"descriptors\": [[1, 2], 3]}", DescriptorError::Row(1)),
             ("{\"descriptors\": [[1, 2], [1, \"2\"]]}", DescriptorError::Value(1, 1)),
             ("{\"descriptors\": [[null, 2]]}", DescriptorError::Value(0, 0)),
+            ("{\"descriptors\": [[1e39, 2]]}", DescriptorError::TooLarge(0, 0)),
+            ("{\"descriptors\": [[1, 2], [1, -1e999]]}", DescriptorError::TooLarge(1, 1)),
+            ("{\"descriptors\": [[1, 2], 1e999]}", DescriptorError::Row(1)),
+            ("{\"descriptors\": 1e999}", DescriptorError::Form),
             ("{\"descriptors\": [[1]]}", length(0, 1)),
             ("{\"descriptors\": [[1, 2], [1, 2, 3, 4]]}", length(1, 4)),
         ] {

@@ -97,15 +97,8 @@ impl Operation<'_> {
         *out += &prose(text(&self.value["description"]));
         let body = &self.value["requestBody"];
         if !body.is_null() {
-            let kinds: Vec<String> = entries(&body["content"])
-                .map(|(kind, _)| format!("<code>{}</code>", escaped(kind)))
-                .collect();
-            let _ = writeln!(
-                out,
-                "<h4>Body</h4>\n{}<p>{}</p>",
-                prose(text(&body["description"])),
-                kinds.join(" or ")
-            );
+            let (meaning, kinds) = (prose(text(&body["description"])), contents(body).join(" or "));
+            let _ = writeln!(out, "<h4>Body</h4>\n{meaning}<p>{kinds}</p>");
         }
         let parameters = self.value["parameters"].as_array().into_iter().flatten();
         let mut parameters = parameters.peekable();
@@ -123,17 +116,20 @@ impl Operation<'_> {
         }
         *out += "<h4>Answers</h4>\n<table>\n<tr><th>Status<th>Meaning<th>Body\n";
         for (status, response) in entries(&self.value["responses"]) {
-            let bodies: Vec<String> = entries(&response["content"])
-                .map(|(kind, content)| match &content["schema"] {
-                    Value::Null => format!("<code>{}</code>", escaped(kind)),
-                    schema => format!("<code>{}</code>: {}", escaped(kind), kind_of(schema)),
-                })
-                .collect();
-            let meaning = inline(text(&response["description"]));
-            let _ = writeln!(out, "<tr><td>{}<td>{meaning}<td>{}", escaped(status), bodies.join("; "));
+            let (meaning, bodies) = (inline(text(&response["description"])), contents(response).join("; "));
+            let _ = writeln!(out, "<tr><td>{}<td>{meaning}<td>{bodies}", escaped(status));
         }
         *out += "</table>\n</article>\n";
     }
+}
+
+/// The media types that a request or an answer may have, each with what it then holds.
+fn contents(of: &Value) -> Vec<String> {
+    let content = |(kind, content): (&str, &Value)| match &content["schema"] {
+        Value::Null => format!("<code>{}</code>", escaped(kind)),
+        schema => format!("<code>{}</code>: {}", escaped(kind), kind_of(schema)),
+    };
+    entries(&of["content"]).map(content).collect()
 }
 
 fn write_schema(name: &str, schema: &Value, out: &mut String) {

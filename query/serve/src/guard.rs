@@ -11,6 +11,7 @@ use super::metrics::PATHS;
 use super::origin::{Names, check_host, check_origin};
 use super::page;
 use super::problem::Problem;
+use super::refusals::Guarded;
 use super::request_log::RequestLog;
 use super::service::Shared;
 use super::tags;
@@ -60,7 +61,11 @@ fn is_open(path: &str) -> bool {
 
 fn check_token(headers: &HeaderMap, token: &Token) -> Result<(), Problem> {
     let text = |name| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
-    let bearer = text(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer ")).map(str::trim);
+    // A scheme's letters may be of either case (RFC 9110, 11.1).
+    let bearer = text(header::AUTHORIZATION)
+        .and_then(|value| value.split_once(' '))
+        .filter(|(scheme, _)| scheme.eq_ignore_ascii_case("bearer"))
+        .map(|(_, token)| token.trim());
     let cookies = text(header::COOKIE).into_iter().flat_map(|cookies| cookies.split(';'));
     let cookies = cookies.filter_map(|cookie| cookie.trim().strip_prefix(COOKIE)?.strip_prefix('='));
     let mut shown = bearer.into_iter().chain(cookies).peekable();
@@ -82,8 +87,7 @@ fn check_token(headers: &HeaderMap, token: &Token) -> Result<(), Problem> {
     summary = "Trade the token for a cookie",
     description = "For the page in a browser: the cookie `grasp_token` shows the token from now on. Without `--token-file` nothing is \
         needed, and none is set.",
-    responses((status = 204, description = "The cookie is set, where one is needed"),
-        (status = 401, description = "This is not the token", body = super::problem::ProblemRecord)))]
+    responses((status = 204, description = "The cookie is set, where one is needed"), Guarded))]
 pub(super) async fn session(State(service): State<Shared>) -> Result<Response, Problem> {
     let Some(token) = &service.settings.token else {
         return Ok(StatusCode::NO_CONTENT.into_response());
@@ -112,12 +116,16 @@ mod tests {
             headers.insert(name, HeaderValue::from_str(value).unwrap());
             check_token(&headers, &token).is_ok()
         };
-        assert!(shows(header::AUTHORIZATION, "Bearer sesame-sesame-16"));
+        for scheme in ["Bearer", "bearer", "BEARER", "bEARER"] {
+            assert!(shows(header::AUTHORIZATION, &format!("{scheme} sesame-sesame-16")), "{scheme}");
+        }
         assert!(shows(header::COOKIE, "a=b; grasp_token=sesame-sesame-16"));
         for (name, value) in [
             (header::AUTHORIZATION, "Bearer sesame-sesame-1"),
             (header::AUTHORIZATION, "Bearer sesame-sesame-167"),
             (header::AUTHORIZATION, "sesame-sesame-16"),
+            (header::AUTHORIZATION, "Basic sesame-sesame-16"),
+            (header::AUTHORIZATION, "bearersesame-sesame-16"),
             (header::COOKIE, "grasp_token="),
             (header::COOKIE, "xgrasp_token=sesame-sesame-16"),
         ] {

@@ -5,9 +5,10 @@
 //! the `gate`, which bounds the work. It is done on a thread that may block (`recognise`,
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
 //! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
-//! holds the connections, `page` is what a browser is given. `router` says which path leads where,
-//! and [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses
-//! the line between both.
+//! holds the connections, `idle` ends those that ask nothing where others wait, `page` is what a
+//! browser is given. `router` says which path leads where, `openapi` what each takes and answers, and
+//! [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses the
+//! line between both.
 
 mod about;
 mod arrival;
@@ -16,6 +17,7 @@ pub mod browser;
 mod budget;
 pub mod client;
 mod current;
+mod described_form;
 mod descriptors;
 mod docs;
 mod explained;
@@ -23,6 +25,7 @@ pub mod form;
 mod gate;
 mod guard;
 mod identity;
+mod idle;
 mod linger;
 mod listen;
 mod metrics;
@@ -32,6 +35,7 @@ mod page;
 mod problem;
 mod query;
 mod recognise;
+mod refusals;
 mod request_log;
 mod router;
 mod run;

@@ -17,10 +17,11 @@ use tokio::net::TcpListener;
 use tokio::net::UnixListener;
 use tokio::sync::Semaphore;
 
+use super::idle::Idle;
 use super::write_timeout::WriteTimeout;
 
 /// How long a connection may take to send a request's head, and how long it may lie idle between
-/// requests.
+/// requests; less where no place is free ([`Idle`]).
 const HEAD_TIME: Duration = Duration::from_secs(30);
 /// The most bytes of a request's head, and of what is read ahead of it.
 const MOST_HEAD: usize = 64 * 1024;
@@ -84,8 +85,8 @@ impl Connections {
                 }
             };
             let service = TowerToHyperService::new(router.clone());
-            let connection =
-                self.open.watch(builder.serve_connection(TokioIo::new(WriteTimeout::new(stream)), service));
+            let stream = Idle::new(WriteTimeout::new(stream), Arc::clone(&self.places));
+            let connection = self.open.watch(builder.serve_connection(TokioIo::new(stream), service));
             tokio::spawn(async move {
                 let _held = place;
                 // A connection that breaks is its other end's affair.

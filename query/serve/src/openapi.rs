@@ -38,10 +38,10 @@ use super::tags::{DESCRIPTORS, INDEX, OPERATION, PICTURES};
     ),
     components(schemas(
         super::recognise::ExplainedRecord,
-        grasp_recognise::HandChoice,
-        crate::wire::parameters::AcceptChoice,
-        crate::wire::parameters::SegmentBy
+        grasp_answer::found::ShortlistRecord<'_>
     )),
+    // Without --token-file none is needed; paths that anybody may ask for say so themselves.
+    security((), ("token" = [])),
     modifiers(&Token)
 )]
 struct Description;
@@ -63,4 +63,91 @@ impl Modify for Token {
 /// The description as JSON.
 pub(super) fn json() -> String {
     Description::openapi().to_json().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    fn api() -> Value {
+        serde_json::from_str(&json()).unwrap()
+    }
+
+    /// Path and description of each operation.
+    fn operations(api: &Value) -> Vec<(&str, &Value)> {
+        let paths = api["paths"].as_object().unwrap().iter();
+        paths.flat_map(|(path, of)| of.as_object().unwrap().values().map(|of| (path.as_str(), of))).collect()
+    }
+
+    fn keys(of: &Value) -> Vec<&str> {
+        of.as_object().map(|of| of.keys().map(String::as_str).collect()).unwrap_or_default()
+    }
+
+    #[test]
+    fn the_token_is_needed_where_it_is_asked_for() {
+        let api = api();
+        assert_eq!(api["security"], serde_json::json!([{}, {"token": []}]));
+        assert!(api["components"]["securitySchemes"]["token"].is_object());
+        for (path, of) in operations(&api) {
+            let is_open = matches!(path, "/healthz" | "/readyz");
+            assert_eq!(of["security"].is_array(), is_open, "{path}");
+            assert_eq!(of["responses"]["401"].is_null(), is_open, "{path}");
+            assert!(of["responses"]["403"].is_object(), "{path}");
+        }
+    }
+
+    #[test]
+    fn what_a_request_may_be_answered_is_listed() {
+        let api = api();
+        let statuses = |path: &str| keys(&api["paths"][path]["post"]["responses"]);
+        let of_pictures =
+            ["200", "400", "401", "403", "406", "408", "409", "413", "422", "429", "500", "503"];
+        assert_eq!(statuses("/v1/recognise"), of_pictures);
+        assert_eq!(statuses("/v1/strategy"), of_pictures);
+        assert_eq!(statuses("/v1/search"), ["200", "400", "401", "403", "408", "413", "429", "500", "503"]);
+        for path in ["/v1/recognise", "/v1/strategy"] {
+            let mut kinds = keys(&api["paths"][path]["post"]["responses"]["200"]["content"]);
+            let mut known = crate::wire::Format::ALL.map(crate::wire::Format::media_type);
+            kinds.sort_unstable();
+            known.sort_unstable();
+            assert_eq!(kinds, known, "{path}");
+        }
+    }
+
+    #[test]
+    fn what_a_request_needs_is_said() {
+        let api = api();
+        let robot_of = |path: &str| {
+            let parameters = api["paths"][path]["post"]["parameters"].as_array().unwrap();
+            parameters.iter().find(|parameter| parameter["name"] == "robot").unwrap()["required"] == true
+        };
+        assert!(robot_of("/v1/strategy") && !robot_of("/v1/recognise"));
+        for (path, required) in
+            [("/v1/recognise", ["picture"].as_slice()), ("/v1/strategy", &["picture", "object", "camera"])]
+        {
+            let form = &api["paths"][path]["post"]["requestBody"]["content"]["multipart/form-data"]["schema"];
+            let name = form["$ref"].as_str().and_then(|name| name.rsplit('/').next()).unwrap();
+            let form = &api["components"]["schemas"][name];
+            assert_eq!(form["required"], serde_json::json!(required), "{path}");
+            assert_eq!(form["properties"]["picture"]["contentMediaType"], "application/octet-stream");
+            // A part that is not there is none, and not null.
+            assert_eq!(form["properties"]["mask"]["type"], "string", "{form}");
+        }
+    }
+
+    /// An answer without the strategy that was asked for has all that a failure must have.
+    #[test]
+    fn a_record_may_be_like_an_answer_and_like_a_failure() {
+        let schemas = &api()["components"]["schemas"];
+        let record = &schemas["Record"];
+        assert_eq!((record["anyOf"].as_array().map(Vec::len), &record["oneOf"]), (Some(2), &Value::Null));
+        for needed in schemas["Failure"]["required"].as_array().unwrap() {
+            assert!(!schemas["Answer"]["properties"][needed.as_str().unwrap()].is_null(), "{needed}");
+        }
+        for named in json().split("#/components/schemas/").skip(1) {
+            let name = named.split('"').next().unwrap();
+            assert!(!schemas[name].is_null(), "{name} is not described");
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Requests that have no answer, told as JSON in the form of a record's own `error`.
 
+use std::time::Duration;
+
 use crate::wire::ParameterError;
 use axum::Json;
 use axum::http::{HeaderValue, Method, StatusCode, header};
@@ -33,6 +35,11 @@ impl Problem {
         Self { status, kind, message: message.into() }
     }
 
+    #[cfg(test)]
+    pub(super) fn message(&self) -> &str {
+        &self.message
+    }
+
     /// The request is malformed.
     pub fn bad_request(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, "request", message)
@@ -62,13 +69,23 @@ impl Problem {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, "not_ready", format!("the service {why}: try again later"))
     }
 
-    /// The request came too slowly.
-    pub fn late() -> Self {
-        Self::new(
-            StatusCode::REQUEST_TIMEOUT,
-            "timeout",
-            "the request did not arrive in the time that it may take: send it faster, or less of it",
-        )
+    /// The request has not come within `time`.
+    pub fn late(time: Duration) -> Self {
+        let seconds = time.as_secs_f64();
+        let message = format!(
+            "the request did not arrive within {seconds} s, as it has to: send it faster, or less of it"
+        );
+        Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", message)
+    }
+
+    /// Less than `least` bytes of the request have come within `time`.
+    pub(super) fn stalled(least: usize, time: Duration) -> Self {
+        let seconds = time.as_secs_f64();
+        let message = format!(
+            "the request stopped coming: at least {least} bytes of it have to come in each {seconds} s, or its end; send it \
+             again, without a pause"
+        );
+        Self::new(StatusCode::REQUEST_TIMEOUT, "timeout", message)
     }
 
     pub(super) fn too_slow() -> Self {

@@ -76,7 +76,15 @@ pub(super) fn values(schema: &Value) -> String {
         Value::Array(types) => types.iter().any(|of| of == name),
         of => of == name,
     };
-    let bound = |name: &str| schema[name].as_f64().map(|bound| bound.to_string());
+    let bound = |name: &str| match &schema[name] {
+        // Not as a float: those hold the bounds of 64 bits only about.
+        Value::Number(bound) => Some(
+            bound
+                .as_u64()
+                .map_or_else(|| bound.as_f64().unwrap_or_default().to_string(), |bound| bound.to_string()),
+        ),
+        _ => None,
+    };
     let lower = bound("minimum").map(|least| format!("of at least {least}"));
     let lower = bound("exclusiveMinimum").map(|above| format!("above {above}")).or(lower);
     let noun = match () {
@@ -106,6 +114,17 @@ mod tests {
     use super::*;
     use crate::wire::parameters::{PictureParameters, SearchParameters};
 
+    /// [`values`] follows no reference: what it says of one would be wrong.
+    #[test]
+    fn what_parameters_may_be_stands_where_they_are_described() {
+        for described in [PictureParameters::into_params(|| None), SearchParameters::into_params(|| None)] {
+            for parameter in described {
+                let schema = serde_json::to_string(&parameter.schema).unwrap();
+                assert!(!schema.contains("$ref"), "{}: {schema}", parameter.name);
+            }
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_said_by_name_and_with_what_would_be_right() {
         for (query, says) in [
@@ -116,8 +135,10 @@ mod tests {
             ("exact=yes", "exact is `yes`: `true` or `false` is needed"),
             ("sigma=wide", "sigma is `wide`: a number above 0 is needed"),
             ("recall=most", "recall is `most`: a number above 0 and at most 1 is needed"),
-            ("probes=1.5", "probes is `1.5`: an integer of at least 1 is needed"),
-            ("frame=first", "frame is `first`: an integer of at least 0 is needed"),
+            ("segment=landmarks", "segment is `landmarks`: `scene` or `skin` is needed"),
+            ("probes=1.5", "probes is `1.5`: an integer from 1 to 4294967295 is needed"),
+            ("probes=4294967296", "probes is `4294967296`: an integer from 1 to 4294967295 is needed"),
+            ("frame=first", "frame is `first`: an integer from 0 to 18446744073709551615 is needed"),
             ("recall=0.9&hand=left&hand=left", "hand is given more than once"),
         ] {
             assert_eq!(read::<PictureParameters>(query).unwrap_err().to_string(), says);

@@ -12,7 +12,7 @@ use super::descriptors;
 use super::problem::Problem;
 use crate::wire::parameters::SearchParameters;
 use crate::wire::{GENERATION, MOST_NEIGHBOURS};
-use grasp_answer::found::{QueryRecord, ShortlistRecord};
+use grasp_answer::found::{QueryRecord, ShortlistRecord, with_place};
 
 /// How a file in NumPy's format begins.
 const NPY: &[u8] = b"\x93NUMPY";
@@ -26,7 +26,8 @@ pub(super) fn answer(
     let index = &served.index;
     let options = parameters.options()?;
     let queries = read(body, index)?;
-    let rows = queries.len() / index.dim().max(1);
+    let dim = index.dim().max(1);
+    let rows = queries.len() / dim;
     if rows.saturating_mul(options.k) > MOST_NEIGHBOURS {
         return Err(too_large(format!("{rows} queries for {} neighbours each", options.k)));
     }
@@ -34,7 +35,8 @@ pub(super) fn answer(
     let mut searcher = index.searcher();
     if parameters.shortlist {
         let mut candidates = 0;
-        for (at, query) in queries.chunks_exact(index.dim().max(1)).enumerate() {
+        for (at, query) in queries.chunks_exact(dim).enumerate() {
+            let refused = |error| refused(&error, at, dim);
             let record = match searcher.shortlist(query, &options).map_err(refused)? {
                 Some(shortlist) => ShortlistRecord::new(index, at, &shortlist),
                 None => {
@@ -52,7 +54,7 @@ pub(super) fn answer(
         }
     } else {
         let mut found = Vec::with_capacity(rows * options.k);
-        searcher.batch(&queries, &options, &mut found).map_err(refused)?;
+        searcher.batch(&queries, &options, &mut found).map_err(|error| refused(&error, 0, dim))?;
         for (at, neighbours) in found.chunks_exact(options.k.max(1)).enumerate() {
             put(&QueryRecord::new(index, at, neighbours), &mut lines)?;
         }
@@ -96,6 +98,8 @@ fn read(body: &Bytes, index: &Index) -> Result<Vec<f32>, Problem> {
     Ok(values)
 }
 
-fn refused(error: SearchError) -> Problem {
-    Problem::new(StatusCode::BAD_REQUEST, "search", error.to_string())
+/// What is wrong with queries of `dim` values each, the first of which is that of row `first`.
+fn refused(error: &SearchError, first: usize, dim: usize) -> Problem {
+    let place = |at| format!("descriptors[{}][{}]", first + at / dim, at % dim);
+    Problem::new(StatusCode::BAD_REQUEST, "search", with_place(error, place))
 }

@@ -199,7 +199,8 @@ impl Service {
         }
         let _arriving = Arriving::new(&self.arriving);
         let body = arrival::read(request.into_body(), self.settings.most_bytes, &self.budget);
-        let body = tokio::time::timeout(self.settings.timeout, body).await.map_err(|_| Problem::late())??;
+        let time = self.settings.timeout;
+        let body = tokio::time::timeout(time, body).await.map_err(|_| Problem::late(time))??;
         let place = self.gate.enter().ok_or_else(Problem::busy)?;
         Ok((body, place))
     }

@@ -23,7 +23,7 @@ pub async fn json<T: DeserializeOwned>(request: Request, form: &str) -> Result<T
         return Err(Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "request", message));
     }
     let body = tokio::time::timeout(TIME, Limited::new(request.into_body(), MOST).collect());
-    let body = body.await.map_err(|_| Problem::late())?.map_err(|_| {
+    let body = body.await.map_err(|_| Problem::late(TIME))?.map_err(|_| {
         let message = format!("more than {MOST} bytes, or a body that breaks off: {form} is needed");
         Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message)
     })?;

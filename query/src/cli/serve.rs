@@ -69,7 +69,8 @@ pub(super) struct Serve {
     /// The largest picture, in megapixels; its header is read before it is decoded.
     #[arg(long, value_name = "MP", default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=128))]
     max_pixels: u16,
-    /// Seconds that a request may take to arrive, and again to be answered.
+    /// Seconds that a request may take to arrive, and again to be answered. A body that brings
+    /// neither 4 KiB nor its end in five seconds is not waited for.
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = parse_seconds, allow_negative_numbers = true)]
     timeout: f64,
     /// Seconds between two looks at whether another index lies at the path.

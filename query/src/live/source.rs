@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-use grasp_recognise::picture::{DecodeWarning, Frame, Frames, StreamError};
+use grasp_recognise::picture::{DecodeError, DecodeWarning, Frame, Frames, StreamError};
 use grasp_terminal::text::counted;
 
 use super::camera::{Camera, CameraError};
@@ -38,6 +38,10 @@ pub enum SourceError {
         file = .0.display()
     )]
     Container(PathBuf),
+    /// The last frame of raw video is cut short: there is nothing to decode, and its record is that
+    /// of an encoded picture that is cut short.
+    #[error("{}", DecodeError::Truncated)]
+    Cut(PathBuf),
     /// The camera gives no more.
     #[error(transparent)]
     Camera(#[from] CameraError),
@@ -47,7 +51,9 @@ impl SourceError {
     /// The file, where it is about one.
     pub fn name(&self) -> Option<&Path> {
         match self {
-            Self::Stream { name, .. } | Self::Open { name, .. } | Self::Container(name) => Some(name),
+            Self::Stream { name, .. } | Self::Open { name, .. } | Self::Container(name) | Self::Cut(name) => {
+                Some(name)
+            }
             Self::Camera(_) => None,
         }
     }
@@ -56,6 +62,7 @@ impl SourceError {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Camera(_) => "camera",
+            Self::Cut(_) => DecodeError::Truncated.kind(),
             Self::Stream { .. } | Self::Open { .. } | Self::Container(_) => "stream",
         }
     }
@@ -129,6 +136,8 @@ pub struct Streams {
 struct Stream {
     name: PathBuf,
     frames: Frames<Input>,
+    /// It is raw video (YUV4MPEG2).
+    is_raw: bool,
     /// It has given frames.
     has_begun: bool,
 }
@@ -145,15 +154,20 @@ impl Streams {
                     }
                     Some(Err(error)) => return Some(Err(SourceError::Stream { name, error })),
                     None => {
-                        stream.warn_of_rest();
+                        let rest = stream.rest();
                         self.current = None;
+                        if let Err(cut) = rest {
+                            return Some(Err(cut));
+                        }
                     }
                 }
             }
             let name = self.files.next()?;
             match Input::open(&name) {
                 Ok(input) => {
-                    self.current = Some(Stream { name, frames: Frames::new(input), has_begun: false });
+                    let is_raw = input.is_raw();
+                    self.current =
+                        Some(Stream { name, frames: Frames::new(input), is_raw, has_begun: false });
                 }
                 Err(error) => return Some(Err(error)),
             }
@@ -162,33 +176,55 @@ impl Streams {
 }
 
 impl Stream {
-    /// Reports what follows the last frame.
-    fn warn_of_rest(&self) {
+    /// Reports what follows the last frame. In raw video that is the next frame, as far as it came.
+    fn rest(&self) -> Result<(), SourceError> {
         let skipped = self.frames.skipped_at_end();
+        if self.is_raw && skipped > 0 {
+            return Err(SourceError::Cut(self.name.clone()));
+        }
         if self.has_begun && skipped > 0 {
             let (subject, bytes) = (self.name.display().to_string(), counted(skipped, ["byte", "bytes"]));
             tracing::warn!(subject, skipped, "warning: {bytes} behind the last frame are no whole picture");
         }
+        Ok(())
     }
 }
 
 /// What a stream is read from.
-enum Input {
-    Standard(io::Stdin),
-    /// What was read of a file to see what it is, and the file.
-    File(io::Chain<io::Cursor<Vec<u8>>, File>),
+struct Input {
+    /// What was read of it to see what it is; it is given first.
+    start: io::Cursor<Vec<u8>>,
+    rest: Rest,
 }
+
+/// What comes behind that.
+enum Rest {
+    Standard(io::Stdin),
+    File(File),
+}
+
+/// How many bytes are read to see what a stream is.
+const START: u64 = 12;
+/// How raw video begins.
+const RAW: &[u8] = b"YUV4MPEG2 ";
 
 impl std::fmt::Debug for Input {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Standard(_) => "standard input",
-            Self::File(_) => "a file",
+        f.write_str(match self.rest {
+            Rest::Standard(_) => "standard input",
+            Rest::File(_) => "a file",
         })
     }
 }
 
 impl Read for Input {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let given = self.start.read(buffer)?;
+        if given > 0 { Ok(given) } else { self.rest.read(buffer) }
+    }
+}
+
+impl Read for Rest {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {
             Self::Standard(stdin) => stdin.read(buffer),
@@ -199,17 +235,21 @@ impl Read for Input {
 
 impl Input {
     fn open(name: &Path) -> Result<Self, SourceError> {
-        if name == Path::new(STANDARD_INPUT) {
-            return Ok(Self::Standard(io::stdin()));
-        }
         let failed = |error| SourceError::Open { name: name.to_owned(), error };
-        let mut file = File::open(name).map_err(failed)?;
+        let mut rest = match name == Path::new(STANDARD_INPUT) {
+            true => Rest::Standard(io::stdin()),
+            false => Rest::File(File::open(name).map_err(failed)?),
+        };
         let mut start = Vec::new();
-        Read::by_ref(&mut file).take(12).read_to_end(&mut start).map_err(failed)?;
-        if is_container(&start) {
+        rest.by_ref().take(START).read_to_end(&mut start).map_err(failed)?;
+        if matches!(rest, Rest::File(_)) && is_container(&start) {
             return Err(SourceError::Container(name.to_owned()));
         }
-        Ok(Self::File(io::Cursor::new(start).chain(file)))
+        Ok(Self { start: io::Cursor::new(start), rest })
+    }
+
+    fn is_raw(&self) -> bool {
+        self.start.get_ref().starts_with(RAW)
     }
 }
 
@@ -248,5 +288,26 @@ mod tests {
         let told = |at: usize| frames[at].as_ref().unwrap_err();
         assert!(told(2).contains("cannot read ") && told(2).contains("none.mjpg"), "{}", told(2));
         assert!(told(3).contains("clip.mp4 is a video in a container"), "{}", told(3));
+    }
+
+    #[test]
+    fn a_last_frame_of_raw_video_that_is_cut_short_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let whole = b"YUV4MPEG2 W2 H1 Cmono\nFRAME\n..FRAME\n..";
+        for (name, missing, expected) in [("whole.y4m", 0, 2), ("cut.y4m", 1, 1), ("begun.y4m", 6, 1)] {
+            std::fs::write(path(name), &whole[..whole.len() - missing]).unwrap();
+            std::fs::write(path("one.pgm"), PNM).unwrap();
+            let mut source = Source::streams([name, "one.pgm"].map(path).to_vec());
+            let frames: Vec<_> = std::iter::from_fn(|| source.next_frame()).collect();
+            let (last, frames) = frames.split_last().unwrap();
+            assert_eq!(last.as_ref().unwrap().name, path("one.pgm"), "{name}: the next file is read");
+            assert_eq!(frames.iter().filter(|frame| frame.is_ok()).count(), expected, "{name}");
+            let cut = frames.iter().filter_map(|frame| frame.as_ref().err());
+            let told: Vec<_> = cut.map(|error| (error.kind(), error.name())).collect();
+            let expected = (missing > 0).then(|| ("truncated", Some(path(name))));
+            let expected: Vec<_> = expected.iter().map(|(kind, name)| (*kind, name.as_deref())).collect();
+            assert_eq!(told, expected, "{name}");
+        }
     }
 }

@@ -14,6 +14,9 @@ pub enum Format {
 }
 
 impl Format {
+    /// All of them, the preferred first.
+    pub(crate) const ALL: [Self; 4] = [Self::Json, Self::Text, Self::Drawing, Self::Moveit];
+
     /// The media type, as the header `Accept` names it.
     pub(crate) fn media_type(self) -> &'static str {
         match self {
@@ -22,13 +25,5 @@ impl Format {
             Self::Drawing => "image/png",
             Self::Moveit => "application/yaml",
         }
-    }
-
-    /// The format that the first media type of a header `Accept` names; a record where it names
-    /// none.
-    pub(crate) fn of_accept(accept: &str) -> Self {
-        let first = accept.split([',', ';']).next().unwrap_or_default().trim();
-        let others = [Self::Text, Self::Drawing, Self::Moveit];
-        others.into_iter().find(|format| format.media_type() == first).unwrap_or(Self::Json)
     }
 }

@@ -1,6 +1,7 @@
 //! What crosses the line between the service and its clients: the options of a request, the formats
 //! of an answer, the token, and the names of headers and of parts.
 
+mod accept;
 mod format;
 mod parameter_error;
 pub mod parameters;
@@ -8,6 +9,7 @@ mod token;
 
 use axum::http::HeaderName;
 
+pub(crate) use accept::wanted;
 pub use format::Format;
 pub use parameter_error::ParameterError;
 pub use token::Token;

@@ -43,7 +43,7 @@ pub enum ParameterError {
     #[error("success needs eps")]
     SuccessWithoutEps,
     /// No probes.
-    #[error("probes is 0: an integer of at least 1 is needed")]
+    #[error("probes is 0: an integer from 1 to {} is needed", u32::MAX)]
     Probes,
     /// Depths that are none.
     #[error("depth_range: {0}")]

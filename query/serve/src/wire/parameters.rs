@@ -3,6 +3,8 @@
 use super::parameter_error::ParameterError;
 use grasp_index::{Effort, SearchOptions, VoteOptions};
 use serde::{Deserialize, Serialize};
+use utoipa::openapi::Required;
+use utoipa::openapi::path::{Parameter, ParameterIn};
 use utoipa::{IntoParams, ToSchema};
 
 use grasp_recognise::segment::depth::DepthRange;
@@ -23,6 +25,7 @@ pub struct PictureParameters {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// What the record's `frame` shall say.
+    #[param(maximum = 18_446_744_073_709_551_615u64)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u64>,
     /// Which hand the picture shows; without it, both are tried.
@@ -73,13 +76,14 @@ pub struct PictureParameters {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
     /// Look into this many buckets of each table.
-    #[param(minimum = 1)]
+    #[param(minimum = 1, maximum = 4_294_967_295u32)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// Compare with every entry.
     #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
     /// What finds the hand in a camera picture; without it, scene.
+    #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub segment: Option<SegmentBy>,
     /// The picture is segmented already: a hand on black.
@@ -102,6 +106,20 @@ pub struct PictureParameters {
     /// Add mask, hand image and descriptor, to draw how the answer came about.
     #[serde(skip_serializing_if = "is_false")]
     pub explained: bool,
+}
+
+/// The same for a request that is about a robot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StrategyParameters;
+
+impl IntoParams for StrategyParameters {
+    fn into_params(parameter_in: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let mut parameters = PictureParameters::into_params(parameter_in);
+        for robot in parameters.iter_mut().filter(|parameter| parameter.name == "robot") {
+            robot.required = Required::True;
+        }
+        parameters
+    }
 }
 
 /// What finds the hand in a camera picture.
@@ -146,7 +164,7 @@ pub struct SearchParameters {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<f64>,
     /// Look into this many buckets of each table.
-    #[param(minimum = 1)]
+    #[param(minimum = 1, maximum = 4_294_967_295u32)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probes: Option<u32>,
     /// Compare with every entry.

@@ -66,6 +66,8 @@ fn cannot_write(path: &Path) -> String {
 /// Where frames and records go.
 pub(super) struct Output {
     frames: Sink,
+    /// Whether a frame was written.
+    has_frames: bool,
     /// Records as JSON Lines.
     records: Option<Sink>,
     /// What was last printed as text, where there is neither JSON nor a video on standard output:
@@ -90,12 +92,16 @@ impl Output {
             );
         }
         let frames_sink = Sink::new(frames)?;
-        Ok(Self { frames: frames_sink, records: records.map(Sink::new).transpose()?, printed: None })
+        let records = records.map(Sink::new).transpose()?;
+        Ok(Self { frames: frames_sink, has_frames: false, records, printed: None })
     }
 
     /// Writes a frame, where there is anything to see, and its record.
     pub(super) fn write(&mut self, record: &Record, frame: Option<&[u8]>) -> anyhow::Result<()> {
-        frame.map_or(Ok(()), |frame| self.frames.write(frame))?;
+        if let Some(frame) = frame {
+            self.frames.write(frame)?;
+            self.has_frames = true;
+        }
         match &mut self.records {
             Some(records) => {
                 let mut line = serde_json::to_vec(record).map_err(io::Error::from)?;
@@ -143,9 +149,16 @@ impl Output {
         }
     }
 
-    /// Puts the files in their place.
+    /// Puts the files in their place. A video without a frame is none: what lies in its place may
+    /// be one.
     pub(super) fn finish(self) -> anyhow::Result<()> {
-        self.frames.finish()?;
+        match &self.frames {
+            Sink::File(_, path) if !self.has_frames => {
+                let subject = path.display().to_string();
+                tracing::warn!(subject, "not written: there was no frame to draw on");
+            }
+            _ => self.frames.finish()?,
+        }
         self.records.map(Sink::finish).transpose()?;
         Ok(())
     }
