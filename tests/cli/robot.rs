@@ -208,21 +208,26 @@ fn moveit_reads_the_same_strategy_as_a_message() {
         assert_eq!(parts("pre_grasp_approach.direction.vector", &["x", "y", "z"]), [0.0, 0.0, 1.0]);
         assert_eq!(value("post_grasp_retreat.direction.header.frame_id"), "world");
         assert_eq!(parts("post_grasp_retreat.direction.vector", &["x", "y", "z"]), [0.0, 0.0, 1.0]);
+        // And back the way it came once it has let go.
+        assert_eq!(value("post_place_retreat.direction.header.frame_id"), strategy["wrist_link"]);
+        assert_eq!(parts("post_place_retreat.direction.vector", &["x", "y", "z"]), [0.0, 0.0, -1.0]);
         assert_eq!(value("allowed_touch_objects"), serde_json::json!(["ball"]));
     }
 }
 
-/// A camera that sees the hand come along the world's z, where it sees it come along `approach` in
-/// its own frame.
+/// A camera 0.8 m before the ball that sees the hand come along the world's z, where it sees it come
+/// along `approach` in its own frame.
 fn camera_from_below(folder: &Path, approach: [f64; 3]) -> PathBuf {
     let axis = cross(approach, [0.0, 0.0, 1.0]);
     let quaternion = [axis[0], axis[1], axis[2], 1.0 + approach[2]];
     let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
     let path = folder.join("below.toml");
     let quaternion = quaternion.map(|part| part / length);
+    let forward = turned(quaternion, [0.0, 0.0, 1.0]);
+    let position: [f64; 3] = std::array::from_fn(|at| [0.4, 0.1, 0.5][at] - 0.8 * forward[at]);
     fs::write(
         &path,
-        format!("position = [0, 0, 0]\nquaternion_xyzw = {quaternion:?}\nposition_spread = 0.01\n"),
+        format!("position = {position:?}\nquaternion_xyzw = {quaternion:?}\nposition_spread = 0.01\n"),
     )
     .unwrap();
     path
@@ -342,6 +347,11 @@ fn a_grasp_that_this_hand_cannot_do_leaves_the_answer() {
         recognise(folder.path(), "10-power-sphere.png", &[&robot[..], &["--format", "moveit"]].concat());
     assert_eq!((moveit.status, moveit.stdout.as_str()), (2, ""));
     assert!(moveit.stderr.contains("parallel-gripper opens to 75 mm"), "{}", moveit.stderr);
+    // 200 mm are more than any hand here takes, and none is recommended for it.
+    assert!(!moveit.stderr.contains("opens wider"), "{}", moveit.stderr);
+    let barrett = ["--robot", "barrett", "--object", "wide.toml", "--format", "moveit"];
+    let barrett = recognise(folder.path(), "10-power-sphere.png", &barrett);
+    assert!(barrett.status == 2 && barrett.stderr.contains("opens to 175 mm"), "{}", barrett.stderr);
 }
 
 #[test]
@@ -381,13 +391,20 @@ fn what_describes_nothing_real_is_refused_before_any_picture() {
         with("shadow", "ball.toml", &[]),
         with("hand.toml", "ball.toml", &["--format", "moveit"]),
     ];
-    let lens = run(program("grasp-query")
-        .args(["recognise", "--robot", "barrett", "--object", "ball.toml", "--camera", "lens.toml", "x.png"])
-        .arg("--index")
-        .arg(small_index())
-        .current_dir(folder.path()));
-    assert_eq!((lens.status, lens.stdout.as_str()), (2, ""));
-    said.push(lens.stderr);
+    // Turned half about its own x, it looks away from the ball.
+    let away =
+        camera.replace("[-0.59637, 0.59637, -0.37993, 0.37993]", "[-0.59637, -0.59637, 0.37993, 0.37993]");
+    assert_ne!(away, camera);
+    fs::write(folder.path().join("away.toml"), away).unwrap();
+    for camera in ["lens.toml", "away.toml"] {
+        let outcome = run(program("grasp-query")
+            .args(["recognise", "--robot", "barrett", "--object", "ball.toml", "--camera", camera, "x.png"])
+            .arg("--index")
+            .arg(small_index())
+            .current_dir(folder.path()));
+        assert_eq!((outcome.status, outcome.stdout.as_str()), (2, ""));
+        said.push(outcome.stderr);
+    }
     insta::assert_snapshot!(said.concat());
 
     let alone = run(program("grasp-query").args(["recognise", "--robot", "barrett", "x.png"]));

@@ -113,19 +113,6 @@ impl Chain {
         frames(&self.segments, value).iter().map(|frame| frame.translation.vector.into()).collect()
     }
 
-    /// How far from `palm`, a point in the wrist's frame, its tip may be, in metres.
-    pub(super) fn reach(&self, palm: Point3<f64>, limits: &BTreeMap<String, [f64; 2]>) -> f64 {
-        let slid = |segment: &Segment| {
-            let joint = segment.joint.as_ref().filter(|_| segment.slides);
-            let ends = joint.and_then(|joint| limits.get(joint)).copied().unwrap_or_default();
-            ends.iter().map(|end| (segment.factor * end + segment.plus).abs()).fold(0.0, f64::max)
-        };
-        let mut segments = self.segments.iter();
-        let first =
-            segments.next().map_or(0.0, |first| (Vector3::from(first.at) - palm.coords).norm() + slid(first));
-        first + segments.map(|segment| Vector3::from(segment.at).norm() + slid(segment)).sum::<f64>()
-    }
-
     /// What is wrong with its description, for a hand whose joints are those of `limits`.
     pub(super) fn fault(&self, limits: &BTreeMap<String, [f64; 2]>) -> Option<DescriptionFault> {
         if self.segments.is_empty() {
@@ -167,8 +154,6 @@ mod tests {
         }
         let limits: BTreeMap<_, _> = [("turn".to_owned(), [0.0, quarter])].into();
         assert_eq!(finger.fault(&limits), None);
-        let far = points.iter().map(|point| point.coords.norm()).fold(0.0, f64::max);
-        assert!(finger.reach(Point3::origin(), &limits) >= far);
     }
 
     #[test]

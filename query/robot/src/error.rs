@@ -79,6 +79,17 @@ pub enum RobotError {
         /// The joint.
         joint: &'static str,
     },
+    /// The object is where the camera does not look.
+    #[error(
+        "{object} is at z = {ahead:.3} m in the camera's frame, behind it, where no picture shows it: check position and \
+         quaternion_xyzw of camera and object; the camera's z points forward, its x right and its y down in the picture"
+    )]
+    BehindCamera {
+        /// The object.
+        object: String,
+        /// How far its middle is before the camera, in metres.
+        ahead: f64,
+    },
     /// The object does not go between the fingers.
     #[error(
         "{object} is {:.0} mm wide where the fingers close, and {hand} opens to {:.0} mm: {}",
@@ -150,6 +161,7 @@ impl RobotError {
             Self::UnknownGrasp { .. } => "unknown_grasp",
             Self::NoModel { .. } | Self::NoJoint { .. } => "no_model",
             Self::NoTable { .. } => "no_table",
+            Self::BehindCamera { .. } => "behind_camera",
             Self::TooWide { .. } => "too_wide",
             Self::NoOrientation => "no_orientation",
         }

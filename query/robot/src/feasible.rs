@@ -3,8 +3,9 @@
 use nalgebra::Point3;
 use serde::Serialize;
 
+use super::Object;
+use super::closing::Closing;
 use super::layout::Layout;
-use super::{Object, RobotHand};
 
 /// Farther than this from the object, in metres, the human hand hardly held it.
 const BESIDE: f64 = 0.05;
@@ -16,6 +17,16 @@ const PALM_IN_TABLE: f64 = 0.01;
 /// The same of fingers, which give way where they meet it: in simulation a ball was held by a hand
 /// so tilted that its fingers would have been 24 mm in the table.
 const FINGER_IN_TABLE: f64 = 0.03;
+
+/// How deep in the object open fingers of both sides may seem to be before it does not go between
+/// them, in metres: half of a finger's thickness. In simulation boxes into which less than that
+/// went were pushed back a little, and held.
+const FINGER_IN_OBJECT: f64 = 0.010;
+/// From so deep on, in metres, what is measured to a millimetre is worth a word.
+const TOUCHES: f64 = 0.001;
+/// How far from the palm something may be that a hand grasps whose description has no fingers, in
+/// metres.
+const ORDINARY_REACH: f64 = 0.20;
 
 /// Why a strategy cannot be carried out.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -36,8 +47,10 @@ pub enum ProblemKind {
     BelowTable,
     /// The human hand was not at the object.
     HandAway,
-    /// The robot's fingers would not reach the object.
+    /// The robot's fingers would not reach the object, or those of one side only.
     PalmAway,
+    /// The object would not go between the robot's open fingers.
+    InObject,
     /// The arm cannot carry the hand along the whole way.
     Unreachable,
 }
@@ -50,10 +63,11 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Of a hand that closes as `layout` says, aimed at `grip`, where the human hand closed.
-    pub(super) fn new(hand: &RobotHand, object: &Object, layout: &Layout, grip: Point3<f64>) -> Self {
+    /// Of a hand that closes as `layout` says, and `closing` for its fingers, where they are known;
+    /// aimed at `grip`, where the human hand closed.
+    pub(super) fn new(object: &Object, layout: &Layout, closing: Option<Closing>, grip: Point3<f64>) -> Self {
         let mut findings = Self::default();
-        findings.look_for_object(hand, object, layout, grip);
+        findings.look_for_object(object, layout, closing, grip);
         // A palm that is astray is beside the table as well.
         if findings.problems.is_empty() {
             findings.look_for_table(layout);
@@ -61,7 +75,13 @@ impl Findings {
         findings
     }
 
-    fn look_for_object(&mut self, hand: &RobotHand, object: &Object, layout: &Layout, grip: Point3<f64>) {
+    fn look_for_object(
+        &mut self,
+        object: &Object,
+        layout: &Layout,
+        closing: Option<Closing>,
+        grip: Point3<f64>,
+    ) {
         let distance = |point: Point3<f64>| {
             let world_from_object = layout.object.pose.isometry();
             object.shape.distance(&world_from_object.inverse_transform_point(&point))
@@ -79,16 +99,48 @@ impl Findings {
             self.doubts.push(message);
         }
         let gap = distance(layout.palm());
-        let reach = hand.reach();
-        if gap > reach {
-            self.problem(
+        match closing {
+            Some(closing) if !closing.meets() => {
+                let missed = match closing.farther() {
+                    Some(metres) => format!("come no nearer than {} to it from both sides", length(metres)),
+                    None => "are all on one side of it".to_owned(),
+                };
+                self.problem(
+                    ProblemKind::PalmAway,
+                    format!(
+                        "the palm would stay {} away from {name}, and its fingers, closing, {missed}: check the positions of hand, camera and object, or approach it less tilted",
+                        length(gap)
+                    ),
+                );
+            }
+            Some(closing) => self.look_between_fingers(name, closing),
+            None if gap > ORDINARY_REACH => self.problem(
                 ProblemKind::PalmAway,
                 format!(
-                    "the palm would stay {} away from {name}, and its fingers reach {}: check the positions of hand, camera and object, which are in metres",
+                    "the palm would stay {} away from {name}, and a hand reaches {}: check the positions of hand, camera and object, which are in metres",
                     length(gap),
-                    length(reach)
+                    length(ORDINARY_REACH)
+                ),
+            ),
+            None => {}
+        }
+    }
+
+    fn look_between_fingers(&mut self, name: &str, closing: Closing) {
+        let [one, other] = closing.inside;
+        if one.min(other) > FINGER_IN_OBJECT {
+            self.problem(
+                ProblemKind::InObject,
+                format!(
+                    "{name} does not go between the open fingers, which would be {} inside it: take a hand that opens wider, or approach it from another side",
+                    length(one.max(other))
                 ),
             );
+        } else if one.max(other) > TOUCHES {
+            self.doubts.push(format!(
+                "an open finger would be {} inside {name}, and push it away on the approach",
+                length(one.max(other))
+            ));
         }
     }
 

@@ -73,14 +73,6 @@ impl Finger {
         points
     }
 
-    /// How far from the middle of the palm's surface its tip may be, in metres.
-    pub(super) fn reach(&self, limits: &BTreeMap<String, [f64; 2]>) -> f64 {
-        let slid = self.slide.as_ref().and_then(|joint| limits.get(joint)).copied().unwrap_or_default();
-        let out = slid.map(|slid| (self.offset + slid).abs()).into_iter().fold(0.0, f64::max);
-        let links: f64 = self.links.iter().map(|link| link.length).sum();
-        Vector3::from(self.at).norm() + out + links
-    }
-
     /// What is wrong with its description, for a hand whose joints are those of `limits`.
     pub(super) fn fault(&self, limits: &BTreeMap<String, [f64; 2]>) -> Option<DescriptionFault> {
         let spread = self.spread.as_ref();

@@ -7,8 +7,8 @@ use grasp_canonical::{Canonical, Encoder};
 use super::hand::{RobotGrasp, RobotHand, Travel, Value};
 
 impl RobotHand {
-    /// A number that differs where two hands do, but for the windows that were measured with them
-    /// and what is only drawn or said.
+    /// A number that differs where two hands do, but for the windows that were measured with them,
+    /// what is only drawn or said, and the widest object: a wider one is not tried at all.
     pub fn fingerprint(&self) -> u64 {
         Encoder::new().value(self).hash()
     }
@@ -67,13 +67,15 @@ impl Canonical for RobotGrasp {
             middle,
             table_clearance,
             table_reach,
-            widest,
+            widest: _,
             breakaway,
             open,
             closed,
             window: _,
         } = self;
-        to.value(standoff).value(middle).f64(*table_clearance).f64(*table_reach).option(widest.as_ref());
+        to.value(standoff).value(middle).f64(*table_clearance).f64(*table_reach);
+        // Where the widest object once stood, of hands that had none.
+        to.option(None::<&f64>);
         to.u8(u8::from(*breakaway));
         for posture in [open, closed] {
             encode_map(to, posture, |to, value| value.encode(to));
@@ -115,7 +117,10 @@ mod tests {
         let mut other = hand.clone();
         other.about.push('!');
         other.finger.clear();
-        other.grasp.values_mut().for_each(|grasp| grasp.window.clear());
+        other.grasp.values_mut().for_each(|grasp| {
+            grasp.window.clear();
+            grasp.widest = None;
+        });
         assert_eq!(other.fingerprint(), hand.fingerprint());
         other.palm_radius += 1e-3;
         assert_ne!(other.fingerprint(), hand.fingerprint());

@@ -25,8 +25,9 @@ const BUILT_IN: [(&str, &str); 5] = [
     ("robotiq-2f-85", include_str!("../../data/robots/robotiq-2f-85.toml")),
 ];
 
-/// The reach of a hand whose description names no fingers, in metres.
-const ORDINARY_REACH: f64 = 0.20;
+/// How far from 0 a hand's joint may be, in radians (metres where it slides): two turns, as of an
+/// arm's.
+const FARTHEST_JOINT: f64 = 4.0 * PI;
 
 /// The least height of the palm's cylinder, in metres, for hands whose wrist lies in the palm's
 /// surface.
@@ -112,7 +113,7 @@ pub struct RobotGrasp {
     /// metres.
     #[serde(default)]
     pub table_reach: f64,
-    /// The widest object, in metres; without it any.
+    /// The widest object, in metres; without it any that goes between the open fingers.
     pub widest: Option<f64>,
     /// Whether a finger's distal link closes on where its inner link is stopped.
     #[serde(default)]
@@ -250,14 +251,16 @@ impl RobotHand {
         if let Some(fault) = self.chain.iter().find_map(|chain| chain.fault(&self.limits)) {
             return Err(source.error(fault));
         }
-        if let Some((joint, ends)) =
-            self.limits.iter().find(|(_, [low, high])| !(low <= high && low.is_finite() && high.is_finite()))
-        {
-            return Err(source.error(DescriptionFault::Range { joint: joint.clone(), ends: *ends }));
+        let is_range =
+            |[low, high]: [f64; 2]| low <= high && low >= -FARTHEST_JOINT && high <= FARTHEST_JOINT;
+        if let Some((joint, ends)) = self.limits.iter().find(|(_, ends)| !is_range(**ends)) {
+            let (joint, ends, most) = (joint.clone(), *ends, FARTHEST_JOINT);
+            return Err(source.error(DescriptionFault::Range { joint, ends, most }));
         }
+        // The distance first: it is what the least way is measured by.
         for (key, way) in [("approach", self.approach), ("retreat", self.retreat)] {
-            source.length(&format!("{key}.least"), way.least, way.distance)?;
             source.length(&format!("{key}.distance"), way.distance, 1.0)?;
+            source.length(&format!("{key}.least"), way.least, way.distance)?;
         }
         let humans = self.map.keys().map(|human| ("map", human));
         for (table, human) in humans.chain(self.instead.keys().map(|human| ("instead", human))) {
@@ -290,9 +293,10 @@ impl RobotHand {
         for window in &grasp.window {
             let yaw = window.yaw_rad.map(|yaw| ("yaw_rad", yaw, PI));
             let tilt = window.tilt_rad.map(|tilt| ("tilt_rad", tilt, PI));
+            let roll = window.roll_rad.map(|roll| ("roll_rad", roll, PI));
             let force = window.force_n.map(|force| ("force_n", force, 1e4));
             let lengths = [("position_m", window.position_m, 1.0), ("width_m", window.width_m, 1.0)];
-            for (key, value, most) in lengths.into_iter().chain(yaw).chain(tilt).chain(force) {
+            for (key, value, most) in lengths.into_iter().chain(yaw).chain(tilt).chain(roll).chain(force) {
                 source.length(&format!("grasp.{name}.window.{key}"), value, most)?;
             }
         }
@@ -310,14 +314,6 @@ impl RobotHand {
             }
         }
         Ok(())
-    }
-
-    /// How far from the middle of the palm's surface a finger's tip may be, in metres.
-    pub(super) fn reach(&self) -> f64 {
-        let palm = Point3::from(self.wrist_from_palm);
-        let fingers = self.finger.iter().map(|finger| finger.reach(&self.limits));
-        let fingers = fingers.chain(self.chain.iter().map(|chain| chain.reach(palm, &self.limits)));
-        fingers.reduce(f64::max).unwrap_or(ORDINARY_REACH)
     }
 
     /// The palm in the wrist's frame.
@@ -344,12 +340,13 @@ impl RobotHand {
     }
 
     /// Other hands that come with the program and take an object as wide as `width`, in metres,
-    /// where a human grasps it so; those whose descriptions set no limit, up to their reach.
+    /// where a human grasps it so. All of their grasps say how wide: a test sees to it.
     pub(super) fn that_open_wider(&self, human: &str, width: f64) -> Vec<&'static str> {
         let takes = |name: &&str| {
             let Ok(hand) = Self::built_in(name) else { return false };
-            let widest = |(_, grasp): (&str, &RobotGrasp)| grasp.widest.unwrap_or_else(|| hand.reach());
-            hand.name != self.name && hand.for_human(human).is_ok_and(|found| width <= widest(found))
+            let is_taken =
+                |(_, grasp): (&str, &RobotGrasp)| grasp.widest.is_some_and(|widest| width <= widest);
+            hand.name != self.name && hand.for_human(human).is_ok_and(is_taken)
         };
         Self::names().filter(takes).collect()
     }

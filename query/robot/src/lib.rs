@@ -17,11 +17,15 @@
 //! gave it.
 //! `object`: about the middle of its shape.
 
+mod applicable;
 mod approach_side;
 mod arm;
+mod attitude;
 mod camera;
 mod chain;
+mod closing;
 mod error;
+mod face;
 mod fault;
 mod feasible;
 mod finger;
@@ -61,7 +65,7 @@ pub use setting::Setting;
 pub use step::Step;
 pub use strategy::{ObservedHand, Strategy};
 pub use tolerance::Estimate;
-pub use window::Window;
+pub use window::{LiesAlong, Window};
 
 /// How the palm of a robot is turned in the frame of a human hand that it imitates: its z is the
 /// hand's approach, its y points to the thumb's side.

@@ -91,15 +91,22 @@ fn simulated_force(strategy: &Strategy) -> Option<f64> {
 pub fn message(strategy: &Strategy, id: &str) -> Value {
     let mut approach = Value::Null;
     let mut retreat = Value::Null;
+    let mut release = Value::Null;
     for step in &strategy.steps {
         match step {
             // MoveIt moves along a direction of the hand's own; the hand is turned so that this is
             // the approach vector.
             Step::Approach { distance, min_distance, .. } => {
                 let [wrist, palm] = [&strategy.wrist, &strategy.palm].map(|pose| pose.isometry().rotation);
-                let vector = (wrist.inverse() * palm * Vector3::z()).into();
-                let forward = Direction { frame: strategy.wrist_link.clone(), vector };
-                approach = translation(&forward, *distance, *min_distance);
+                let vector = wrist.inverse() * palm * Vector3::z();
+                let along = |vector: Vector3<f64>| {
+                    let direction = Direction { frame: strategy.wrist_link.clone(), vector: vector.into() };
+                    translation(&direction, *distance, *min_distance)
+                };
+                approach = along(vector);
+                // A hand that has let go leaves as it came: upward, a finger below the object would
+                // take it along.
+                release = along(-vector);
             }
             Step::Retreat { direction, distance, min_distance } => {
                 retreat = translation(direction, *distance, *min_distance);
@@ -114,9 +121,8 @@ pub fn message(strategy: &Strategy, id: &str) -> Value {
     message.insert("grasp_pose".into(), pose(&strategy.wrist_in_world));
     message.insert("grasp_quality".into(), json!(rounded(strategy.quality.unwrap_or_default())));
     message.insert("pre_grasp_approach".into(), approach);
-    message.insert("post_grasp_retreat".into(), retreat.clone());
-    // Setting the object down again is that way back.
-    message.insert("post_place_retreat".into(), retreat);
+    message.insert("post_grasp_retreat".into(), retreat);
+    message.insert("post_place_retreat".into(), release);
     message.insert("max_contact_force".into(), json!(strategy.max_contact_force));
     message.insert("allowed_touch_objects".into(), json!(strategy.allowed_touch_objects));
     Value::Object(message)

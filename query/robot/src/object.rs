@@ -11,7 +11,7 @@ use super::{Camera, DescriptionFault, RobotError};
 /// How deep an object may lie in its table before that is an error, in metres: what a measurement
 /// may be wrong by.
 const SUNK: f64 = 0.002;
-/// The largest object, in metres.
+/// The largest object, from one side to the other, in metres.
 pub(super) const LARGEST: f64 = 2.0;
 
 /// A convex shape about its own middle, in metres.
@@ -61,6 +61,18 @@ impl Shape {
             }
             Self::Sphere { radius } => (point.coords.norm() - radius).max(0.0),
         }
+    }
+
+    /// How far a point in the shape's frame is inside its surface, in metres; 0 outside.
+    pub fn depth(&self, point: &Point3<f64>) -> f64 {
+        let depth = match self {
+            Self::Cylinder { radius, height } => {
+                (radius - point.coords.xy().norm()).min(0.5 * height - point.z.abs())
+            }
+            Self::Box { size } => (0.5 * Vector3::from(*size) - point.coords.abs()).min(),
+            Self::Sphere { radius } => radius - point.coords.norm(),
+        };
+        depth.max(0.0)
     }
 
     /// The way from the middle to the surface in a direction of unit length, in metres.
@@ -140,22 +152,34 @@ impl Object {
     /// Reads a description from memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Format`]: a size is missing or impossible, the pose is no rotation, a key is
-    /// unknown.
+    /// [`RobotError::Format`]: a size is missing, impossible or that of another shape, the pose is no
+    /// rotation, a key is unknown.
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "an object" };
         let file: File = source.parse(text)?;
-        let needed = |key: &'static str, value: Option<f64>| {
+        let needed = |key: &'static str, value: Option<f64>, most: f64| {
             let missing = || DescriptionFault::MissingMeasure { shape: file.shape.clone(), key };
-            source.length(key, value.ok_or_else(|| source.error(missing()))?, LARGEST)
+            source.length(key, value.ok_or_else(|| source.error(missing()))?, most)
         };
+        let radius = || needed("radius", file.radius, 0.5 * LARGEST);
+        let none_of = |others: &[(&'static str, bool)]| match others.iter().find(|(_, is_there)| *is_there) {
+            Some((key, _)) => {
+                Err(source.error(DescriptionFault::NeedlessMeasure { shape: file.shape.clone(), key }))
+            }
+            None => Ok(()),
+        };
+        let [has_radius, has_height] = [file.radius, file.height].map(|measure| measure.is_some());
         let shape = match file.shape.as_str() {
-            "cylinder" | "disc" => Shape::Cylinder {
-                radius: needed("radius", file.radius)?,
-                height: needed("height", file.height)?,
-            },
-            "sphere" => Shape::Sphere { radius: needed("radius", file.radius)? },
+            "cylinder" | "disc" => {
+                none_of(&[("size", file.size.is_some())])?;
+                Shape::Cylinder { radius: radius()?, height: needed("height", file.height, LARGEST)? }
+            }
+            "sphere" => {
+                none_of(&[("size", file.size.is_some()), ("height", has_height)])?;
+                Shape::Sphere { radius: radius()? }
+            }
             "box" => {
+                none_of(&[("radius", has_radius), ("height", has_height)])?;
                 let size = file.size.ok_or_else(|| source.error(DescriptionFault::MissingSize))?;
                 for length in size {
                     source.length("size", length, LARGEST)?;
@@ -190,6 +214,21 @@ impl Object {
             Frame::Camera => camera.world_from_camera * self.pose,
         };
         self.checked(world_from_object)
+    }
+
+    /// `world_from_object` of an object that the camera sees: one that lies behind it cannot be what
+    /// the hand in its picture holds.
+    ///
+    /// # Errors
+    /// As [`Self::in_world`]; [`RobotError::BehindCamera`].
+    pub(super) fn seen_by(&self, camera: &Camera) -> Result<Isometry3<f64>, RobotError> {
+        let world_from_object = self.in_world(camera)?;
+        let middle = world_from_object.translation.vector.into();
+        let ahead = camera.world_from_camera.inverse_transform_point(&middle).z;
+        if ahead <= 0.0 {
+            return Err(RobotError::BehindCamera { object: self.name.clone(), ahead });
+        }
+        Ok(world_from_object)
     }
 
     /// `world_from_object`, which does not lie in the table.

@@ -4,8 +4,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
+use super::face::Face;
 use super::hand::{RobotGrasp, RobotHand, Value};
 use super::{Object, RobotError};
+
+/// The palm's whole face stays so far from the object, in metres, where the grasp has its middle
+/// farther away: about what the object's position may be wrong by. It is the wrap's standoff, with
+/// which its windows were simulated.
+const AIR: f64 = 0.010;
 
 /// A palm that is where it closes.
 #[derive(Clone, Debug)]
@@ -19,7 +25,8 @@ pub(super) struct Placed {
 
 impl Placed {
     /// Puts a palm that is turned so before the object, aimed at `grip`, as near as the grasp wants
-    /// and the table allows.
+    /// and both the table and the palm's whole face allow: where it is tilted, its rim comes to the
+    /// object before its middle does.
     pub(super) fn new(
         hand: &RobotHand,
         grasp: &RobotGrasp,
@@ -47,8 +54,12 @@ impl Placed {
             });
         }
         let middle = world_from_object.translation.vector;
-        let along = (middle - grip.coords).dot(&approach) - half(approach) - grasp.standoff.at(width);
-        let mut palm = grip + approach * along - turned * Vector3::y() * grasp.middle.at(width);
+        let standoff = grasp.standoff.at(width);
+        let beside = grip - turned * Vector3::y() * grasp.middle.at(width);
+        let face = Face { middle: beside, turned, radius: hand.palm_radius };
+        let room = face.room(&object.shape, world_from_object) - standoff.min(AIR);
+        let along = (middle - grip.coords).dot(&approach) - half(approach) - standoff;
+        let mut palm = beside + approach * along.min(room);
         let down = -approach.z;
         if let Some(table) = object.table.filter(|_| down > 0.0) {
             let tilt = approach.xy().norm();

@@ -17,9 +17,10 @@ impl Setting {
     /// A setting.
     ///
     /// # Errors
-    /// Where the object lies in its table, which nothing that a picture shows could mend.
+    /// Where the object lies in its table or behind the camera, which nothing that a picture shows
+    /// could mend.
     pub fn new(hand: RobotHand, object: Object, camera: Camera) -> Result<Self, RobotError> {
-        object.in_world(&camera)?;
+        object.seen_by(&camera)?;
         Ok(Self { hand, object, camera, arm: None })
     }
 

@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
+use super::attitude::Attitude;
+use super::closing::Closing;
 use super::feasible::{Findings, Problem, ProblemKind};
 use super::hand::{RobotGrasp, RobotHand};
 use super::human::HumanGrasp;
@@ -82,8 +84,8 @@ pub struct Strategy {
     pub allowed_touch_objects: Vec<String>,
     /// How uncertain the estimate is.
     pub estimate: Estimate,
-    /// What error the grasp tolerates on an object as wide, from there; null where that was never
-    /// simulated.
+    /// What error the grasp tolerates on an object as wide that lies so, less what the hand's own tilt
+    /// uses up of it; null where that was never simulated, or nothing is left.
     pub tolerated: Option<Window>,
     /// How an arm carries the hand there; absent where none was named.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -107,7 +109,7 @@ impl Strategy {
     ///
     /// # Errors
     /// [`RobotError`]: the grasp has no counterpart, the orientation is unknown, the object lies in
-    /// its table or is too wide.
+    /// its table or behind the camera, or is too wide.
     pub fn new(
         hand: &RobotHand,
         seen: &ObservedHand,
@@ -120,7 +122,7 @@ impl Strategy {
         if seen.spread_deg >= UNKNOWN_SPREAD_DEG {
             return Err(RobotError::NoOrientation);
         }
-        let world_from_object = object.in_world(camera)?;
+        let world_from_object = object.seen_by(camera)?;
         let world_from_hand = camera.world_from_camera.rotation * seen.camera_from_hand;
         let turned = world_from_hand * human.hand_from_palm(seen.side);
         let middle: Point3<f64> = world_from_object.translation.vector.into();
@@ -141,12 +143,24 @@ impl Strategy {
             hand_position: if camera.hand.is_some() { "given" } else { "assumed" },
         };
         let layout = Layout::new(hand, grasp, object, &world_from_object, &placed);
-        let mut findings = Findings::new(hand, object, &layout, grip);
+        let closing = Closing::new(hand, grasp, &placed, &object.shape, &world_from_object);
+        let mut findings = Findings::new(object, &layout, closing, grip);
         if let Some(instead) = hand.instead.get(&seen.grasp) {
             findings.doubts.push(format!("{} cannot do {} as people do: {instead}", hand.name, seen.grasp));
         }
-        findings.doubts.extend(doubts(&estimate, grasp, placed.width, &placed.approach));
-        Ok(Self::assemble(hand, seen, (name, grasp), object, layout, &placed, estimate, findings))
+        let attitude = Attitude::new(&placed.world_from_palm.rotation, &object.shape, &world_from_object);
+        findings.doubts.extend(doubts(&estimate, grasp, placed.width, attitude.as_ref()));
+        let tolerated = tolerated(grasp, placed.width, attitude.as_ref()).ok();
+        Ok(Self::assemble(
+            hand,
+            seen,
+            (name, grasp),
+            object,
+            layout,
+            &placed,
+            (estimate, tolerated),
+            findings,
+        ))
     }
 
     /// What is doubtful about a strategy that may be tried all the same: the warnings that are no
@@ -184,7 +198,7 @@ impl Strategy {
         object: &Object,
         layout: Layout,
         placed: &Placed,
-        estimate: Estimate,
+        (estimate, tolerated): (Estimate, Option<Window>),
         Findings { problems, doubts }: Findings,
     ) -> Self {
         let object_from_world = layout.object.pose.isometry().inverse();
@@ -198,7 +212,6 @@ impl Strategy {
             frame: "object".into(),
             vector: (object_from_world.rotation * placed.approach).into(),
         };
-        let tolerated = tolerated(grasp, placed.width, &placed.approach);
         let quality = match problems.is_empty() {
             true => tolerated.as_ref().and_then(|window| confidence(&estimate, window)),
             false => Some(0.0),

@@ -1,8 +1,9 @@
 //! Whether the estimate of a hand is good enough for what the grasp tolerates.
 
-use nalgebra::Vector3;
 use serde::Serialize;
 
+use super::applicable::{NoWindow, applicable};
+use super::attitude::Attitude;
 use super::window::Window;
 use super::{ApproachSide, RobotGrasp};
 
@@ -18,10 +19,14 @@ pub struct Estimate {
     pub hand_position: &'static str,
 }
 
-/// What error the grasp tolerates on something as wide, in metres, to which the hand moves along
-/// `approach`, of unit length in the world.
-pub(super) fn tolerated(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> Option<Window> {
-    Window::for_width(&grasp.window, width, ApproachSide::nearest(approach)?)
+/// What error the grasp tolerates on something as wide, in metres, that lies so to the hand;
+/// `None` for the attitude where the hand comes from below.
+pub(super) fn tolerated(
+    grasp: &RobotGrasp,
+    width: f64,
+    attitude: Option<&Attitude>,
+) -> Result<Window, NoWindow> {
+    applicable(&grasp.window, width, attitude)
 }
 
 /// The probability that an error of the estimate's spread stays within `window`, were it normal and
@@ -29,7 +34,8 @@ pub(super) fn tolerated(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>)
 /// tolerated least. `None` where a spread or the tolerated turn is unknown. The estimate's whole
 /// angle is taken for the error of that one turn, which is at most as much.
 pub(super) fn confidence(estimate: &Estimate, window: &Window) -> Option<f64> {
-    let turn = window.tilt_rad.into_iter().chain(window.yaw_rad).reduce(f64::min)?;
+    let turns = [window.tilt_rad, window.yaw_rad, window.roll_rad];
+    let turn = turns.into_iter().flatten().reduce(f64::min)?;
     let position = within(window.position_m, estimate.position_m?);
     Some(position * position * within(turn, estimate.orientation_rad))
 }
@@ -51,10 +57,11 @@ pub(super) fn doubts(
     estimate: &Estimate,
     grasp: &RobotGrasp,
     width: f64,
-    approach: &Vector3<f64>,
+    attitude: Option<&Attitude>,
 ) -> Vec<String> {
-    let Some(window) = tolerated(grasp, width, approach) else {
-        return vec![unknown(grasp, width, approach)];
+    let window = match tolerated(grasp, width, attitude) {
+        Ok(window) => window,
+        Err(why) => return vec![unknown(&why, grasp, width, attitude.map(|attitude| attitude.from))],
     };
     let mut doubts = Vec::new();
     match estimate.position_m {
@@ -66,7 +73,7 @@ pub(super) fn doubts(
         )),
         Some(_) => {}
     }
-    let turns = [("tilt", window.tilt_rad), ("yaw", window.yaw_rad)];
+    let turns = [("tilt", window.tilt_rad), ("yaw", window.yaw_rad), ("roll", window.roll_rad)];
     let turns = turns.into_iter().filter_map(|(what, turn)| Some((what, turn?)));
     let narrowest = turns.min_by(|(_, a), (_, b)| a.total_cmp(b));
     if let Some((what, turn)) = narrowest.filter(|(_, turn)| estimate.orientation_rad > *turn) {
@@ -80,18 +87,27 @@ pub(super) fn doubts(
 }
 
 /// That, and why, no window is known.
-fn unknown(grasp: &RobotGrasp, width: f64, approach: &Vector3<f64>) -> String {
-    let from = ApproachSide::nearest(approach);
-    let tried = grasp.window.iter().filter(|window| Some(window.from) == from);
-    let tried: Vec<String> =
-        tried.map(|window| format!("{} ({:.0} mm)", window.object, 1e3 * window.width_m)).collect();
-    let why = match (tried.as_slice(), grasp.window.is_empty()) {
-        ([], true) => "it was never simulated".into(),
-        ([], false) => format!("it was never simulated {}", from.map_or("from below", ApproachSide::words)),
-        (tried, _) => {
-            let words = from.map_or("", ApproachSide::words);
-            format!("simulated {words} were {}, and this is {:.0} mm wide", tried.join(", "), 1e3 * width)
+fn unknown(why: &NoWindow, grasp: &RobotGrasp, width: f64, from: Option<ApproachSide>) -> String {
+    let words = from.map_or("from below", ApproachSide::words);
+    let tried = || {
+        let tried = grasp.window.iter().filter(|window| Some(window.from) == from);
+        let tried = tried.map(|window| format!("{} ({:.0} mm)", window.object, 1e3 * window.width_m));
+        tried.collect::<Vec<_>>().join(", ")
+    };
+    let why = match why {
+        NoWindow::Never => "it was never simulated".into(),
+        NoWindow::Side => format!("it was never simulated {words}"),
+        NoWindow::Attitude => {
+            format!("simulated {words} were {}, and none lay to the palm as this does", tried())
         }
+        NoWindow::Width => {
+            format!("simulated {words} were {}, and this is {:.0} mm wide", tried(), 1e3 * width)
+        }
+        NoWindow::Off { how, by, most } => format!(
+            "the hand is {how} by {:.0} degrees from how it came {words} in simulation, where up to {:.0} were held",
+            by.to_degrees(),
+            most.to_degrees()
+        ),
     };
     format!("what error the grasp tolerates is not known: {why}")
 }
@@ -113,10 +129,12 @@ mod tests {
             position_m: 0.02,
             yaw_rad: Some(0.5),
             tilt_rad: Some(0.25),
+            roll_rad: None,
             force_n: None,
             object: "any".into(),
             width_m: 0.06,
             from: ApproachSide::Top,
+            axis: None,
             engine: "none".into(),
         };
         let both = confidence(&estimate(Some(0.01)), &window).unwrap();

@@ -145,6 +145,82 @@ fn every_hand_opens_before_the_object_and_closes_on_it_from_both_sides() {
     }
 }
 
+/// What people hold so, as wide as `width`, in metres, across the closing fingers.
+fn as_wide(human: &str, width: f64) -> Object {
+    match human {
+        "pinch" => object(&format!("shape = 'box'\nsize = [{width}, 0.06, 0.04]")),
+        "precision-disc" => object(&format!("shape = 'disc'\nradius = {}\nheight = 0.03", 0.5 * width)),
+        "power-sphere" => object(&format!("shape = 'sphere'\nradius = {}", 0.5 * width)),
+        _ => object(&format!(
+            "shape = 'cylinder'\nradius = {}\nheight = 0.16\nquaternion_xyzw = [0.70710678, 0.0, 0.0, 0.70710678]",
+            0.5 * width
+        )),
+    }
+}
+
+/// How near the middle lines of open fingers come to an object on the whole way to it, in metres.
+fn passed(hand: &RobotHand, found: &Strategy, shape: &Shape) -> f64 {
+    let palm_from_object = isometry(&found.palm).inverse();
+    let near = (0..=12).flat_map(|part| {
+        let back = hand.approach.distance * f64::from(part) / 12.0;
+        distances(hand, &found.open, shape, &(Isometry3::translation(0.0, 0.0, back) * palm_from_object))
+    });
+    near.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn what_is_as_wide_as_a_grasp_takes_goes_between_its_open_fingers() {
+    for name in RobotHand::names() {
+        let hand = RobotHand::built_in(name).unwrap();
+        // But one that every hand takes as a large diameter, askew by 27 degrees.
+        for human in SIX.into_iter().filter(|human| *human != "abducted-thumb") {
+            let widest = hand.for_human(human).unwrap().1.widest;
+            let widest = widest.unwrap_or_else(|| panic!("{name} {human}: no widest object"));
+            // Across a cylinder fingers lie somewhat askew, as the human's do: to them it is wider.
+            let [thing, wider] = [0.99, 1.02].map(|share| as_wide(human, share * widest));
+            let found = strategy(&hand, human, &thing).unwrap();
+            assert!(found.feasible && found.object_width <= widest, "{name} {human}: {:?}", found.problems);
+            let near = passed(&hand, &found, &thing.shape);
+            assert!(near > 0.0, "{name} {human}: {near}");
+            let refused = strategy(&hand, human, &wider).unwrap_err();
+            assert!(matches!(refused, RobotError::TooWide { .. }), "{name} {human}: {refused}");
+        }
+    }
+}
+
+/// As the comment in barrett.toml says: 5 mm and half of a tip's thickness on either side.
+#[test]
+fn what_the_barrett_hand_takes_at_most_follows_from_where_its_fingers_are() {
+    let mut hand = RobotHand::built_in("barrett").unwrap();
+    let widest = |hand: &RobotHand, human: &str| hand.for_human(human).unwrap().1.widest.unwrap();
+    let [pinch, disc, wrap] = ["pinch", "precision-disc", "power-sphere"].map(|human| widest(&hand, human));
+    hand.grasp.values_mut().for_each(|grasp| grasp.widest = None);
+    for (human, widest) in [("pinch", pinch), ("precision-disc", disc)] {
+        let passed = |width: f64| {
+            let thing = as_wide(human, width);
+            passed(&hand, &strategy(&hand, human, &thing).unwrap(), &thing.shape)
+        };
+        let (near, wider) = (passed(widest), passed(widest + 0.010));
+        assert!(near > 0.013 && wider < 0.013, "{human}: {near}, {wider}");
+    }
+    // Where the tip of finger 3 first meets a round thing: beyond its middle, or before.
+    let reaches_middle = |width: f64| {
+        let found = strategy(&hand, "power-sphere", &as_wide("power-sphere", width)).unwrap();
+        let middle = isometry(&found.palm).inverse() * Point3::origin();
+        let met = (0..=200).find_map(|part| {
+            let share = f64::from(part) / 200.0;
+            let closing = found
+                .open
+                .iter()
+                .map(|(joint, from)| (joint.clone(), from + share * (found.closed[joint] - from)));
+            let tip = *hand.fingers(&closing.collect())[2].last().unwrap();
+            ((tip - middle).norm() < 0.5 * width + 0.008).then_some(tip)
+        });
+        met.unwrap().z > middle.z
+    };
+    assert!(reaches_middle(wrap) && !reaches_middle(wrap + 0.005));
+}
+
 #[test]
 fn what_a_hand_cannot_do_is_said_with_what_it_does_instead() {
     let mut said = Vec::new();

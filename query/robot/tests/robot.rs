@@ -2,8 +2,8 @@
 
 use grasp_recognise::Side;
 use grasp_robot::{
-    Arm, Camera, Hindrance, Object, ObservedHand, ProblemKind, RobotError, RobotHand, Shape, Step, Strategy,
-    moveit,
+    Arm, Camera, Hindrance, Object, ObservedHand, ProblemKind, RobotError, RobotHand, Setting, Shape, Step,
+    Strategy, moveit,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -124,7 +124,7 @@ fn another_hand_is_another_file() {
     let wide = BOTTLE.replace("radius = 0.035", "radius = 0.05");
     let wide = Object::parse("wide.toml", &wide).unwrap();
     let error = Strategy::new(&hand("parallel-gripper"), &seen, &wide, &camera).unwrap_err();
-    insta::assert_snapshot!(error, @"bottle is 100 mm wide where the fingers close, and parallel-gripper opens to 75 mm: approach it from another side, or take a hand that opens wider (barrett)");
+    insta::assert_snapshot!(error, @"bottle is 100 mm wide where the fingers close, and parallel-gripper opens to 75 mm: approach it from another side");
 }
 
 #[test]
@@ -230,6 +230,125 @@ fn what_cannot_be_right_is_a_problem() {
     assert!(strategy.feasible && strategy.layout.fingers.is_empty());
 }
 
+/// The hand that comes to the bottle from its side, tilted down by so much, in degrees.
+fn tilted(degrees: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::new(Vector3::y() * degrees.to_radians()) * upright()
+}
+
+#[test]
+fn no_part_of_a_tilted_palm_is_in_the_object() {
+    let camera = camera();
+    let barrett = hand("barrett");
+    for degrees in [0.0_f64, 15.0, 32.0] {
+        let found =
+            Strategy::new(&barrett, &seen("power-sphere", tilted(degrees), &camera), &bottle(), &camera)
+                .unwrap();
+        let palm = isometry(&found.palm);
+        let down = (isometry(&found.palm_in_world) * Vector3::z()).z;
+        assert!((down + degrees.to_radians().sin()).abs() < 1e-6, "{down}");
+        // Ten millimetres of air before the nearest point of its face, along the approach.
+        let rim = |angle: f64, ahead: f64| {
+            let (sin, cos) = angle.sin_cos();
+            let point = palm * Point3::new(barrett.palm_radius * cos, barrett.palm_radius * sin, ahead);
+            bottle().shape.distance(&point)
+        };
+        let nearest = |ahead: f64| {
+            (0..360).map(|degrees| rim(f64::from(degrees).to_radians(), ahead)).fold(f64::INFINITY, f64::min)
+        };
+        assert!(nearest(0.0099) > 0.0, "{degrees}");
+        assert!(degrees == 0.0 || nearest(0.0101) == 0.0, "{degrees}");
+    }
+}
+
+#[test]
+fn a_tilt_uses_up_what_is_tolerated() {
+    let camera = camera();
+    let of = |degrees: f64| {
+        let seen = seen("power-sphere", tilted(degrees), &camera);
+        Strategy::new(&hand("barrett"), &seen, &bottle(), &camera).unwrap()
+    };
+    let tilt = |degrees: f64| of(degrees).tolerated.and_then(|window| window.tilt_rad);
+    assert!((tilt(0.0).unwrap() - 0.261).abs() < 1e-6);
+    assert!((tilt(-10.0).unwrap() - (0.261 - 10.0_f64.to_radians())).abs() < 1e-6);
+    assert!(of(10.0).quality.unwrap() < 0.6 * of(0.0).quality.unwrap());
+    let far = of(32.0);
+    assert!(far.feasible && far.tolerated.is_none() && far.quality.is_none(), "{:?}", far.problems);
+    insta::assert_snapshot!(far.warnings.join("\n"), @"what error the grasp tolerates is not known: the hand is tilted by 32 degrees from how it came from the side in simulation, where up to 15 were held");
+
+    // From its end, at the height of the table.
+    let lying = BOTTLE.replace("0.0, 0.0, 0.0, 1.0", "0.0, 0.70710678, 0.0, 0.70710678");
+    let lying = Object::parse("lying.toml", &lying).unwrap();
+    let seen = seen("power-sphere", upright(), &camera);
+    let found = Strategy::new(&hand("barrett"), &seen, &lying, &camera).unwrap();
+    assert_eq!((found.tolerated, found.quality), (None, None));
+    insta::assert_snapshot!(found.warnings.join("\n"), @"what error the grasp tolerates is not known: simulated from the side were handle (28 mm), stick (34 mm), cylinder-upright (70 mm), and none lay to the palm as this does");
+}
+
+#[test]
+fn fingers_that_close_before_the_object_are_a_problem() {
+    let camera = camera();
+    let disc = include_str!("../../data/objects/disc.toml").replace("[0.0, 0.0, 0.015]", "[0.5, 0.0, 0.015]");
+    let disc = Object::parse("disc.toml", &disc).unwrap();
+    let of = |degrees: f64| {
+        let turned = UnitQuaternion::new(Vector3::y() * degrees.to_radians());
+        Strategy::new(&hand("barrett"), &seen("precision-disc", turned, &camera), &disc, &camera).unwrap()
+    };
+    assert_eq!(kinds(&of(7.0)), []);
+    // The table keeps the palm away: it stays 110 mm above it and, tilted so, 44 mm more.
+    let tilted = of(36.0);
+    assert_eq!(kinds(&tilted), [ProblemKind::PalmAway]);
+    insta::assert_snapshot!(tilted.warnings[0], @"the palm would stay 107 mm away from disc, and its fingers, closing, come no nearer than 32 mm to it from both sides: check the positions of hand, camera and object, or approach it less tilted");
+}
+
+#[test]
+fn what_is_wider_than_the_fingers_open_is_refused() {
+    let camera = camera();
+    let tank = "name = 'tank'\nshape = 'cylinder'\nradius = 0.2\nheight = 0.5\nposition = [0.7, 0.0, 0.25]\nquaternion_xyzw = [0, 0, 0, 1]\ntable = 0.0";
+    let tank = Object::parse("tank.toml", tank).unwrap();
+    let seen = seen("power-sphere", upright(), &camera);
+    let error = Strategy::new(&hand("barrett"), &seen, &tank, &camera).unwrap_err();
+    insta::assert_snapshot!(error, @"tank is 400 mm wide where the fingers close, and barrett opens to 175 mm: approach it from another side");
+    // A hand of one's own that does not say how wide it opens.
+    let mut own = hand("barrett");
+    own.grasp.values_mut().for_each(|grasp| grasp.widest = None);
+    let found = Strategy::new(&own, &seen, &tank, &camera).unwrap();
+    assert_eq!(kinds(&found), [ProblemKind::InObject]);
+    insta::assert_snapshot!(found.warnings[0], @"tank does not go between the open fingers, which would be 25 mm inside it: take a hand that opens wider, or approach it from another side");
+}
+
+#[test]
+fn an_object_behind_the_camera_is_refused() {
+    // As the camera of the sample files, but looking the other way.
+    let behind =
+        CAMERA.replace("[-0.59637, 0.59637, -0.37993, 0.37993]", "[-0.59637, -0.59637, 0.37993, 0.37993]");
+    assert_ne!(behind, CAMERA);
+    let behind = Camera::parse("camera.toml", &behind).unwrap();
+    let seen = seen("power-sphere", upright(), &behind);
+    let error = Strategy::new(&hand("barrett"), &seen, &bottle(), &behind).unwrap_err();
+    assert_eq!(error.kind(), "behind_camera");
+    insta::assert_snapshot!(error, @"bottle is at z = -0.514 m in the camera's frame, behind it, where no picture shows it: check position and quaternion_xyzw of camera and object; the camera's z points forward, its x right and its y down in the picture");
+    let error = Setting::new(hand("barrett"), bottle(), behind).unwrap_err();
+    assert!(matches!(error, RobotError::BehindCamera { .. }), "{error}");
+}
+
+#[test]
+fn a_hand_that_lets_go_leaves_as_it_came() {
+    let camera = camera();
+    for name in ["barrett", "allegro"] {
+        let seen = seen("large-diameter", upright(), &camera);
+        let found = Strategy::new(&hand(name), &seen, &bottle(), &camera).unwrap();
+        let message = moveit::message(&found, "cup.jpg");
+        let way = |key: &str, axis: &str| message[key]["direction"]["vector"][axis].as_f64().unwrap();
+        for axis in ["x", "y", "z"] {
+            assert_eq!(way("post_place_retreat", axis), -way("pre_grasp_approach", axis), "{name}");
+        }
+        let [came, left] = ["pre_grasp_approach", "post_place_retreat"].map(|key| &message[key]);
+        assert_eq!(left["direction"]["header"], came["direction"]["header"]);
+        assert_eq!(left["desired_distance"], came["desired_distance"]);
+        assert_eq!(message["post_grasp_retreat"]["direction"]["header"]["frame_id"], "world");
+    }
+}
+
 #[test]
 fn the_force_that_was_simulated_is_said_beside_the_one_that_is_described() {
     let camera = camera();
@@ -275,6 +394,10 @@ fn bad_descriptions_say_what_is_needed() {
         object(&BOTTLE.replace("\"cylinder\"", "\"cone\"")),
         object(&BOTTLE.replace("0.0, 1.0]", "0.0, 2.0]")),
         object(&BOTTLE.replace("mass", "weight")),
+        object(&format!("size = [0.1, 0.1, 0.1]\n{BOTTLE}")),
+        object(&BOTTLE.replace("\"cylinder\"", "\"sphere\"")),
+        object(&BOTTLE.replace("\"cylinder\"", "\"box\"")),
+        object(&BOTTLE.replace("radius = 0.035", "radius = 1.5")),
         Camera::parse("own.toml", &CAMERA.replace("0.3", "nan")).unwrap_err().to_string(),
         RobotHand::find("shadow").unwrap_err().to_string(),
         RobotHand::find("no-such.toml").unwrap_err().to_string(),
@@ -287,6 +410,13 @@ fn bad_descriptions_say_what_is_needed() {
     said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "bh_j32_joint = 3.0\n")));
     said.push(hand(&barrett.replace("bh_j32_joint = 2.0\n", "")));
     said.push(hand(&barrett.replace("width_m = 0.025", "width_m = 0.0")));
+    let approach = |distance: &str| {
+        hand(
+            &barrett.replace("approach = { distance = 0.12", &format!("approach = {{ distance = {distance}")),
+        )
+    };
+    said.extend(["-0.1", "nan", "0.05"].map(approach));
+    said.push(hand(&barrett.replace("bh_j32_joint = [0.0, 2.4435]", "bh_j32_joint = [0.0, 1e30]")));
     insta::assert_snapshot!(said.join("\n\n"));
 }
 
@@ -347,7 +477,9 @@ proptest! {
         let grip = world_from_object * Point3::new(far, 0.02, -0.01);
         let wrist = grip - world_from_hand * Vector3::new(0.089, 0.013, -0.059);
         camera.hand = Some(camera.world_from_camera.inverse() * wrist);
-        let barrett = hand("barrett");
+        let mut barrett = hand("barrett");
+        // Whatever goes between the fingers.
+        barrett.grasp.values_mut().for_each(|grasp| grasp.widest = None);
         let strategy =
             Strategy::new(&barrett, &seen("large-diameter", world_from_hand, &camera), &object, &camera).unwrap();
         let layout = &strategy.layout;

@@ -1,7 +1,7 @@
 //! Trials in the physics engine: what each grasp must hold, and that a trial repeats to the bit.
 
 use grasp_robot::simulation::{Offset, Outcome, Plan, SCENES, Scene};
-use grasp_robot::{ApproachSide, Object, RobotError, RobotHand};
+use grasp_robot::{ApproachSide, LiesAlong, Object, RobotError, RobotHand, Shape};
 use nalgebra::{UnitQuaternion, Vector3};
 
 fn plan(scene: &str) -> Plan {
@@ -51,6 +51,7 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
             let fingers = object.pose.inverse_transform_vector(&(window.from.turned() * Vector3::y()));
             let width = 2.0 * object.shape.half_chord(&fingers);
             assert!((width - window.width_m).abs() < 1e-6, "{}: {width}", window.object);
+            assert_eq!(window.axis, Some(lies_along(&object, window.from)), "{}", window.object);
             let (most, yaw) = (window.position_m, window.yaw_rad.unwrap_or_default().to_degrees());
             // Of opposite corners and turns one each; the sweep tries them all.
             for error in [off(most, -most, 0.0), off(-most, -most, 0.0), off(0.0, 0.0, yaw)] {
@@ -61,7 +62,73 @@ fn the_windows_that_strategies_warn_by_were_simulated() {
             let force = window.force_n.unwrap();
             assert!((force - exact.greatest_force_n).abs() <= 0.5, "{}: {exact:?}", scene.name);
             assert_eq!(held_tilted(&hand, scene, window.tilt_rad.unwrap()), 4, "{}", scene.name);
+            // From above a roll is a yaw.
+            assert_eq!(window.roll_rad.is_some(), window.from == ApproachSide::Side, "{}", scene.name);
+            for turn in window.roll_rad.into_iter().flat_map(|roll| [-roll, roll]) {
+                let turned = window.from.turned() * UnitQuaternion::new(Vector3::z() * turn);
+                let outcome = Plan::new(&hand, scene.grasp, &object, turned).unwrap().run(Offset::default());
+                assert!(outcome.success, "{}, turned by {turn}: {outcome:?}", scene.name);
+            }
         }
+    }
+}
+
+/// Along which axis of a palm that comes from there the object's own lies.
+fn lies_along(object: &Object, from: ApproachSide) -> LiesAlong {
+    let axis = match object.shape {
+        Shape::Sphere { .. } => return LiesAlong::None,
+        Shape::Cylinder { .. } => Vector3::z(),
+        Shape::Box { size: [x, y, z] } => {
+            assert!(x > y && x > z, "the longest side");
+            Vector3::x()
+        }
+    };
+    let in_palm = from.turned().inverse() * object.pose.rotation * axis;
+    match (in_palm.x.abs() > 0.999, in_palm.z.abs() > 0.999) {
+        (true, _) => LiesAlong::X,
+        (_, true) => LiesAlong::Z,
+        _ => panic!("{} lies askew: {in_palm}", object.name),
+    }
+}
+
+/// An object on its table whose extent across the fingers is `width`, in metres.
+fn as_wide(shape: &str, width: f64, mass: f64) -> Object {
+    let (radius, lying) = (0.5 * width, format!("position = [0, 0, {}]", 0.5 * width));
+    let rest = match shape {
+        "upright" => format!("shape = 'cylinder'\nradius = {radius}\nheight = 0.16\nposition = [0, 0, 0.08]"),
+        "disc" => format!("shape = 'disc'\nradius = {radius}\nheight = 0.03\nposition = [0, 0, 0.015]"),
+        "block" => format!("shape = 'box'\nsize = [0.06, {width}, 0.04]\nposition = [0, 0, 0.02]"),
+        "ball" => format!("shape = 'sphere'\nradius = {radius}\n{lying}"),
+        other => panic!("there is no {other}"),
+    };
+    let text = format!("{rest}\nmass = {mass}\nquaternion_xyzw = [0, 0, 0, 1]\ntable = 0.0");
+    Object::parse(shape, &text).unwrap()
+}
+
+#[test]
+fn the_widest_objects_are_held_and_much_wider_ones_are_not() {
+    use ApproachSide::{Side, Top};
+    let hand = RobotHand::find("barrett").unwrap();
+    let mut any = hand.clone();
+    any.grasp.values_mut().for_each(|grasp| grasp.widest = None);
+    let trials = [
+        ("wrap", "upright", Side, 0.35, 0.240),
+        ("wrap", "upright", Side, 0.70, 0.230),
+        ("two-finger-thumb", "ball", Top, 0.35, 0.120),
+        ("two-finger-thumb", "block", Top, 0.35, 0.130),
+        ("precision-disc", "disc", Top, 0.35, 0.210),
+    ];
+    for (grasp, shape, from, mass, too_wide) in trials {
+        let widest = hand.grasp_named(grasp).unwrap().widest.unwrap();
+        // As wide as it says, but for a rounding.
+        let object = as_wide(shape, widest - 1e-6, mass);
+        let outcome = Plan::new(&hand, grasp, &object, from.turned()).unwrap().run(Offset::default());
+        assert!(outcome.success, "{grasp} {shape} of {widest} m: {outcome:?}");
+        let object = as_wide(shape, too_wide, mass);
+        let refused = Plan::new(&hand, grasp, &object, from.turned());
+        assert!(matches!(refused, Err(RobotError::TooWide { .. })), "{grasp} {shape} of {too_wide} m");
+        let outcome = Plan::new(&any, grasp, &object, from.turned()).unwrap().run(Offset::default());
+        assert!(!outcome.success, "{grasp} {shape} of {too_wide} m: {outcome:?}");
     }
 }
 

@@ -95,6 +95,75 @@ fn it_makes_a_strategy_like_any_other_hand() {
     );
 }
 
+/// A block that hangs in the air, so wide across the fingers of a hand that comes from above, and
+/// what a gripper does about it.
+fn pinched(hand: &RobotHand, width: f64) -> Strategy {
+    let camera = Camera::parse("camera.toml", include_str!("../../data/objects/camera.toml")).unwrap();
+    let block = format!(
+        "shape = 'box'\nsize = [{width}, 0.06, 0.04]\nposition = [0.5, 0.0, 0.5]\nquaternion_xyzw = [0, 0, 0, 1]"
+    );
+    let block = Object::parse("block.toml", &block).unwrap();
+    let camera_from_hand = camera.world_from_camera.rotation.inverse();
+    let seen = ObservedHand { grasp: "pinch".into(), side: Side::Right, camera_from_hand, spread_deg: 8.0 };
+    Strategy::new(hand, &seen, &block, &camera).unwrap()
+}
+
+#[test]
+fn jaws_that_do_not_move_alike_have_the_object_between_them() {
+    let folder = Folder::new("aside");
+    let mimic = "<mimic joint=\"left_slide\" multiplier=\"1\" offset=\"0\"/>";
+    // Fixed 5 mm beside the palm's middle; always 10 mm farther out than the other one; half as far.
+    let fixed =
+        URDF.replace("name=\"right_slide\" type=\"prismatic\"", "name=\"right_slide\" type=\"fixed\"");
+    let fixed = fixed.replace("upper=\"0.035\"", "upper=\"0.07\"").replace(mimic, "");
+    let ahead =
+        URDF.replace("offset=\"0\"", "offset=\"0.01\"").replacen("upper=\"0.035\"", "upper=\"0.025\"", 1);
+    let half = URDF.replace("multiplier=\"1\"", "multiplier=\"0.5\"");
+    for (name, urdf) in [("alike", URDF.to_owned()), ("fixed", fixed), ("ahead", ahead), ("half", half)] {
+        let hand = folder.hand(&urdf, Some(COMPANION)).unwrap();
+        let width = 0.03;
+        let found = pinched(&hand, width);
+        assert!(found.feasible && found.doubts().len() == 1, "{name}: {:?}", found.warnings);
+        let mut tips: Vec<f64> =
+            found.layout.fingers.iter().map(|finger| finger.last().unwrap()[0]).collect();
+        tips.sort_by(f64::total_cmp);
+        // As far from the tips' pads on either side.
+        let [before, behind] = [0.5 - 0.5 * width - (tips[0] + 0.004), tips[1] - 0.004 - (0.5 + 0.5 * width)];
+        assert!((before - behind).abs() < 1e-3 && before > 0.005, "{name}: {before} {behind}");
+        assert_eq!(hand.grasp_named("parallel").unwrap().middle.at(width) == 0.0, name == "alike");
+    }
+}
+
+#[test]
+fn a_joint_moves_as_far_as_what_follows_it_can() {
+    let folder = Folder::new("followers");
+    let follower = |lower: &str, upper: &str, mimic: &str| {
+        let (before, after) = URDF.split_once("name=\"right_slide\"").unwrap();
+        let after = after
+            .replacen("lower=\"0\" upper=\"0.035\"", &format!("lower=\"{lower}\" upper=\"{upper}\""), 1)
+            .replace("multiplier=\"1\" offset=\"0\"", mimic);
+        // What follows the other way round moves along the other direction.
+        let backward = if mimic.contains("-1") { "<axis xyz=\"0 -1 0\"/>" } else { "<axis xyz=\"0 1 0\"/>" };
+        let after = after.replace("<axis xyz=\"0 1 0\"/>", backward);
+        folder.hand(&format!("{before}name=\"right_slide\"{after}"), Some(COMPANION))
+    };
+    let limits = |hand: Result<RobotHand, RobotError>| hand.unwrap().limits["left_slide"];
+    let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < 1e-12 && (b - d).abs() < 1e-12;
+    let same = "multiplier=\"1\" offset=\"0\"";
+    assert!(near(limits(follower("0", "0.035", same)), [0.0, 0.035]));
+    assert!(near(limits(follower("0", "0.02", same)), [0.0, 0.02]));
+    assert!(near(limits(follower("0.01", "1", same)), [0.01, 0.035]));
+    // Half as far and from 5 mm on; the other way round.
+    assert!(near(limits(follower("0", "0.015", "multiplier=\"0.5\" offset=\"0.005\"")), [0.0, 0.02]));
+    assert!(near(limits(follower("-0.02", "0", "multiplier=\"-1\" offset=\"0\"")), [0.0, 0.02]));
+    // Without a <limit> it follows wherever it is led.
+    assert!(near(limits(follower("0", "0", same)), [0.0, 0.035]));
+    // By 5 mm a gripper does not open for what it is to hold, and elsewhere it cannot go.
+    assert!(follower("0", "0.005", same).unwrap_err().to_string().contains("open from"));
+    // Copied from a leader to a follower that goes the other way.
+    assert!(near(limits(follower("0", "0.035", "multiplier=\"-1\" offset=\"0\"")), [0.0, 0.035]));
+}
+
 #[test]
 fn the_file_beside_it_may_say_more() {
     let folder = Folder::new("more");
@@ -123,6 +192,7 @@ fn what_is_missing_or_wrong_is_said() {
         folder.error(URDF, Some(&COMPANION.replace("max_contact_force = 30.0", ""))),
         folder.error(&free, Some(COMPANION)),
         folder.error(&URDF.replace("upper=\"0.035\"", "upper=\"-1\""), Some(COMPANION)),
+        folder.error(&URDF.replace("upper=\"0.035\"", "upper=\"1e30\""), Some(COMPANION)),
         folder.error(&URDF.replace("mimic joint=\"left_slide\"", "mimic joint=\"slide\""), Some(COMPANION)),
         folder.error(
             &URDF.replace("<child link=\"right_tip\"/>", "<child link=\"left_tip\"/>"),

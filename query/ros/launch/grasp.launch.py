@@ -22,6 +22,7 @@ PARAMETERS = {
     "hand": ("auto", "which hand the pictures show: auto, left or right"),
     "sequence": ("false", "answer each picture by all pictures so far"),
     "depth": ("1.0", "how far away the hand is said to be, in metres"),
+    "rectified": ("auto", "whether pictures are rectified: auto (by the topic's name), true or false"),
     "robot": ("", "the robot hand whose grasps are published; empty: none"),
     "object": ("", "the file that describes the object"),
     "camera": ("", "the file that describes the camera"),

@@ -145,6 +145,7 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     let robot = options.robot().map(|(hand, files, arm)| Robot::read(hand, files, arm, &options.world_frame));
     let robot = robot.transpose()?;
     let topics = Topics::new(&names, options.image_transport)?;
+    let is_rectified = options.is_rectified(&names.topic("image")?);
     let domain = Domain::from_environment(|name| std::env::var(name).ok())?;
 
     let context = Context::from_domain_participant(domain.enter()?)
@@ -201,7 +202,7 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     ));
 
     let jobs = Newest::new();
-    let worker = Worker::new(&index_path, &index, &options, robot, answers, &log);
+    let worker = Worker::new(&index_path, &index, &options, is_rectified, robot, answers, &log);
     let outcome = thread::scope(|scope| {
         let (jobs, log) = (&jobs, &log);
         let silence = no_picture(&topics.pictures, options.image_transport);

@@ -92,6 +92,7 @@ pub(crate) struct Worker<'a> {
     segment: SegmentParams,
     filter: Option<Filter>,
     depth: f64,
+    is_rectified: bool,
     robot: Option<Robot>,
     answers: Answers,
     log: &'a Log,
@@ -99,11 +100,12 @@ pub(crate) struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    /// One that works as the options say.
+    /// One that works as the options say; `is_rectified` of all pictures.
     pub(crate) fn new(
         index_path: &'a Path,
         index: &'a Index,
         options: &Options,
+        is_rectified: bool,
         robot: Option<Robot>,
         answers: Answers,
         log: &'a Log,
@@ -116,6 +118,7 @@ impl<'a> Worker<'a> {
             source: if options.segmented { MaskSource::Segmented } else { MaskSource::Camera },
             filter: options.sequence.then(|| Filter::new(SequenceParams::default(), None)),
             depth: options.depth,
+            is_rectified,
             robot,
             answers,
             log,
@@ -171,8 +174,7 @@ impl<'a> Worker<'a> {
     }
 
     fn view(&self, info: &CameraInfo, original: Original) -> Option<View> {
-        let [width, height] = original.size;
-        let view = View::new(info, width, height);
+        let view = View::new(info, self.is_rectified, original.size);
         if view.is_none() {
             let line = "the camera is not calibrated: its CameraInfo has no focal length, so that hands are put on its \
                         optical axis";

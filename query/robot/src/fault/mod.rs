@@ -78,12 +78,16 @@ pub enum DescriptionFault {
         high: f64,
     },
     /// How far a hand's joint moves.
-    #[error("limits.{joint} = {ends:?}: two finite numbers, the lower one first")]
+    #[error(
+        "limits.{joint} = {ends:?}: two numbers within {most:.2} rad (metres where it slides), the lower one first"
+    )]
     Range {
         /// The joint.
         joint: String,
         /// In radians, or metres where it slides.
         ends: [f64; 2],
+        /// How far from 0 each may be.
+        most: f64,
     },
     /// An arm that would take too long to move.
     #[error(
@@ -215,6 +219,14 @@ pub enum DescriptionFault {
     /// A shape without one of its measures.
     #[error("a {shape} needs `{key}`, in metres")]
     MissingMeasure {
+        /// The shape.
+        shape: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// A shape with a measure that it does not have.
+    #[error("a {shape} has no `{key}`: leave it out, or name the shape that has it")]
+    NeedlessMeasure {
         /// The shape.
         shape: String,
         /// The key.

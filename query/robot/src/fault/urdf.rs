@@ -86,7 +86,7 @@ pub enum UrdfFault {
     Kind(String),
     /// A joint without limits.
     #[error(
-        "the joint `{joint}` has the limits {low} and {high}: its <limit> must have lower and upper, the lower one first"
+        "the joint `{joint}` has the limits {low} and {high}: its <limit> must have lower and upper, the lower one first, and a finger turns by at most {most_turn:.2} rad and slides by at most {most_slide} m"
     )]
     Limits {
         /// The joint.
@@ -95,6 +95,10 @@ pub enum UrdfFault {
         low: f64,
         /// See `low`.
         high: f64,
+        /// How far from 0 a turning joint's may be, in radians.
+        most_turn: f64,
+        /// How far from 0 a sliding joint's may be, in metres.
+        most_slide: f64,
     },
     /// No tips.
     #[error("tips = []: name the links at the fingers' ends")]

@@ -21,6 +21,8 @@ const CLEAR: f64 = 0.005;
 const LEAST: f64 = 0.01;
 /// Between two points of the posture by the object's width, in metres.
 const STEP: f64 = 0.01;
+/// What lies less beside the palm's middle, in metres, is a rounding.
+const ASIDE: f64 = 1e-5;
 /// How far beyond the tips' frames the table must stay, in metres.
 const ABOVE_TABLE: f64 = 0.02;
 
@@ -37,6 +39,8 @@ struct Opening {
     joint: f64,
     /// Between the pads, across what is grasped, in metres.
     wide: f64,
+    /// Its middle beside the palm's, toward the thumb's side, in metres.
+    middle: f64,
     /// How far the tips are from the palm along the approach, in metres.
     deep: f64,
 }
@@ -56,9 +60,10 @@ impl Gripper {
             .collect();
         // The thumb's side against the other one.
         let least = |side: f64| tips.iter().map(|tip| side * tip.y).fold(f64::NEG_INFINITY, f64::max);
-        let wide = least(1.0) + least(-1.0) - 2.0 * self.pad;
+        let [thumb, other] = [least(1.0), least(-1.0)];
+        let (wide, middle) = (thumb + other - 2.0 * self.pad, 0.5 * (thumb - other));
         let deep = tips.iter().map(|tip| tip.z).sum::<f64>() / tips.len().max(1) as f64;
-        Opening { joint, wide, deep }
+        Opening { joint, wide, middle, deep }
     }
 
     /// `[map]` and `[grasp]` of a gripper whose only joint moves between `ends`.
@@ -101,6 +106,11 @@ impl Gripper {
         set("about", "the object's middle between the tips".into());
         // A round object's middle between the tips, where that is before the palm.
         set("standoff", by_width(&|width| (wide(width).deep - 0.5 * width).max(CLEAR)));
+        // Between the open tips, so that neither meets the object on the way to it: those that do not
+        // move alike push it to where they meet.
+        if openings.iter().any(|opening| opening.middle.abs() > ASIDE) {
+            set("middle", by_width(&|width| wide(width + ROOM).middle));
+        }
         set("table_clearance", (deepest + ABOVE_TABLE).clamp(0.0, 0.999).into());
         set("widest", largest.into());
         set("open", posture(by_width(&|width| wide(width + ROOM).joint)));
@@ -142,7 +152,7 @@ mod tests {
     fn ever(wide: impl Fn(f64) -> f64) -> Vec<f64> {
         let joints = (-10..=10).map(|part| f64::from(part) / 10.0);
         let openings: Vec<Opening> =
-            joints.map(|joint| Opening { joint, wide: wide(joint), deep: 0.0 }).collect();
+            joints.map(|joint| Opening { joint, wide: wide(joint), middle: 0.0, deep: 0.0 }).collect();
         ever_wider(&openings).iter().map(|opening| opening.joint).collect()
     }
 

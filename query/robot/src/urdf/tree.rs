@@ -8,6 +8,7 @@ use urdf_rs::{Joint, JointType, Robot};
 
 use super::values::numbers;
 use crate::chain::{Segment, frames};
+use crate::object::LARGEST;
 use crate::read::Source;
 use crate::{RobotError, UrdfFault};
 
@@ -17,6 +18,10 @@ const LONGEST: usize = 4_000_000;
 const DEEPEST: usize = 100;
 /// A hand has fewer joints and links.
 const MOST: usize = 1000;
+/// How far from 0 a finger's joint may be, in radians: two turns.
+const MOST_TURN: f64 = 4.0 * std::f64::consts::PI;
+/// How far from 0 a finger may slide, in metres: half of the largest object.
+const MOST_SLIDE: f64 = 0.5 * LARGEST;
 
 /// A robot whose every link but one has a parent.
 pub(super) struct Tree {
@@ -145,7 +150,8 @@ impl Tree {
         self.joints(way).map(segment).collect()
     }
 
-    /// The joints of some ways that move by themselves, with their least and greatest values.
+    /// The joints of some ways that move by themselves, with their least and greatest values: as far
+    /// as those that follow them can.
     pub(super) fn limits(
         &self,
         source: Source<'_>,
@@ -158,21 +164,36 @@ impl Tree {
                 None => Some(joint),
             };
             let Some(leader) = leader.filter(|_| moves(joint)) else { continue };
-            let [low, high] = match leader.joint_type {
-                JointType::Continuous => [-std::f64::consts::PI, std::f64::consts::PI],
-                JointType::Revolute | JointType::Prismatic => [leader.limit.lower, leader.limit.upper],
-                _ => {
-                    return Err(source.error(UrdfFault::Kind(leader.name.clone()).into()));
-                }
-            };
-            // Written so that what is not a number is rejected as well.
-            if !(low < high && low.is_finite() && high.is_finite()) {
-                let joint = leader.name.clone();
-                return Err(source.error(UrdfFault::Limits { joint, low, high }.into()));
+            if !limits.contains_key(&leader.name) {
+                limits.insert(leader.name.clone(), self.common_limits(source, leader)?);
             }
-            limits.insert(leader.name.clone(), [low, high]);
         }
         Ok(limits)
+    }
+
+    /// A joint's least and greatest value, cut to what those allow that follow it.
+    fn common_limits(&self, source: Source<'_>, leader: &Joint) -> Result<[f64; 2], RobotError> {
+        let [mut low, mut high] = own_limits(source, leader)?;
+        for follower in self.robot.joints.iter().filter(|joint| moves(joint)) {
+            let Some(mimic) = follower.mimic.as_ref().filter(|mimic| mimic.joint == leader.name) else {
+                continue;
+            };
+            // Without a <limit>, which a parser reads as two zeros, a follower says nothing.
+            let says = follower.limit.lower != 0.0 || follower.limit.upper != 0.0;
+            let factor = mimic.multiplier.unwrap_or(1.0);
+            if !says || factor == 0.0 || follower.joint_type == JointType::Continuous {
+                continue;
+            }
+            let plus = mimic.offset.unwrap_or(0.0);
+            let ends = own_limits(source, follower)?.map(|end| (end - plus) / factor);
+            let cut = [low.max(ends[0].min(ends[1])), high.min(ends[0].max(ends[1]))];
+            // Descriptions of real grippers copy a leader's limits to followers that turn the other
+            // way. Limits that leave nothing contradict the <mimic>, and say nothing.
+            if cut[0] < cut[1] {
+                [low, high] = cut;
+            }
+        }
+        Ok([low, high])
     }
 
     /// The links of some ways that joints carry which move.
@@ -223,6 +244,22 @@ fn depth(text: &str) -> usize {
         deepest = deepest.max(depth);
     }
     deepest
+}
+
+/// What a joint's own <limit> says.
+fn own_limits(source: Source<'_>, joint: &Joint) -> Result<[f64; 2], RobotError> {
+    let ([low, high], most) = match joint.joint_type {
+        JointType::Continuous => return Ok([-std::f64::consts::PI, std::f64::consts::PI]),
+        JointType::Revolute => ([joint.limit.lower, joint.limit.upper], MOST_TURN),
+        JointType::Prismatic => ([joint.limit.lower, joint.limit.upper], MOST_SLIDE),
+        _ => return Err(source.error(UrdfFault::Kind(joint.name.clone()).into())),
+    };
+    // What is not a number is in no range.
+    if low < high && low >= -most && high <= most {
+        return Ok([low, high]);
+    }
+    let (joint, most_turn, most_slide) = (joint.name.clone(), MOST_TURN, MOST_SLIDE);
+    Err(source.error(UrdfFault::Limits { joint, low, high, most_turn, most_slide }.into()))
 }
 
 fn moves(joint: &Joint) -> bool {

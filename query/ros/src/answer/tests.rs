@@ -119,6 +119,12 @@ fn an_object_is_where_its_pose_says_in_a_frame_that_is_known() {
     assert!(matches!(of(&placed("world", [0.0; 3], 0.5)), Err(NoGrasp::Pose)));
     assert!(matches!(of(&placed("world", [f64::NAN; 3], 1.0)), Err(NoGrasp::Pose)));
     assert!(matches!(of(&placed("world", [0.0, 0.0, -0.5], 1.0)), Err(NoGrasp::Robot(_))));
+    // Behind the camera, in its own frame and in the world.
+    for behind in [placed("camera_optical", [0.0, 0.0, -0.4], 1.0), placed("world", [-0.5, 0.0, 0.3], 1.0)] {
+        let error = of(&behind).unwrap_err();
+        assert_eq!(error.kind(), "behind_camera");
+        assert!(error.to_string().contains("behind it"), "{error}");
+    }
     let sound = of(&placed("world", [0.5, 0.0, 0.3], 1.0));
     assert!(matches!(sound, Ok(_) | Err(NoGrasp::Infeasible(_))), "{sound:?}");
 }

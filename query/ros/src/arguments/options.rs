@@ -85,6 +85,10 @@ pub(crate) struct Options {
     /// says it: one picture does not.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_depth)]
     pub(crate) depth: f64,
+    /// Whether the pictures are rectified, so that their camera is CameraInfo's P instead of its K;
+    /// `auto`: where the last part of their topic's name begins with image_rect.
+    #[arg(long, value_enum, default_value_t = Rectified::Auto)]
+    rectified: Rectified,
     /// Publish how this robot hand makes the same grasp: one that comes with the program (barrett,
     /// allegro, ...), or a HAND.toml that describes another. Needs --object and --camera.
     #[arg(long, value_name = "HAND", default_value = "", hide_default_value = true)]
@@ -111,6 +115,17 @@ pub(crate) enum Transport {
     Raw,
     /// `sensor_msgs/CompressedImage`.
     Compressed,
+}
+
+/// `--rectified`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Rectified {
+    /// Their topic's name says.
+    Auto,
+    /// They are.
+    True,
+    /// They are as the lens made them.
+    False,
 }
 
 /// `--hand`.
@@ -178,6 +193,16 @@ impl Options {
         (!self.robot.is_empty()).then_some((&self.robot, files, arm))
     }
 
+    /// Whether pictures that come by a topic of this name are rectified. `image_proc` calls such
+    /// topics `image_rect` and `image_rect_color`, drivers of depth cameras `image_rect_raw`.
+    pub(crate) fn is_rectified(&self, topic: &str) -> bool {
+        match self.rectified {
+            Rectified::Auto => topic.rsplit('/').next().is_some_and(|name| name.starts_with("image_rect")),
+            Rectified::True => true,
+            Rectified::False => false,
+        }
+    }
+
     /// How pictures are recognised.
     pub(crate) fn recognition(&self) -> RecogniseOptions {
         RecogniseOptions {
@@ -225,6 +250,7 @@ impl Options {
             ("k", ParameterValue::Integer(self.k.into())),
             ("rolls", ParameterValue::Integer(self.rolls.into())),
             ("depth", ParameterValue::Double(self.depth)),
+            ("rectified", choice(self.rectified.to_possible_value())),
             ("robot", text(&self.robot)),
             ("object", path(&self.object)),
             ("camera", path(&self.camera)),

@@ -29,6 +29,23 @@ fn parameters_are_options_and_options_win() {
 }
 
 #[test]
+fn rectified_pictures_are_known_by_their_topic_or_by_a_parameter() {
+    let is_rectified = |line: &str| {
+        let Arguments { options, names, .. } = read(line).unwrap();
+        options.is_rectified(&names.topic("image").unwrap())
+    };
+    for topic in ["/camera/image_rect", "/camera/image_rect_color", "image_rect_raw"] {
+        assert!(is_rectified(&format!("--ros-args -r image:={topic}")), "{topic}");
+    }
+    for topic in ["/camera/image_raw", "/image_rect/image", "image"] {
+        assert!(!is_rectified(&format!("--ros-args -r image:={topic}")), "{topic}");
+        assert!(is_rectified(&format!("--ros-args -r image:={topic} -p rectified:=true")), "{topic}");
+    }
+    assert!(!is_rectified("--rectified false --ros-args -r image:=/camera/image_rect"));
+    assert!(error("--rectified yes").contains("possible values: auto, true, false"));
+}
+
+#[test]
 fn names_are_remapped() {
     let line =
         "--ros-args -r __ns:=/arm -r __node:=eye -r image:=/camera/image_raw --remap eye:camera_info:=info";
