@@ -48,8 +48,8 @@ impl Model {
         progress(Phase::Sigma, 0.0)?;
         let sigma = measure_sigma(rows.values, rows.dim, params.labels, params.classes);
         let held_out = Rows { values: params.held_out, dim: rows.dim };
-        // Of what class they are is known of renders alone, which lie nearer than pictures do. Others
-        // are what will be searched for.
+        // Of what class they are is known of renders alone, which lie nearer than pictures do.
+        // Others are what will be searched for.
         let noise = if params.held_out_classes.is_empty() { [0.0; 2] } else { NOISE };
         let outside = HeldOut { rows: held_out, noise };
         let mean = sigma.mean_distance;

@@ -4,29 +4,22 @@ use grasp_index::{
     DescriptorParams, Effort, Index, IndexParams, IndexWriter, KeptFields, NewEntry, Originals, SearchError,
     SearchOptions,
 };
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 
 const DIM: usize = 24;
 const ROWS: usize = 3000;
-const CLUSTERS: usize = 100;
+const CLUSTERS: u64 = 100;
 
-/// Numbers from -1 to 1 that look drawn.
+/// Numbers from -1 to 1.
 fn drawn(seed: u64) -> impl Iterator<Item = f32> {
-    (0..).map(move |at: u64| {
-        let hash = xxh3(seed << 32 | at);
-        hash as f32 / u64::MAX as f32 * 2.0 - 1.0
-    })
-}
-
-/// A mixture of bits, for want of a generator here.
-fn xxh3(number: u64) -> u64 {
-    let mixed = (number ^ (number >> 31)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    mixed ^ (mixed >> 32)
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    std::iter::repeat_with(move || rng.random_range(-1.0..1.0))
 }
 
 /// A row near the middle of a cluster, `spread` times as far from it as clusters are apart.
 fn row(seed: u64, spread: f32) -> Vec<f32> {
-    let middle = drawn(xxh3(seed) % CLUSTERS as u64);
+    let middle = drawn(ChaCha8Rng::seed_from_u64(seed).random_range(0..CLUSTERS));
     middle.zip(drawn(1_000 + seed)).map(|(middle, away)| middle + spread * away).take(DIM).collect()
 }
 
@@ -97,9 +90,7 @@ fn what_is_kept_in_half_the_bits_is_measured_so() {
     };
     let (all, held_out) = (far(rows(0, ROWS, 0.5)), far(rows(50_000, 500, 0.5)));
     let [whole, halved] = [Originals::F32, Originals::F16].map(|originals| built(&all, &held_out, originals));
-    let best = |index: &Index| {
-        index.catalogue().measured.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max)
-    };
+    let best = |index: &Index| index.catalogue().measured.best_recall();
     assert!(best(&whole) > 0.95 && best(&halved) < 0.8, "{} and {}", best(&whole), best(&halved));
 }
 

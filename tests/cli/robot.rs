@@ -215,8 +215,8 @@ fn moveit_reads_the_same_strategy_as_a_message() {
     }
 }
 
-/// A camera 0.8 m before the ball that sees the hand come along the world's z, where it sees it come
-/// along `approach` in its own frame.
+/// A camera 0.8 m before the ball that sees the hand come along the world's z, where it sees it
+/// come along `approach` in its own frame.
 fn camera_from_below(folder: &Path, approach: [f64; 3]) -> PathBuf {
     let axis = cross(approach, [0.0, 0.0, 1.0]);
     let quaternion = [axis[0], axis[1], axis[2], 1.0 + approach[2]];

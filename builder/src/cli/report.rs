@@ -75,14 +75,13 @@ pub(super) fn print_report(out: &Path, report: &Report, pictures: bool) -> anyho
             percent(point.share_of_database),
         )?;
     } else {
-        let best = summary.measured.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max);
         writeln!(
             stdout,
             "  for {} of {} no search finds 95 % of the 10 nearest entries, but {} at most: one that is asked for more \
              compares with every entry, or is refused where no descriptors are kept",
             counted(summary.measured.queries, ["query", "queries"]),
             queries_of(&summary.measured),
-            percent(best),
+            percent(summary.measured.best_recall()),
         )?;
     }
     Ok(())

@@ -8,7 +8,7 @@ use std::path::Path;
 /// or small programs write.
 const MOST_TEXT: u64 = 16 << 20;
 
-/// The text of a file of text.
+/// The text of a file.
 ///
 /// # Errors
 /// Those of reading, where the bytes are not UTF-8, and [`io::ErrorKind::FileTooLarge`] beyond

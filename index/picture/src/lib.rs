@@ -13,8 +13,9 @@
 //!   [`MAX_SCANS`]), and what cannot be bounded is not read (see [`FORMATS`]).
 //!
 //! Together they keep the memory of one picture, its encoded bytes included, below 20 bytes a pixel
-//! and 64 MiB, and its time proportional to its pixels and its encoded bytes. A frame of a stream is
-//! gathered to its end first: up to as many bytes as the largest picture has in 16 bits a channel.
+//! and 64 MiB, and its time proportional to its pixels and its encoded bytes. A frame of a stream
+//! is gathered to its end first: up to as many bytes as the largest picture has in 16 bits a
+//! channel.
 //!
 //! This crate knows nothing of hands, indexes or services: the offline and the online programs read
 //! their pictures by it.

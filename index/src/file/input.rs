@@ -40,8 +40,8 @@ pub struct IndexParams {
     /// search is tuned and measured with. Those of hand shapes that the index does not hold are
     /// best. Without [`Self::held_out_classes`] they are what will be searched for, and measured
     /// with as they are; of known classes they are taken for renders, and moved by
-    /// [`NOISE`](crate::NOISE) first. Where there are none, the index's own are used, so moved, each
-    /// held out for its own query.
+    /// [`NOISE`](crate::NOISE) first. Where there are none, the index's own are used, so moved,
+    /// each held out for its own query.
     pub held_out: Vec<f32>,
     /// What those show, a position in [`Self::classes`] a row: what the vote is calibrated with.
     /// Nothing where that is not known.

@@ -24,6 +24,9 @@ pub struct EffortPoint {
     pub share_of_database: f64,
 }
 
+/// Neighbours that recall is measured over.
+pub(crate) const RECALL_K: usize = 10;
+
 /// How well the hash does on queries that it has not seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
@@ -52,6 +55,11 @@ impl Measured {
             }
             Effort::Probes(_) | Effort::Exact => None,
         }
+    }
+
+    /// The largest recall that any effort was measured to reach.
+    pub fn best_recall(&self) -> f64 {
+        self.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max)
     }
 
     /// What was measured with just so many probes.

@@ -2,7 +2,7 @@
 //! seen.
 
 use super::distance;
-use super::effort::{EPS_GRID, EffortPoint, Measured};
+use super::effort::{EPS_GRID, EffortPoint, Measured, RECALL_K};
 use super::hash::Hash;
 use super::in_flight::InFlight;
 use super::nearest::Neighbour;
@@ -12,8 +12,6 @@ use super::simd::Simd;
 use super::stored::Stored;
 use rayon::prelude::*;
 
-/// Neighbours that recall is measured over.
-const RECALL_K: usize = 10;
 /// More effort than this finds is not measured.
 const ENOUGH: f64 = 0.9995;
 /// A small index may find no more with two buckets than with one, and yet with four.

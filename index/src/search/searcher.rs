@@ -218,8 +218,7 @@ impl<'a> Searcher<'a> {
         match point {
             None if !self.stored.are_kept() && effort == Effort::Exact => Err(SearchError::NoOriginals),
             None if !self.stored.are_kept() => {
-                let found = self.measured.curve.iter().map(|point| point.recall_at_10);
-                Err(SearchError::NotReached { best: found.fold(0.0, f64::max) })
+                Err(SearchError::NotReached { best: self.measured.best_recall() })
             }
             point => Ok(point.map(|point| (point.probes, Some(point.recall_at_10)))),
         }

@@ -1,9 +1,9 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
 //! The index holds right hands. A left hand's picture is flipped; all are turned as the index's
-//! descriptors want it (upright, in one of the presets `standard` and `wide`), and besides by as many angles as are
-//! to be tried. The hypothesis whose neighbours are nearest, where networks do not speak against
-//! it, is the answer, and its orientation is turned and flipped back.
+//! descriptors want it (upright, in one of the presets `standard` and `wide`), and besides by as
+//! many angles as are to be tried. The hypothesis whose neighbours are nearest, where networks do
+//! not speak against it, is the answer, and its orientation is turned and flipped back.
 
 use grasp_index::{
     Describer, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost, SearchOptions, Vote,

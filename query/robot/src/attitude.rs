@@ -123,7 +123,8 @@ mod tests {
         Isometry3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_euler_angles(x, y, z))
     }
 
-    /// What is left of a tilt of 15, a yaw of 45 and a roll of 40 degrees, in degrees to the nearest.
+    /// What is left of a tilt of 15, a yaw of 45 and a roll of 40 degrees, in degrees to the
+    /// nearest.
     fn left(
         from: ApproachSide,
         tilt: [f64; 3],

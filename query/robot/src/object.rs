@@ -152,8 +152,8 @@ impl Object {
     /// Reads a description from memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Format`]: a size is missing, impossible or that of another shape, the pose is no
-    /// rotation, a key is unknown.
+    /// [`RobotError::Format`]: a size is missing, impossible or that of another shape, the pose is
+    /// no rotation, a key is unknown.
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "an object" };
         let file: File = source.parse(text)?;
@@ -216,8 +216,8 @@ impl Object {
         self.checked(world_from_object)
     }
 
-    /// `world_from_object` of an object that the camera sees: one that lies behind it cannot be what
-    /// the hand in its picture holds.
+    /// `world_from_object` of an object that the camera sees: one that lies behind it cannot be
+    /// what the hand in its picture holds.
     ///
     /// # Errors
     /// As [`Self::in_world`]; [`RobotError::BehindCamera`].

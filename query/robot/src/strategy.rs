@@ -84,8 +84,8 @@ pub struct Strategy {
     pub allowed_touch_objects: Vec<String>,
     /// How uncertain the estimate is.
     pub estimate: Estimate,
-    /// What error the grasp tolerates on an object as wide that lies so, less what the hand's own tilt
-    /// uses up of it; null where that was never simulated, or nothing is left.
+    /// What error the grasp tolerates on an object as wide that lies so, less what the hand's own
+    /// tilt uses up of it; null where that was never simulated, or nothing is left.
     pub tolerated: Option<Window>,
     /// How an arm carries the hand there; absent where none was named.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -19,8 +19,9 @@ pub struct Window {
     /// The approach may be tilted by as much as this in any direction, in radians; none where that
     /// was not simulated.
     pub tilt_rad: Option<f64>,
-    /// Where the hand comes from the side: it may be turned about its approach by as much as this in
-    /// either direction, in radians; none where that was not simulated. From above that is a yaw.
+    /// Where the hand comes from the side: it may be turned about its approach by as much as this
+    /// in either direction, in radians; none where that was not simulated. From above that is a
+    /// yaw.
     pub roll_rad: Option<f64>,
     /// What one link pressed with, at most, where object and hand were where they should be, in
     /// newtons; none where that was not measured.

@@ -112,7 +112,8 @@ fn pinched(hand: &RobotHand, width: f64) -> Strategy {
 fn jaws_that_do_not_move_alike_have_the_object_between_them() {
     let folder = Folder::new("aside");
     let mimic = "<mimic joint=\"left_slide\" multiplier=\"1\" offset=\"0\"/>";
-    // Fixed 5 mm beside the palm's middle; always 10 mm farther out than the other one; half as far.
+    // Fixed 5 mm beside the palm's middle; always 10 mm farther out than the other one; half as
+    // far.
     let fixed =
         URDF.replace("name=\"right_slide\" type=\"prismatic\"", "name=\"right_slide\" type=\"fixed\"");
     let fixed = fixed.replace("upper=\"0.035\"", "upper=\"0.07\"").replace(mimic, "");

@@ -8,8 +8,8 @@ pub(crate) struct View {
     /// In pixels, across and down.
     focal: [f64; 2],
     principal: [f64; 2],
-    /// What a point's image is moved by, times its depth, in pixel metres: of a stereo pair's second
-    /// camera, in whose pictures places are measured from the first one. 0 of any other.
+    /// What a point's image is moved by, times its depth, in pixel metres: of a stereo pair's
+    /// second camera, in whose pictures places are measured from the first one. 0 of any other.
     shift: [f64; 2],
 }
 

@@ -6,9 +6,9 @@
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
 //! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
 //! holds the connections, `idle` ends those that ask nothing where others wait, `page` is what a
-//! browser is given. `router` says which path leads where, `openapi` what each takes and answers, and
-//! [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses the
-//! line between both.
+//! browser is given. `router` says which path leads where, `openapi` what each takes and answers,
+//! and [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses
+//! the line between both.
 
 mod about;
 mod arrival;

@@ -293,8 +293,8 @@ impl UnknownArguments {
         let options = self.labelled.recognise.options()?;
         let trust = Trust::of_descriptor(&index.catalogue().descriptor, &options.segment.by);
         let limits = Limits::new(options.accept, &index.catalogue().calibration, trust.least);
-        // What is measured must not have been decided before; what the limits make of it, by all that
-        // the program goes by.
+        // What is measured must not have been decided before; what the limits make of it, by all
+        // that the program goes by.
         let measured = score(&RecogniseOptions { accept: Accept::Always, temper: false, ..options.clone() })?;
         let decided = limits.map(|limits| Ok::<_, anyhow::Error>((limits, score(&options)?))).transpose()?;
         let mut unknown = Unknown::new(self.labelled.table(), &measured, &selected.broken, decided);

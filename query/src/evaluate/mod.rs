@@ -101,8 +101,8 @@ pub fn score(recogniser: &Recogniser<'_>, folder: &Path, label: Label, labelled_
     Outcome { label, result, ms, iou }
 }
 
-/// The hand image H of a labelled picture, in full size, as `segment` finds it; a mask is used as in
-/// [`score`].
+/// The hand image H of a labelled picture, in full size, as `segment` finds it; a mask is used as
+/// in [`score`].
 ///
 /// # Errors
 /// [`Miss`]: where the picture or its mask cannot be used, or no hand is found.

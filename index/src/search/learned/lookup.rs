@@ -3,6 +3,7 @@
 use super::Learned;
 use super::centres::Ranking;
 use crate::search::blocks::{Precision, QuantisedQuery};
+use crate::search::effort::RECALL_K;
 use crate::search::nearest::Nearest;
 use crate::search::simd::{self, Simd};
 use crate::search::smallest::Smallest;
@@ -12,9 +13,6 @@ use crate::search::smallest::Smallest;
 /// codes' rounding. With half of k in place of twice k, forty buckets of `wide` find 0.984 in place
 /// of 0.996, and more buckets cost more than the measuring.
 const MORE: usize = 2;
-/// Fewer neighbours than these are looked for as these are: what a search finds was measured with
-/// as many (`measure`), and depends on how many are measured exactly.
-const LEAST: usize = 10;
 /// More are never measured exactly, whatever k is asked for.
 const MOST: usize = 1 << 30;
 /// Groups of centres that are looked through, besides three for every ten buckets that are wanted.
@@ -89,7 +87,9 @@ impl<'a> Lookup<'a> {
     /// the `k` that are wanted, and some more.
     pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
         let Self { hash, quantised, ranking, found, candidates, .. } = self;
-        let k = k.max(LEAST);
+        // What a search finds was measured with so many neighbours, and depends on how many entries
+        // are measured exactly: a search for fewer measures as many.
+        let k = k.max(RECALL_K);
         let more = k.saturating_mul(MORE).saturating_add(ranking.buckets.len() / 4);
         found.reset(k.saturating_add(more).min(MOST));
         let factor = 2.0 * hash.residual_scale * quantised.step;

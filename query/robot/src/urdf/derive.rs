@@ -106,8 +106,8 @@ impl Gripper {
         set("about", "the object's middle between the tips".into());
         // A round object's middle between the tips, where that is before the palm.
         set("standoff", by_width(&|width| (wide(width).deep - 0.5 * width).max(CLEAR)));
-        // Between the open tips, so that neither meets the object on the way to it: those that do not
-        // move alike push it to where they meet.
+        // Between the open tips, so that neither meets the object on the way to it: those that do
+        // not move alike push it to where they meet.
         if openings.iter().any(|opening| opening.middle.abs() > ASIDE) {
             set("middle", by_width(&|width| wide(width + ROOM).middle));
         }

@@ -150,8 +150,8 @@ impl Tree {
         self.joints(way).map(segment).collect()
     }
 
-    /// The joints of some ways that move by themselves, with their least and greatest values: as far
-    /// as those that follow them can.
+    /// The joints of some ways that move by themselves, with their least and greatest values: as
+    /// far as those that follow them can.
     pub(super) fn limits(
         &self,
         source: Source<'_>,

@@ -100,8 +100,9 @@ pub struct Point {
 
 impl Unknown {
     /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
-    /// not be read. The outcomes must not have been told from one another yet; `decided` are limits,
-    /// where there are any, and the outcomes of the same pictures, in the same order, told by them.
+    /// not be read. The outcomes must not have been told from one another yet; `decided` are
+    /// limits, where there are any, and the outcomes of the same pictures, in the same order, told
+    /// by them.
     pub fn new(
         labels: String,
         outcomes: &[Outcome],
