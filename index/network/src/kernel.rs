@@ -28,7 +28,7 @@ pub(crate) fn compute<const PIXELS: usize>(layer: &Packed, input: &[f32], output
             };
             for (pixel, sums) in group.iter().zip(sums) {
                 let values = rectify(sums, layer.rectifier);
-                output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
+                write(&values, &mut output[pixel.output + first..][..width]);
             }
         }
     }
@@ -68,10 +68,29 @@ fn sums<const PIXELS: usize, const WIDTH: usize>(
 
 /// What follows the sums. Comparisons, because the sign of a zero from `max` is unspecified.
 #[inline(always)]
-pub(crate) fn rectify<const N: usize>(sums: [f32; N], rectifier: Rectifier) -> [f32; N] {
+pub(crate) fn rectify<const N: usize>(mut sums: [f32; N], rectifier: Rectifier) -> [f32; N] {
+    // In loops, because a `map` of so many values becomes a call.
     match rectifier {
-        Rectifier::Zero => sums.map(|sum| if sum > 0.0 { sum } else { 0.0 }),
-        Rectifier::Leaky => sums.map(|sum| if sum > 0.0 { sum } else { sum * Architecture::LEAK }),
-        Rectifier::None => sums,
+        Rectifier::Zero => {
+            for sum in &mut sums {
+                *sum = if *sum > 0.0 { *sum } else { 0.0 };
+            }
+        }
+        Rectifier::Leaky => {
+            for sum in &mut sums {
+                *sum = if *sum > 0.0 { *sum } else { *sum * Architecture::LEAK };
+            }
+        }
+        Rectifier::None => {}
+    }
+    sums
+}
+
+/// Writes as many of a block's outputs as there is room for: all of them, but of a last block.
+#[inline(always)]
+pub(crate) fn write<const N: usize>(values: &[f32; N], to: &mut [f32]) {
+    match to.first_chunk_mut() {
+        Some(whole) => *whole = *values,
+        None => to.copy_from_slice(&values[..to.len()]),
     }
 }

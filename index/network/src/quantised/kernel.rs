@@ -11,7 +11,7 @@ use wide::{i16x16, i32x8};
 
 use super::packed::{PackedIntegers, Quads, TOGETHER};
 use super::rounding::{nearest_byte, nearest_word};
-use crate::kernel::rectify;
+use crate::kernel::{rectify, write};
 use crate::layer::{LANES, Rectifier};
 
 /// The largest integer that stands for a value.
@@ -47,7 +47,7 @@ pub(super) fn compute<const PIXELS: usize>(
             let starts = std::array::from_fn(|at| group[at.min(group.len() - 1)].input);
             for (pixel, sums) in group.iter().zip(sums(weights, width, starts)) {
                 let values = finished(sums, &units, &scales.biases, layer.rectifier);
-                output[pixel.output + first..][..width].copy_from_slice(&values[..width]);
+                write(&values, &mut output[pixel.output + first..][..width]);
             }
         }
     }
