@@ -11,6 +11,13 @@ pub(crate) struct Remap {
     pub(crate) to: String,
 }
 
+impl Remap {
+    /// Whether it is for the node of this name.
+    pub(crate) fn is_for(&self, node: &str) -> bool {
+        self.node.as_ref().is_none_or(|named| named == node)
+    }
+}
+
 /// The node's name, and how its topics are called.
 #[derive(Clone, Debug)]
 pub(crate) struct Names {
@@ -65,8 +72,7 @@ impl Names {
     pub(crate) fn remapped(&self, name: &str) -> anyhow::Result<Option<String>> {
         let own = self.full(name)?;
         for remap in &self.remaps {
-            let is_for_us = remap.node.as_ref().is_none_or(|node| *node == self.node);
-            if is_for_us && self.full(&remap.from)? == own {
+            if remap.is_for(&self.node) && self.full(&remap.from)? == own {
                 return self.full(&remap.to).map(Some);
             }
         }

@@ -16,11 +16,15 @@ use clap::{CommandFactory as _, FromArgMatches as _};
 pub(crate) use options::{Options, Transport};
 
 use crate::log::Level;
-use crate::names::Names;
+use crate::names::{Names, Remap};
 use ros::RosArguments;
 
 /// The name of the node unless `__node` says otherwise.
 const NODE: &str = "grasp";
+/// What remaps the node's name, and its older form.
+const NAME: [&str; 2] = ["__node", "__name"];
+/// What remaps the node's namespace.
+const NAMESPACE: &str = "__ns";
 /// A parameter that every node of ROS has.
 const EVERYWHERE: &str = "use_sim_time";
 
@@ -43,13 +47,17 @@ impl Arguments {
     /// Where an argument is none, or a file of parameters cannot be read. A `clap::Error` prints
     /// itself, as help does.
     pub(crate) fn read(line: impl IntoIterator<Item = OsString>) -> anyhow::Result<Self> {
-        let RosArguments { own, mut remaps, parameters, files, level } = RosArguments::split(line)?;
-        let mut rename = |key: &str| {
-            let found = remaps.iter().rposition(|remap| remap.from == key && remap.node.is_none());
-            found.map(|at| remaps.remove(at).to)
+        let RosArguments { own, remaps, parameters, files, level } = RosArguments::split(line)?;
+        let is_name = |remap: &Remap| NAME.contains(&remap.from.as_str()) || remap.from == NAMESPACE;
+        let (own_names, remaps): (Vec<Remap>, Vec<Remap>) = remaps.into_iter().partition(is_name);
+        // As of rcl's, the first that is for the node counts.
+        let renamed = |keys: &[&str], node: &str| {
+            let found =
+                own_names.iter().find(|remap| keys.contains(&remap.from.as_str()) && remap.is_for(node));
+            found.map(|remap| remap.to.clone())
         };
-        let node = rename("__node").or_else(|| rename("__name")).unwrap_or_else(|| NODE.to_owned());
-        let namespace = rename("__ns").unwrap_or_else(|| "/".to_owned());
+        let node = renamed(&NAME, NODE).unwrap_or_else(|| NODE.to_owned());
+        let namespace = renamed(&[NAMESPACE], &node).unwrap_or_else(|| "/".to_owned());
         let names = Names::new(&namespace, &node, remaps)?;
 
         let mut ignored = Vec::new();

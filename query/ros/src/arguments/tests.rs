@@ -57,6 +57,23 @@ fn names_are_remapped() {
 }
 
 #[test]
+fn the_nodes_own_names_may_be_given_for_it_and_more_than_once() {
+    let names = |line: &str| read(&format!("--ros-args {line}")).unwrap().names;
+    for (line, path) in [
+        ("-r grasp:__ns:=/arm", "/arm/grasp"),
+        ("-r grasp:__node:=eye -r eye:__ns:=/arm", "/arm/eye"),
+        ("-r other:__node:=eye -r other:__ns:=/arm", "/grasp"),
+        // As by rcl, the first that is for the node.
+        ("-r other:__ns:=/a -r __ns:=/b -r __ns:=/c", "/b/grasp"),
+        ("-r __node:=one -r __node:=two", "/one"),
+    ] {
+        let names = names(line);
+        assert_eq!(names.node_path(), path, "{line}");
+        assert_eq!(names.topic("/image").unwrap(), "/image", "{line}");
+    }
+}
+
+#[test]
 fn what_is_said_for_another_node_is_not_ours() {
     let arguments = read("--ros-args -p other:hand:=both -p grasp:hand:=left -p use_sim_time:=true").unwrap();
     assert_eq!(value(&arguments, "hand"), r#"String("left")"#);
