@@ -7,6 +7,7 @@ use wide::{i16x16, i32x8};
 
 use super::layout::{PAIR, Pairs, Tile, WIDTH, Winograd};
 use super::transform::{self, PLACES, PLANES, WINDOW};
+use crate::kernel::write;
 use crate::layer::LANES;
 use crate::quantised::kernel::finished;
 use crate::scratch::TileBuffers;
@@ -89,11 +90,7 @@ fn write_outputs(
     let windows = transform::of_sums(of_part);
     for (sums, to) in windows.iter().zip(tile.outputs) {
         let values = finished(*sums, &units, biases, layer.rectifier);
-        let to = &mut output[to + first..][..count];
-        match to.first_chunk_mut() {
-            Some(whole) => *whole = values,
-            None => to.copy_from_slice(&values[..count]),
-        }
+        write(&values, &mut output[to + first..][..count]);
     }
 }
 
