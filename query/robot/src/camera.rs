@@ -5,8 +5,8 @@ use std::path::Path;
 use nalgebra::{Isometry3, Point3};
 use serde::Deserialize;
 
-use super::RobotError;
 use super::read::{Source, text};
+use super::{DescriptionFault, RobotError};
 
 /// A camera in the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,12 +41,17 @@ impl Camera {
     /// Reads a description from memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`RobotError::Format`].
+    /// [`RobotError::Format`]: the pose is no rotation, the hand is behind the camera, a key is
+    /// unknown.
     pub fn parse(name: &str, text: &str) -> Result<Self, RobotError> {
         let source = Source { name, what: "a camera" };
         let file: File = source.parse(text)?;
         if let Some(hand) = file.hand {
             source.position("hand", hand)?;
+            let [.., ahead] = hand;
+            if ahead <= 0.0 {
+                return Err(source.error(DescriptionFault::HandBehind { ahead }));
+            }
         }
         if let Some(spread) = file.position_spread {
             source.length("position_spread", spread, 1.0)?;

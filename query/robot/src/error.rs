@@ -42,7 +42,7 @@ pub enum RobotError {
         known: String,
     },
     /// The human grasp has no counterpart.
-    #[error("{hand} has no grasp for `{grasp}`: name one under [map] in its file")]
+    #[error("{hand} has no grasp for `{grasp}`: name one under [map] of its description")]
     Unmapped {
         /// The robot hand.
         hand: String,

@@ -102,7 +102,8 @@ pub struct Travel {
 pub struct RobotGrasp {
     /// What it is for.
     pub about: String,
-    /// From the palm to the object's near side, in metres.
+    /// From the palm to the object's near side, in metres: to where a line along the approach
+    /// through its middle meets it.
     pub standoff: Value,
     /// How far beside the palm's middle the object's should lie, toward the thumb, in metres.
     #[serde(default)]

@@ -26,10 +26,8 @@ pub fn warnings(yaml: &str) -> impl Iterator<Item = &str> {
 pub fn yaml(strategy: &Strategy, id: &str) -> String {
     let mut text = String::from("---\n");
     let mut comment = |line: String| {
-        // A name may hold what ends a line, and with it the comment: in YAML 1.1, which ROS reads,
-        // that is U+0085, U+2028 and U+2029 as well.
-        let ends_line = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
-        let _ = writeln!(text, "# {}", line.replace(ends_line, " "));
+        // A name may hold what ends a line, and with it the comment.
+        let _ = writeln!(text, "# {}", line.replace(is_special, " "));
     };
     comment(format!(
         "{} of {}, like {}, on {}",
@@ -163,7 +161,7 @@ fn posture(joints: &BTreeMap<String, f64>) -> Value {
     })
 }
 
-/// A value as block YAML; strings and lists of numbers are written as JSON, which YAML contains.
+/// A value as block YAML; strings and lists of numbers are written nearly as JSON.
 fn block(value: &Value, indent: usize, text: &mut String) {
     let space = " ".repeat(indent);
     match value {
@@ -184,14 +182,38 @@ fn block(value: &Value, indent: usize, text: &mut String) {
                             let _ = write!(text, "{space}  - {}", inner.trim_start());
                         }
                     }
-                    leaf => {
-                        let _ = writeln!(text, " {leaf}");
+                    value => {
+                        let _ = writeln!(text, " {}", leaf(value));
                     }
                 }
             }
         }
-        leaf => {
-            let _ = writeln!(text, "{space}{leaf}");
+        value => {
+            let _ = writeln!(text, "{space}{}", leaf(value));
         }
     }
+}
+
+/// A number, a string or a list of them as JSON has it, but for what YAML 1.1, which ROS reads,
+/// takes otherwise: 1e-6 is a string to it, and some characters have to be escaped.
+fn leaf(value: &Value) -> String {
+    match value {
+        Value::Array(items) => format!("[{}]", items.iter().map(leaf).collect::<Vec<_>>().join(",")),
+        Value::Number(number) => match (number.to_string(), number.as_f64()) {
+            (text, Some(value)) if text.contains('e') => value.to_string(),
+            (text, _) => text,
+        },
+        other => {
+            let escaped = |c: char| match is_special(c) {
+                true => format!("\\u{:04x}", u32::from(c)),
+                false => c.to_string(),
+            };
+            other.to_string().chars().map(escaped).collect()
+        }
+    }
+}
+
+/// Whether a character ends a line in YAML 1.1, or may not stand in it at all.
+fn is_special(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
 }

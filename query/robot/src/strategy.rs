@@ -108,17 +108,18 @@ impl Strategy {
     /// The strategy of `hand` that imitates `seen` on `object`.
     ///
     /// # Errors
-    /// [`RobotError`]: the grasp has no counterpart, the orientation is unknown, the object lies in
-    /// its table or behind the camera, or is too wide.
+    /// [`RobotError`]: the grasp is none of the six or has no counterpart, the orientation is unknown,
+    /// the object lies in its table or behind the camera, or is too wide.
     pub fn new(
         hand: &RobotHand,
         seen: &ObservedHand,
         object: &Object,
         camera: &Camera,
     ) -> Result<Self, RobotError> {
-        let (name, grasp) = hand.for_human(&seen.grasp)?;
+        // First what no description of a hand could mend.
         let human = HumanGrasp::named(&seen.grasp)
             .ok_or_else(|| RobotError::UnknownHuman { grasp: seen.grasp.clone() })?;
+        let (name, grasp) = hand.for_human(&seen.grasp)?;
         if seen.spread_deg >= UNKNOWN_SPREAD_DEG {
             return Err(RobotError::NoOrientation);
         }

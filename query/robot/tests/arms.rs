@@ -226,3 +226,31 @@ fn chains_that_are_none_say_what_is_needed() {
     ];
     insta::assert_snapshot!(messages.join("\n"));
 }
+
+/// A joint that slides comes back by no turn: on a rail of 10 m, the middle of which lies farther
+/// from the object than half a turn is long if it is taken for radians.
+#[test]
+fn an_arm_on_a_long_rail_stays_where_it_reaches() {
+    let text = UR5E
+        .replacen("joints = [", "joints = [\"rail\",", 1)
+        .replacen("limits = [", "limits = [[0.0, 10.0],", 1)
+        .replacen(
+            "\n[[segment]]",
+            "\n[[segment]]\njoint = \"rail\"\naxis = [1.0, 0.0, 0.0]\nslides = true\n[[segment]]",
+            1,
+        )
+        .replacen("position = [0.0, 0.35, 0.0]", "position = [0.0, 0.0, 0.0]", 1);
+    let arm = Arm::parse("rail.toml", &text).unwrap();
+    let flange = Isometry3::from_parts(
+        Translation3::new(0.6, 0.3, 0.4),
+        UnitQuaternion::new(Vector3::y() * std::f64::consts::PI),
+    );
+    let motion = reach(&arm, &flange);
+    assert!(motion.reachable, "{:?}", motion.unreachable);
+    for waypoint in &motion.waypoints {
+        let (rail, joints) = waypoint.joints.split_first().unwrap();
+        let found = Translation3::new(*rail, 0.0, 0.0) * ur5e(joints);
+        let back = flange * Translation3::new(0.0, 0.0, waypoint.distance - 0.001);
+        assert!((0.0..2.0).contains(rail) && near(&found, &back), "{waypoint:?}");
+    }
+}

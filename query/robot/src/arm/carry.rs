@@ -1,7 +1,5 @@
 //! The way: which joint angles carry the hand along it.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::described::Arm;
@@ -146,9 +144,10 @@ impl Arm {
     /// allow.
     fn within(&self, joints: &[f64]) -> Option<Vec<f64>> {
         let mut turned = joints.to_vec();
-        for (joint, [low, high]) in turned.iter_mut().zip(&self.limits) {
-            let turns = (((low + high) / 2.0 - *joint) / TAU).round();
-            *joint += turns * TAU;
+        for (at, (joint, [low, high])) in turned.iter_mut().zip(&self.limits).enumerate() {
+            if let Some(turn) = self.solver.whole_turn(at) {
+                *joint += turn * (((low + high) / 2.0 - *joint) / turn).round();
+            }
         }
         self.allows(&turned).then_some(turned)
     }

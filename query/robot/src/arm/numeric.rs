@@ -1,7 +1,7 @@
 //! Arms of any joints, solved step by step: Levenberg's damped least squares (1944), begun from
 //! postures that are spread over the joints' ranges.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, Vector3, Vector6};
 
@@ -21,7 +21,7 @@ const RADIAN: f64 = 0.3;
 const STRIDE: f64 = 0.4;
 /// Damping: at first, at least and at most.
 const DAMPING: [f64; 3] = [1e-3, 1e-9, 1e3];
-/// Postures whose joints differ by less, in radians, are the same one.
+/// Postures whose joints differ by less, in radians (metres where they slide), are the same one.
 const SAME: f64 = 1e-2;
 
 /// An arm's joints, each with the limb behind it.
@@ -65,7 +65,7 @@ impl Limbs {
             for number in 0..BEGINNINGS {
                 let reached = self.reach(flange, self.beginning(number), is_limited);
                 if let Some(posture) =
-                    reached.filter(|posture| found.iter().all(|other| differ(posture, other)))
+                    reached.filter(|posture| found.iter().all(|other| self.differ(posture, other)))
                 {
                     found.push(posture);
                 }
@@ -83,6 +83,24 @@ impl Limbs {
         self.reach(flange, last.to_vec(), true).or_else(|| self.reach(flange, last.to_vec(), false))
     }
 
+    /// By how much a joint moves until the arm is as before; `None` of one that slides.
+    pub(super) fn whole_turn(&self, joint: usize) -> Option<f64> {
+        let name = self.joints.get(joint)?;
+        let segment = self.segments.iter().find(|segment| segment.joint.as_ref() == Some(name))?;
+        (!segment.slides && segment.factor != 0.0).then(|| TAU / segment.factor.abs())
+    }
+
+    /// Whether two postures are of different sorts, whole turns aside.
+    fn differ(&self, one: &[f64], other: &[f64]) -> bool {
+        one.iter().zip(other).enumerate().any(|(joint, (a, b))| {
+            let apart = match self.whole_turn(joint) {
+                Some(turn) => (a - b).rem_euclid(turn).min((b - a).rem_euclid(turn)),
+                None => (a - b).abs(),
+            };
+            apart > SAME
+        })
+    }
+
     /// Postures that fill the joints' ranges evenly, however many are taken: Roberts' sequence, by
     /// the powers of the root of x^(d+1) = x + 1. Of a joint that turns over more than a turn a
     /// whole one about its middle is enough.
@@ -90,13 +108,14 @@ impl Limbs {
         let dimensions = self.limits.len();
         let root = (0..40).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (dimensions as f64 + 1.0)));
         let mut power = 1.0;
-        let place = |[low, high]: &[f64; 2]| {
+        let place = |(joint, [low, high]): (usize, &[f64; 2])| {
             power /= root;
             let share = (0.5 + power * f64::from(number)).fract();
-            let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).min(PI));
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            let half = self.whole_turn(joint).map_or(half, |turn| half.min(0.5 * turn));
             middle + half * (2.0 * share - 1.0)
         };
-        self.limits.iter().map(place).collect()
+        self.limits.iter().enumerate().map(place).collect()
     }
 
     /// The posture that is reached from `posture`.
@@ -157,12 +176,4 @@ impl Limbs {
         let [a, b, c] = (turn * RADIAN).into();
         (Vector6::new(x, y, z, a, b, c), jacobian)
     }
-}
-
-/// Whether two postures are of different sorts, whole turns aside.
-fn differ(one: &[f64], other: &[f64]) -> bool {
-    one.iter().zip(other).any(|(a, b)| {
-        let turn = (a - b).rem_euclid(TAU);
-        turn.min(TAU - turn) > SAME
-    })
 }

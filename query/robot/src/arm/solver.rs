@@ -1,5 +1,7 @@
 //! Which postures of an arm bring its flange where it should be.
 
+use std::f64::consts::TAU;
+
 use nalgebra::Isometry3;
 
 use super::numeric::Limbs;
@@ -29,6 +31,14 @@ impl Solver {
         match self {
             Self::Opw(geometry) => geometry.near(flange, last),
             Self::Numeric(limbs) => limbs.near(flange, last).into_iter().collect(),
+        }
+    }
+
+    /// By how much a joint moves until the arm is as before; `None` of one that slides.
+    pub(super) fn whole_turn(&self, joint: usize) -> Option<f64> {
+        match self {
+            Self::Opw(_) => Some(TAU),
+            Self::Numeric(limbs) => limbs.whole_turn(joint),
         }
     }
 }

@@ -213,6 +213,15 @@ pub enum DescriptionFault {
         /// See `least`.
         most: f64,
     },
+    /// A hand where the camera does not look.
+    #[error(
+        "hand is at z = {ahead} m in the camera's frame, behind it, where no picture shows it: its z points forward, its x right \
+         and its y down in the picture"
+    )]
+    HandBehind {
+        /// How far the wrist is before the camera, in metres.
+        ahead: f64,
+    },
     /// A shape that is none.
     #[error("shape = `{0}`: it must be cylinder, disc, box or sphere")]
     Shape(String),
