@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use grasp_renders::render_set::{Manifest, RenderSetError, Summary, write_set};
-use grasp_renders::{HAND_FLOOR, HandShape, Look, Preset, RenderPlan, Stage, ViewGrid, Views};
+use grasp_renders::render_set::{Manifest, ManifestError, RenderSetError, Summary, write_set};
+use grasp_renders::{GraspSet, HAND_FLOOR, HandShape, Look, Preset, RenderPlan, Stage, ViewGrid, Views};
 
 fn small_plan() -> RenderPlan {
     RenderPlan {
@@ -21,6 +21,12 @@ fn small_plan() -> RenderPlan {
 
 fn write(folder: &Path, plan: &RenderPlan) -> Summary {
     write_set(folder, plan, &|_, _| {}, &AtomicBool::new(false)).expect("the set is written")
+}
+
+/// What the manifest in a folder says, of the built-in grasps.
+fn read(folder: &Path) -> Result<Manifest, ManifestError> {
+    let path = folder.join("manifest.csv");
+    Manifest::parse(&fs::read(&path).expect("a manifest"), path, &GraspSet::builtin())
 }
 
 /// Every file below a folder with its bytes, sorted by path.
@@ -66,7 +72,7 @@ fn scenes_that_a_name_cannot_distinguish_have_files_of_their_own() {
     let folder = tempfile::tempdir().expect("a folder");
     let summary = write(folder.path(), &plan);
     assert_eq!(files(folder.path()).len(), plan.renders() + 1);
-    let set = Manifest::read(folder.path()).expect("it is read");
+    let set = read(folder.path()).expect("it is read");
     let names: std::collections::HashSet<_> = set.rows.iter().map(|row| &row.file).collect();
     assert_eq!((names.len(), summary.rendered), (plan.renders(), plan.renders()));
     assert_eq!(write(folder.path(), &plan), Summary { rendered: 0, kept: plan.renders(), ..summary });
@@ -108,6 +114,24 @@ fn what_is_listed_besides_is_counted_and_no_picture_of_others_is_unlisted() {
     assert_eq!(files(folder.path()), before);
 }
 
+#[cfg(unix)]
+#[test]
+fn two_runs_do_not_mix_in_one_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = small_plan();
+    let other_run = AtomicBool::new(false);
+    // Asked for in the midst of a run.
+    let second = |_, _| {
+        if !other_run.swap(true, Ordering::Relaxed) {
+            let error = write_set(folder.path(), &plan, &|_, _| {}, &AtomicBool::new(false)).unwrap_err();
+            assert!(matches!(error, RenderSetError::Locked { .. }), "{error}");
+        }
+    };
+    write_set(folder.path(), &plan, &second, &AtomicBool::new(false)).expect("the first is not disturbed");
+    assert!(other_run.into_inner());
+    assert_eq!(write(folder.path(), &plan).kept, plan.renders());
+}
+
 #[test]
 fn no_manifest_speaks_of_pictures_that_were_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -129,7 +153,7 @@ fn what_was_written_is_read_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = small_plan();
     write(folder.path(), &plan);
-    let manifest = Manifest::read(folder.path()).expect("the manifest is read");
+    let manifest = read(folder.path()).expect("the manifest is read");
     assert_eq!(manifest.rows.len(), plan.renders());
     let views = plan.views(&plan.scenes()[0]);
     for (s, spec) in plan.scenes().iter().enumerate() {
@@ -202,7 +226,7 @@ fn foreign(lines: &str) -> (tempfile::TempDir, Result<Manifest, String>) {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("a.png"), b"not looked at").expect("written");
     fs::write(folder.path().join("manifest.csv"), lines).expect("written");
-    let read = Manifest::read(folder.path()).map_err(|e| {
+    let read = read(folder.path()).map_err(|e| {
         let path = folder.path().display().to_string();
         e.to_string().replace(&path, "SET")
     });
@@ -238,6 +262,5 @@ fn mistakes_in_a_manifest_are_told_with_their_line() {
     insta::assert_snapshot!(line("a.png,pinch,8,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: grasp `pinch` is number 9, not 8");
     insta::assert_snapshot!(line("a.png,pinch,9,hold,0,0,0,1"), @"SET/manifest.csv: line 3: there is no stage `hold`: the stages are reach, close and grasp");
     insta::assert_snapshot!(line("a.png,pinch"), @"SET/manifest.csv: line 3: not a line of this table: it has 2 fields where the header has 8");
-    let missing = Manifest::read("/nowhere/manifest.csv").expect_err("missing").to_string();
-    assert!(missing.starts_with("cannot read the manifest /nowhere/manifest.csv"));
+    insta::assert_snapshot!(line("./a.png,pinch,9,grasp,0,0,0,1"), @"SET/manifest.csv: line 3: the file `./a.png` is listed twice");
 }

@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
 
 use super::border::Border;
+use super::dressed::{CameraScene, FIRST_OBJECT};
 use super::marks::Mark;
 use super::randomised::Randomised;
-use super::scene::{CameraScene, FIRST_OBJECT};
 use super::shut::shut;
 use crate::random::{between, normal, unit};
 use crate::raster::{Projected, fill};

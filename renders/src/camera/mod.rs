@@ -10,7 +10,7 @@
 mod background;
 mod border;
 mod clutter;
-
+mod dressed;
 mod lattice;
 mod layers;
 mod light;
@@ -19,16 +19,13 @@ mod optics;
 mod paint;
 mod palette;
 mod randomised;
-mod scene;
 mod shading;
-
 mod shut;
-
 mod surface;
 mod things;
 mod wrist;
 
+pub use dressed::{CameraScene, PosedHand};
 pub use layers::{Framing, Layers};
 pub use paint::{Part, Picture};
 pub use randomised::Randomised;
-pub use scene::{CameraScene, PosedHand};

@@ -3,13 +3,13 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::background::Background;
+use super::dressed::FIRST_OBJECT;
 use super::lattice::Lattice;
 use super::layers::{Framing, Layers, Texel};
 use super::light::Light;
 use super::optics::{develop, develop_ideally};
 use super::palette::{Rgb, scale};
 use super::randomised::Randomised;
-use super::scene::FIRST_OBJECT;
 use super::surface::{Material, Skin};
 use crate::random::{between, normal, unit};
 

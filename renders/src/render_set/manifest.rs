@@ -1,7 +1,6 @@
 //! Reading and writing `manifest.csv`. The columns are documented in [`super`].
 
 use std::collections::HashSet;
-use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
@@ -52,14 +51,6 @@ pub struct Manifest {
 /// A manifest that cannot be used, and where.
 #[derive(Debug, thiserror::Error)]
 pub enum ManifestError {
-    /// The file cannot be read.
-    #[error("cannot read the manifest {path}")]
-    Read {
-        /// The manifest.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
     /// The header lacks a column.
     #[error("{path}: line 1: column `{column}` is missing: file, grasp, qx, qy, qz and qw are needed")]
     MissingColumn {
@@ -128,36 +119,13 @@ pub enum Problem {
 }
 
 impl Manifest {
-    /// Reads and checks a manifest whose classes are the built-in grasps.
-    ///
-    /// # Errors
-    ///
-    /// See [`Manifest::read_with`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Manifest, ManifestError> {
-        Manifest::read_with(path, &GraspSet::builtin())
-    }
-
-    /// Reads and checks a manifest: `path` is the file, or the folder that holds a `manifest.csv`.
+    /// Checks what the manifest at `path` says, of which these are the `bytes`.
     ///
     /// # Errors
     ///
     /// With the line's number: a column that is missing, a field that is no number, a quaternion
     /// that is not of unit length, a grasp that `grasps` does not have, a file that leads out of
-    /// the folder or does not exist.
-    pub fn read_with(path: impl AsRef<Path>, grasps: &GraspSet) -> Result<Manifest, ManifestError> {
-        let mut path = path.as_ref().to_owned();
-        if path.is_dir() {
-            path.push(MANIFEST);
-        }
-        let bytes = fs::read(&path).map_err(|source| ManifestError::Read { path: path.clone(), source })?;
-        Manifest::parse(&bytes, path, grasps)
-    }
-
-    /// Checks what the manifest at `path` says, of which these are the `bytes`.
-    ///
-    /// # Errors
-    ///
-    /// See [`Manifest::read_with`].
+    /// the folder, does not exist or is listed twice.
     pub fn parse(bytes: &[u8], path: PathBuf, grasps: &GraspSet) -> Result<Manifest, ManifestError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let at_line = |line: u64, problem: Problem| ManifestError::Line { path: path.clone(), line, problem };
@@ -169,7 +137,7 @@ impl Manifest {
         while table.advance().map_err(|fault| at_line(table.line(), fault.into()))? {
             let row = table.row().map_err(Problem::from);
             let render = row.and_then(|row| render(&row, &folder, grasps)).and_then(|render| {
-                match files.insert(render.file.clone()) {
+                match files.insert(plain(&render.file)) {
                     true => Ok(render),
                     false => Err(Problem::Twice(render.file)),
                 }
@@ -181,6 +149,11 @@ impl Manifest {
         }
         Ok(Manifest { folder, rows })
     }
+}
+
+/// A path without `.` and empty parts: the same for the same file.
+fn plain(file: &str) -> PathBuf {
+    Path::new(file).components().filter(|part| matches!(part, Component::Normal(_))).collect()
 }
 
 /// The render of a line, whose file lies in `folder`.

@@ -12,6 +12,7 @@
 //! | `grasp` | needed | the class: a name of the [`GraspSet`](crate::GraspSet) |
 //! | `qx`, `qy`, `qz`, `qw` | needed | `camera_from_hand`: the unit quaternion that turns the hand's axes (x wrist to middle knuckle, z out of the back, y toward the thumb; right hand) into the camera's (z forward, x right, y down) |
 //! | `hand_shape` | `unknown` | whose hand |
+//! | `hand` | `right` | must be `right`: pictures of left hands, and their rotations, are to be flipped |
 //! | `cutkosky` | from the grasp | the class's number; must agree with `grasp` |
 //! | `stage` | `grasp` | `reach`, `close` or `grasp` |
 //! | `azimuth`, `elevation`, `roll` | 0 | degrees, as in [`View`](crate::View); kept in the index; the roll also tells two pictures of one view apart |

@@ -1,7 +1,7 @@
 //! Writing a render set: in parallel, resumable, the manifest last.
 
 use std::collections::HashSet;
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -45,6 +45,12 @@ pub enum RenderSetError {
         path: PathBuf,
         /// Why.
         source: io::Error,
+    },
+    /// Another run is writing into the folder.
+    #[error("another program is writing renders into {path}: wait for it to end, or choose another folder")]
+    Locked {
+        /// The folder.
+        path: PathBuf,
     },
     /// The folder holds a render set that another program made.
     #[error("{path} lists pictures that another program made: choose another folder")]
@@ -127,8 +133,8 @@ fn files(scenes: &[SceneSpec], plan: &RenderPlan) -> Vec<Vec<String>> {
 ///
 /// # Errors
 ///
-/// When a file cannot be written, when the plan is empty, and [`RenderSetError::Cancelled`] soon
-/// after `cancel` becomes true.
+/// When a file cannot be written, when another run is writing into the folder, when the plan is
+/// empty, and [`RenderSetError::Cancelled`] soon after `cancel` becomes true.
 pub fn write_set(
     folder: &Path,
     plan: &RenderPlan,
@@ -142,6 +148,8 @@ pub fn write_set(
     if total > MOST {
         return Err(RenderSetError::TooMany { total });
     }
+    fs::create_dir_all(folder).map_err(|source| RenderSetError::Write { path: folder.to_owned(), source })?;
+    let _lock = Lock::of(folder)?;
     let scenes = plan.scenes();
     let files = files(&scenes, plan);
     let manifest = folder.join(MANIFEST);
@@ -165,13 +173,36 @@ pub fn write_set(
     Ok(Summary { rendered: counts.done.into_inner() - kept, kept, unlisted, manifest })
 }
 
+/// Keeps other runs out of a folder until it is dropped: the manifest of one would tell wrongly of
+/// the pictures of another.
+struct Lock(File);
+
+impl Lock {
+    /// Locks a folder. Where a system opens or locks none, nothing keeps others out.
+    fn of(folder: &Path) -> Result<Option<Self>, RenderSetError> {
+        let Ok(handle) = File::open(folder) else { return Ok(None) };
+        match handle.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(RenderSetError::Locked { path: folder.to_owned() }),
+            Err(TryLockError::Error(_)) => Ok(None),
+            Ok(()) => Ok(Some(Self(handle))),
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Not by closing alone: a child process that is just being started has the handle as well.
+        let _ = self.0.unlock();
+    }
+}
+
 /// How many renders the manifest in the folder lists that are not among the plan's files.
 ///
 /// # Errors
 /// [`RenderSetError::Foreign`] where it lists a picture that another program made: that is
 /// somebody's work, and is not replaced.
 fn unlisted(folder: &Path, manifest: &Path, files: &[Vec<String>]) -> Result<usize, RenderSetError> {
-    let Ok(file) = fs::File::open(manifest) else {
+    let Ok(file) = File::open(manifest) else {
         return Ok(0);
     };
     let mut reader = csv::Reader::from_reader(file);
