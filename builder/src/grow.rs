@@ -11,7 +11,8 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use grasp_index::{
-    AtomicFile, Catalogue, EntryError, HashInfo, HashParams, Index, NewEntry, Originals, RandomParams,
+    AtomicFile, Catalogue, ClassInfo, EntryError, HashInfo, HashParams, Index, NewEntry, Originals,
+    RandomParams,
 };
 use grasp_renders::RenderPlan;
 use grasp_terminal::Progress;
@@ -94,15 +95,22 @@ pub fn grow(growth: &Growth, out: &Path, progress: Progress) -> anyhow::Result<R
     drop(bar);
     if let Some(source) = &growth.more {
         let bar = progress.bar(source.len() as u64, "describing", "views");
+        let (mut added, mut known) = (0, 0);
         let mut take = |mut batch: Vec<Described>| -> anyhow::Result<()> {
             bar.inc(batch.len() as u64);
             interrupt::check()?;
             let mut is_new = |entry: &NewEntry| there.insert(identity(&entry.file, entry.source_hash));
+            let before = batch.len();
             batch.retain(|described| described.as_ref().is_none_or(|(entry, _)| is_new(entry)));
+            known += before - batch.len();
+            added += batch.iter().flatten().count();
             gathered.take(batch)
         };
         source.describe(&names, &recipe, &Known::nothing(), 0..source.pieces(), &mut take)?;
         drop(bar);
+        if !growth.keep && added == 0 && known > 0 {
+            bail!("the index holds all of these pictures: there is nothing for a segment of its own");
+        }
     }
     let report = gathered.finish(&Known::nothing(), || recipe.held_out_rows(&names), progress)?;
     Ok(Report { elapsed: started.elapsed(), ..report })
@@ -170,9 +178,13 @@ fn names(first: &Catalogue, indexes: &[Index], growth: &Growth) -> anyhow::Resul
     if let Some(class) = names.classes.iter().find(|class| !seen.insert(&class.name)) {
         bail!("the grasp {} has two numbers: give it the same one everywhere", class.name);
     }
-    // In the order of the numbers; 0 is none.
+    // In the order of the numbers; 0 is none. What an index tells apart it goes on to.
+    let are_together = |one: &ClassInfo, other: &ClassInfo| {
+        let has = |index: &Index, class: &ClassInfo| index.catalogue().classes.contains(class);
+        indexes.iter().any(|index| has(index, one) && has(index, other))
+    };
     for (one, other) in names.classes.iter().zip(names.classes.iter().skip(1)) {
-        if one.cutkosky == other.cutkosky && one.cutkosky > 0 {
+        if one.cutkosky == other.cutkosky && one.cutkosky > 0 && !are_together(one, other) {
             bail!("{} and {} have the same number: give each grasp its own", one.name, other.name);
         }
     }

@@ -28,8 +28,9 @@ pub struct Segment {
 /// left there is removed.
 ///
 /// # Errors
-/// When the index is damaged or has fewer entries, or a segment cannot be written; then no segment
-/// of this index stays, and what was at the place of those that were not begun is as it was.
+/// When the index is damaged or has fewer entries, another run is writing the same segments, or one
+/// cannot be written; then no segment of this index stays, and what was at the place of those that
+/// were not begun is as it was.
 /// [`Interrupted`] when the user asked to stop.
 pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow::Result<Vec<Segment>> {
     let index = open_sound(path)?;
@@ -40,6 +41,9 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
     clear(out);
     let ends = ends(&index, count)?;
+    // From the beginning: two runs that write the same segments do not mix, and neither removes what
+    // the other has written.
+    let mut last = Some(AtomicFile::create(&out.join(file_name(count, count)))?);
     let bar = progress.bar(u64::from(count), "splitting", "segments");
     let mut written = Written::default();
     let mut start = 0;
@@ -48,7 +52,10 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
         let entries = start..end;
         let note = format!("{number} of {count}: entries {} to {} of {}", start, end - 1, index.len());
         let provenance = vec![("segment".to_owned(), note)];
-        let file = AtomicFile::create(&path)?;
+        let file = match last.take_if(|_| number == count) {
+            Some(last) => last,
+            None => AtomicFile::create(&path)?,
+        };
         let bytes = match index.write_segment(entries.clone(), provenance, file, &interrupt::flow) {
             Err(BuildError::Stopped) => return Err(Interrupted.into()),
             other => other.with_context(|| format!("{} was not written", path.display()))?,

@@ -73,7 +73,7 @@ impl Networks {
                 let values = figures.iter().map(|figure| (figure.name.clone(), json!(figure.value)));
                 let figures: Map<String, Value> = values.collect();
                 let record = json!({
-                    "file": path,
+                    "file": path.display().to_string(),
                     "fingerprint": fingerprint,
                     "scenes": self.scenes,
                     "figures": figures,

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 use grasp_renders::{GraspSet, HandModel, HandShape, Preset, RenderPlan, Stage, ViewGrid, Views};
+use grasp_terminal::text::shown;
+use tracing::info;
 
 use super::preset::preset;
 use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, STEPS_DEG, VIEWS, Version, are_elevations};
@@ -269,7 +271,12 @@ impl PlanOptions {
 }
 
 pub(super) fn hand_model(path: &Path) -> anyhow::Result<HandModel> {
-    HandModel::load(path).with_context(|| format!("cannot use the hand of {}", path.display()))
+    let model =
+        HandModel::load(path).with_context(|| format!("cannot use the hand of {}", path.display()))?;
+    if model.was_left() {
+        info!("{} is a left hand by its thumb: it is mirrored", shown(path));
+    }
+    Ok(model)
 }
 
 /// The limits of a count, as clap wants them.

@@ -88,7 +88,7 @@ pub fn shard(
     };
     source.describe(&names, recipe, &Known::nothing(), range, &mut take)?;
     drop(bar);
-    let (entries, without_hand) = writer.finish()?;
+    let (entries, without_hand) = writer.finish().with_context(cannot)?;
     Ok(Report { path, entries, without_hand, was_there: false })
 }
 

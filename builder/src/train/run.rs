@@ -5,8 +5,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, ensure};
-use grasp_index::AtomicFile;
+use anyhow::{Context as _, bail, ensure};
+use grasp_index::{AtomicFile, WriteError};
 use grasp_network::Network;
 use grasp_terminal::Progress;
 
@@ -59,9 +59,9 @@ pub struct Trained {
 ///
 /// # Errors
 /// Where `start` is not the network that the options name or is of another kind, a file cannot be
-/// read or written, the checkpoint is of a training with other options, a scene cannot be rendered,
-/// the training diverges, or `check` has stopped the work: what was trained until then is in the
-/// checkpoint.
+/// read or written, another training is at work on the checkpoint or it is of one with other
+/// options, a scene cannot be rendered, the training diverges, or `check` has stopped the work:
+/// what was trained until then is in the checkpoint.
 pub fn train(
     options: &Options,
     schedule: Schedule,
@@ -92,6 +92,7 @@ fn train_on<C: Course>(
 ) -> anyhow::Result<Trained> {
     // From the beginning: nobody else trains the same network, and it can be written in the end.
     let mut out = AtomicFile::create(&files.network)?;
+    let _claim = claim(&files.checkpoint)?;
     // What cannot be written is reported now, not after an hour.
     for path in [&files.curve, &files.checkpoint] {
         drop(AtomicFile::create(path)?);
@@ -124,6 +125,22 @@ fn train_on<C: Course>(
         removed.with_context(|| format!("cannot remove {}", files.checkpoint.display()))?;
     }
     Ok(Trained { network, curve: rows })
+}
+
+/// Keeps other trainings, of another network, from the same checkpoint until it is dropped: they
+/// would overwrite each other's. The checkpoint is replaced again and again, so that no lock of its
+/// own would last.
+fn claim(checkpoint: &Path) -> anyhow::Result<AtomicFile> {
+    let place = fs::canonicalize(checkpoint).unwrap_or_else(|_| checkpoint.to_path_buf());
+    let mut name = place.into_os_string();
+    name.push(".lock");
+    match AtomicFile::create(Path::new(&name)) {
+        Err(WriteError::Locked { .. }) => bail!(
+            "another training keeps what it has done in {}: wait for it to end, or name another file with --checkpoint",
+            checkpoint.display()
+        ),
+        other => Ok(other?),
+    }
 }
 
 /// So many percent of the weights of one network and the rest of another's, which began with it:

@@ -178,6 +178,32 @@ fn another_trainings_checkpoint_is_refused_and_kept() {
 }
 
 #[test]
+fn two_trainings_do_not_share_a_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let checkpoint = folder.path().join("shared");
+    let train_another = || {
+        let files =
+            Files { checkpoint: checkpoint.clone(), ..Files::beside(&folder.path().join("other.network")) };
+        train(&OPTIONS, SCHEDULE, None, &files, Progress::hidden(), &|| Err(Interrupted))
+    };
+    let refused = AtomicU64::new(0);
+    // Begun in the midst of a training.
+    let check = || match refused.fetch_add(1, Ordering::Relaxed) {
+        0 => {
+            let error = train_another().unwrap_err().to_string();
+            assert!(error.starts_with("another training keeps what it has done in"), "{error}");
+            Ok(())
+        }
+        _ => Err(Interrupted),
+    };
+    let files = Files { checkpoint: checkpoint.clone(), ..files(folder.path()) };
+    let stopped = train(&OPTIONS, SCHEDULE, None, &files, Progress::hidden(), &check).unwrap_err();
+    assert!(stopped.is::<Interrupted>());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "neither leaves anything");
+    assert!(train_another().unwrap_err().is::<Interrupted>(), "the checkpoint is free again");
+}
+
+#[test]
 fn a_folder_that_is_missing_is_reported_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let error = run(&OPTIONS, &folder.path().join("none"), 1, 0).unwrap_err();

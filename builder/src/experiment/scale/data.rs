@@ -136,13 +136,6 @@ fn given(descriptors: &Path, queries: &Path, size: u64) -> anyhow::Result<Prepar
             asked.columns()
         );
     }
-    if size > indexed.len() {
-        bail!(
-            "{} holds {} rows, and {size} are wanted: lower --largest or --sizes",
-            descriptors.display(),
-            indexed.len()
-        );
-    }
     let dim = usize::try_from(indexed.columns())?;
     let base = Base { dim, rows: size, files: vec![(descriptors.to_path_buf(), size)] };
     let queries = asked.all().with_context(|| cannot_use(queries))?;

@@ -77,6 +77,11 @@ pub fn run(
             other.data
         );
     }
+    // Before the smaller ones are measured.
+    let most = settings.data.most()?;
+    if let Some(size) = settings.sizes.iter().find(|size| **size > most) {
+        bail!("the array holds {most} rows, and {size} are wanted: lower --sizes");
+    }
     let work = Work::in_folder(settings)?;
     for &size in &settings.sizes {
         let hashes = settings.hashes.iter().filter(|(_, most)| size <= *most).map(|(hash, _)| *hash);
