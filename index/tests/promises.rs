@@ -4,6 +4,7 @@ use grasp_index::{
     DescriptorParams, Effort, Index, IndexParams, IndexWriter, KeptFields, NewEntry, Originals, SearchError,
     SearchOptions,
 };
+use insta::assert_snapshot;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -103,4 +104,28 @@ fn what_cannot_be_found_is_said() {
     assert!(matches!(search(Effort::Recall(1.0)), Err(SearchError::NotReached { .. })));
     let huge = vec![2e15; DIM];
     assert_eq!(index.search(&huge, &SearchOptions::default()), Err(SearchError::Huge { at: 0 }));
+}
+
+#[test]
+fn differences_too_small_for_distances_are_refused_and_equal_rows_are_not() {
+    let finished = |scale: f32, originals| {
+        let params = IndexParams {
+            descriptor: DescriptorParams::raw(DIM as u32),
+            kept: KeptFields::nothing(),
+            originals,
+            ..IndexParams::default()
+        };
+        let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+        for seed in 0..50 {
+            let descriptor = row(seed, 0.1).iter().map(|value| scale * value).collect();
+            writer.push(NewEntry { descriptor, ..NewEntry::default() }).expect("the entry fits");
+        }
+        writer.finish_bytes().map(drop).map_err(|error| error.to_string())
+    };
+    assert_eq!(finished(0.0, Originals::F32), Ok(()));
+    assert_eq!(finished(1e-11, Originals::F32), Ok(()));
+    assert_snapshot!(finished(1e-22, Originals::F32).unwrap_err(), @"the descriptors differ by less than 1e-12, too little to measure distances by: multiply all descriptors by the same number");
+    assert_snapshot!(finished(1e-22, Originals::None).unwrap_err(), @"the descriptors differ by less than 1e-12, too little to measure distances by: multiply all descriptors by the same number");
+    assert_eq!(finished(1e-3, Originals::F16), Ok(()));
+    assert_snapshot!(finished(1e-8, Originals::F16).unwrap_err(), @"the descriptors differ by less than 6e-5, too little for 16 bits: keep the originals as f32, or multiply all descriptors by the same number");
 }

@@ -103,12 +103,14 @@ pub(crate) fn moved(
 }
 
 /// `row`, moved by `length` in the direction from `start` to `end`, which are rows as well. Where
-/// these are equal there is no such direction, and the row stays as it is.
+/// these are equal, or so near to each other that their distance is no number to divide `length`
+/// by, there is no such direction, and the row stays as it is.
 #[must_use]
 pub fn moved_along(row: &[f32], start: &[f32], end: &[f32], length: f32) -> Vec<f32> {
     let step: Vec<f32> = start.iter().zip(end).map(|(start, end)| end - start).collect();
     let norm = distance::dot(&step, &step).sqrt();
-    let scale = if norm > 0.0 { length / norm } else { 0.0 };
+    let scale = length / norm;
+    let scale = if scale.is_finite() { scale } else { 0.0 };
     row.iter().zip(&step).map(|(value, step)| value + scale * step).collect()
 }
 
@@ -129,5 +131,6 @@ mod tests {
         assert_eq!(moved, [7.0, 10.0]);
         // Of a length beyond 4, a division by the least float was not finite.
         assert_eq!(moved_along(&[1.0, 2.0], &[3.0, 4.0], &[3.0, 4.0], 1e6), [1.0, 2.0]);
+        assert_eq!(moved_along(&[1.0, 2.0], &[0.0, 0.0], &[1e-22, 0.0], 1e17), [1.0, 2.0]);
     }
 }

@@ -1,7 +1,8 @@
 //! Equation 3: every neighbour votes for its class with the weight `exp(-d^2 / (2 sigma^2))`.
 
-/// The smallest sigma that is divided by: an index of equal descriptors has sigma 0.
-const MIN_SIGMA: f64 = 1e-12;
+/// The smallest sigma that is divided by: an index of equal descriptors has sigma 0. Far below that
+/// of any others, and the square of a distance by it is finite.
+const MIN_SIGMA: f64 = 1e-30;
 
 /// The logarithm of a neighbour's weight.
 fn log_weight(distance: f64, sigma: f64) -> f64 {
@@ -70,6 +71,16 @@ mod tests {
         let found = shares(ballots, 3, 1.0);
         assert_eq!(found, [1.0, 0.0, 0.0]);
         assert_eq!(kernel_mass(ballots, 1.0), 0.0);
+    }
+
+    #[test]
+    fn the_unit_of_distances_does_not_matter() {
+        // exp(-0.5) and exp(-2), whatever all is multiplied by.
+        let expected = shares([(0, 1.0), (1, 2.0)], 2, 1.0);
+        for unit in [1e-20, 1e-12, 1e12] {
+            let found = shares([(0, unit), (1, 2.0 * unit)], 2, unit);
+            assert!((found[0] - expected[0]).abs() < 1e-12, "{unit}: {found:?}");
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod columns;
 mod hash_sections;
 pub(crate) mod segment;
 mod sink;
+mod spread;
 
 use super::atomic::{AtomicFile, WriteError};
 use super::catalogue::Catalogue;
@@ -28,6 +29,7 @@ use columns::Columns;
 use grasp_network::Network;
 use half::f16;
 use sink::Sink;
+use spread::Spread;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -43,6 +45,7 @@ use xxhash_rust::xxh3::xxh3_64;
 pub struct IndexWriter {
     params: IndexParams,
     columns: Columns,
+    spread: Spread,
     /// The file's own bytes: room for the header, and the descriptors so far.
     out: Sink,
     /// The descriptors so far, after as much room, where the file is to keep them in another form
@@ -103,7 +106,8 @@ impl IndexWriter {
             let started = sink.append(&[0; header::LENGTH]).and_then(|()| sink.open());
             started.map_err(|source| failed(file.as_ref(), source))?;
         }
-        Ok(Self { params, columns: Columns::default(), out, rows, thumbnails, file })
+        let (columns, spread) = (Columns::default(), Spread::default());
+        Ok(Self { params, columns, spread, out, rows, thumbnails, file })
     }
 
     /// What the index is to be like.
@@ -149,6 +153,7 @@ impl IndexWriter {
             return Err(BuildError::Entry { file: entry.file, what });
         }
         self.columns.push(&entry, self.params.kept)?;
+        self.spread.add(&entry.descriptor);
         let mut write = || -> io::Result<()> {
             self.rows.as_mut().unwrap_or(&mut self.out).append(bytemuck::cast_slice(&entry.descriptor))?;
             match &entry.thumbnail {
@@ -195,6 +200,7 @@ impl IndexWriter {
         if self.is_empty() {
             return Err(BuildError::Empty.into());
         }
+        self.spread.check(self.params.originals)?;
         let Self { params, columns, out, rows, .. } = &mut *self;
         // Where the descriptors are kept as they are, they are in their place already.
         let in_place = rows.is_none().then(|| out.close(SectionKind::Descriptors, ElementType::F32));
