@@ -5,14 +5,23 @@
 //! Human-to-Robot Mapping* (IROS 2008), Sections IV and V. In order of the data:
 //!
 //! 1. [`HandImage`]: the hand, cut out of a grey picture.
-//! 2. [`DescriptorParams::describe`]: its descriptor, a pyramid of histograms of gradient
-//!    orientation.
-//! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing.
-//! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours.
+//! 2. [`Index::describe`]: its descriptor, one vector: a pyramid of histograms of gradient
+//!    orientation ([`DescriptorParams`]), or what a network makes of the hand, which then lies in
+//!    the index ([`DescriptorModel`]).
+//! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing. The
+//!    hash says which of its buckets are the most promising; what the first of them hold are the
+//!    candidates; their distances are measured, and the k nearest kept. [`Effort`] says how much of
+//!    what is nearest shall be found: how many buckets do that, the index has measured
+//!    ([`Measured`]).
+//! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours, each
+//!    weighed by its distance; [`Calibration`] makes probabilities of the weights.
 //!
-//! [`IndexWriter`] makes the file, [`Index::open`] maps it. Where another program may copy a file
-//! over one that is mapped, call [`guard_against_truncation`] first and ask
-//! [`Index::check_unchanged`] after each answer.
+//! [`IndexWriter`] makes the file. It takes entries one by one, and when all are in, it learns of
+//! them what the steps above go by: the width of the weights ([`Sigma`]), the hash (hyperplanes
+//! that are fitted to the data, or the paper's random ones: [`HashParams`]), what each effort finds
+//! and what the neighbours' agreement is worth. [`Index::open`] maps the file; [`Segments`]
+//! searches several as one. Where another program may copy a file over one that is mapped, call
+//! [`guard_against_truncation`] first and ask [`Index::check_unchanged`] after each answer.
 //!
 //! ```
 //! use grasp_index::*;
@@ -109,7 +118,7 @@ pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptio
 pub use segments::{Segments, SegmentsError, SegmentsSearcher};
 pub use vote::{
     Calibrated, Calibration, ClassScore, Doubt, Look, OrientationEstimate, Reliability, ReliabilityBin,
-    Sigma, Vote, VoteOptions, cyclic_euler_mean, mean_distance, mean_rotation,
+    Sigma, Vote, VoteOptions, mean_distance, mean_rotation,
 };
 
 /// The version of the index format that this crate writes, and the newest that it reads.

@@ -18,7 +18,7 @@ pub(crate) use class::{kernel_mass, shares};
 pub(crate) use fit::{Example, MOST_VOTERS, calibrate, noise_of_the_farthest, noise_of_the_vote};
 pub(crate) use joined::Joined;
 pub(crate) use orientation::estimate;
-pub use orientation::{OrientationEstimate, cyclic_euler_mean, mean_rotation};
+pub use orientation::{OrientationEstimate, mean_rotation};
 pub use reliability::{Reliability, ReliabilityBin};
 pub(crate) use sigma::measure as measure_sigma;
 pub use sigma::{Sigma, mean_distance};

@@ -112,7 +112,7 @@ pub fn mean_rotation(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<UnitQua
 
 /// Equation 4 as printed: the weighted mean of each Euler angle by itself, on the circle. `None`
 /// where the weights sum to nothing.
-pub fn cyclic_euler_mean(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<UnitQuaternion<f64>> {
+fn cyclic_euler_mean(rotations: &[(UnitQuaternion<f64>, f64)]) -> Option<UnitQuaternion<f64>> {
     let sum: f64 = rotations.iter().map(|(_, weight)| weight).sum();
     if !(sum > 0.0 && sum.is_finite()) {
         return None;

@@ -21,8 +21,7 @@ pub struct Sigma {
     pub literal: f64,
 }
 
-/// The mean distance between two different rows of `rows` (`dim` values each): 0 for fewer than
-/// two.
+/// The mean distance between two different rows, all of one length: 0 for fewer than two.
 pub fn mean_distance(rows: &[&[f32]]) -> f64 {
     let n = rows.len();
     if n < 2 {
