@@ -262,33 +262,18 @@ fn round(value: f32) -> i32 {
     (value + (MAX_VALUE as f32 + 1.5)) as i32 - (MAX_VALUE + 1)
 }
 
-/// A value whose low half is 0.
-#[inline]
-fn high_half(high: i8) -> i16 {
-    i16::from(high) * HALF as i16
-}
-
-/// How exactly the values of a query are kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Precision {
-    /// 8 bits: no coarser than the codes, and half the work. For what is measured again.
-    Coarse,
-    /// 15 bits.
-    #[default]
-    Fine,
-}
-
-/// A query in the axes' frame: 8 or 15 bits a value, in the forms that the paths of
-/// [`super::simd`] take.
+/// A query in the axes' frame: 15 bits a value, or the 8 of a vector of the index itself, in the
+/// forms that the paths of [`super::simd`] take.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct QuantisedQuery {
     /// The values in units of `step`, zeros up to a multiple of 8.
     pub(crate) values: Vec<i16>,
     /// The values as bytes, `HALF * high + low`: the high ones, signed.
     pub(crate) high: Vec<u8>,
-    /// The low ones; where the query is coarse, all of them are 0.
+    /// The low ones.
     pub(crate) low: Vec<u8>,
-    pub(crate) precision: Precision,
+    /// Its values were codes of 8 bits, so that all low bytes are 0.
+    pub(crate) is_of_codes: bool,
     /// The sum of the values.
     sum: i32,
     /// The length of a unit.
@@ -297,7 +282,7 @@ pub(crate) struct QuantisedQuery {
 
 impl QuantisedQuery {
     /// Takes the coordinates of a query.
-    pub(crate) fn set(&mut self, coordinates: &[f32], precision: Precision) {
+    pub(crate) fn set(&mut self, coordinates: &[f32]) {
         // Sixteen side by side: one need not wait for the one before it.
         let mut lanes = [0.0f32; LANES];
         let (sixteens, rest) = coordinates.as_chunks::<LANES>();
@@ -308,31 +293,20 @@ impl QuantisedQuery {
         }
         let largest = lanes.iter().chain(rest).fold(0.0f32, |largest, value| largest.max(value.abs()));
         let largest = largest.max(f32::MIN_POSITIVE * 1e6);
-        match precision {
-            Precision::Fine => {
-                let step = largest / MAX_VALUE as f32;
-                let per_step = 1.0 / step;
-                let values = coordinates.iter().map(|value| round(value * per_step) as i16);
-                self.set_values(values, step, precision);
-            }
-            Precision::Coarse => {
-                let step = largest / MAX_CODE as f32;
-                let per_step = 1.0 / step;
-                let values = coordinates.iter().map(|value| high_half(round(value * per_step) as i8));
-                self.set_values(values, step / HALF as f32, precision);
-            }
-        }
+        let step = largest / MAX_VALUE as f32;
+        let per_step = 1.0 / step;
+        self.is_of_codes = false;
+        self.set_values(coordinates.iter().map(|value| round(value * per_step) as i16), step);
     }
 
     /// Takes codes: a vector of the index as a query.
     pub(crate) fn set_codes(&mut self, codes: &[i8], step: f32) {
-        let values = codes.iter().map(|&code| high_half(code));
-        self.set_values(values, step / HALF as f32, Precision::Coarse);
+        self.is_of_codes = true;
+        self.set_values(codes.iter().map(|&code| i16::from(code) * HALF as i16), step / HALF as f32);
     }
 
-    fn set_values(&mut self, values: impl Iterator<Item = i16>, step: f32, precision: Precision) {
+    fn set_values(&mut self, values: impl Iterator<Item = i16>, step: f32) {
         self.step = step;
-        self.precision = precision;
         self.values.clear();
         self.values.extend(values);
         self.values.resize(self.values.len().next_multiple_of(8), 0);

@@ -2,7 +2,7 @@
 
 use super::Learned;
 use super::centres::Ranking;
-use crate::search::blocks::{Precision, QuantisedQuery};
+use crate::search::blocks::QuantisedQuery;
 use crate::search::effort::RECALL_K;
 use crate::search::nearest::Nearest;
 use crate::search::simd::{self, Simd};
@@ -64,7 +64,7 @@ impl<'a> Lookup<'a> {
     pub(crate) fn rotate(&mut self, simd: Simd, vector: &[f32]) {
         self.coordinates.resize(self.hash.axes.count, 0.0);
         self.hash.axes.project(simd, vector, &mut self.coordinates);
-        self.quantised.set(&self.coordinates, Precision::Fine);
+        self.quantised.set(&self.coordinates);
     }
 
     /// Ranks the buckets for the rotated query.

@@ -3,7 +3,7 @@
 //! added in one instruction without loss.
 
 use super::portable;
-use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
+use crate::search::blocks::{Block, Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -27,10 +27,9 @@ const _: () = assert!(GROUPS_IN_WORDS * 2 * 2 * 15 * 128 <= i16::MAX as usize);
 #[target_feature(enable = "avx2,f16c,popcnt")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let score = Score { bias: query.bias(run.bits()), factor, base };
-    match (run.bits(), query.precision) {
-        (CodeBits::Four, Precision::Fine) => by_twos::<true>(run, query, &score, into),
-        (CodeBits::Four, Precision::Coarse) => by_twos::<false>(run, query, &score, into),
-        (CodeBits::Eight, _) => {
+    match run.bits() {
+        CodeBits::Four => by_twos(run, query, &score, into),
+        CodeBits::Eight => {
             for (block, into) in run.iter().zip(into.as_chunks_mut().0) {
                 score.put(&block, dots_of_bytes(block.codes, query), into);
             }
@@ -66,17 +65,17 @@ impl Score {
 /// Two blocks go together, for they share the query's values.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn by_twos<const LOW: bool>(run: Blocks<'_>, query: &QuantisedQuery, score: &Score, into: &mut [f32]) {
+fn by_twos(run: Blocks<'_>, query: &QuantisedQuery, score: &Score, into: &mut [f32]) {
     let mut blocks = run.iter().zip(into.as_chunks_mut().0);
     while let Some((first, into)) = blocks.next() {
         match blocks.next() {
             Some((second, next)) => {
-                let [dots, next_dots] = dots_of_halves::<2, LOW>([first.codes, second.codes], query);
+                let [dots, next_dots] = dots_of_halves([first.codes, second.codes], query);
                 score.put(&first, dots, into);
                 score.put(&second, next_dots, next);
             }
             None => {
-                let [dots] = dots_of_halves::<1, LOW>([first.codes], query);
+                let [dots] = dots_of_halves([first.codes], query);
                 score.put(&first, dots, into);
             }
         }
@@ -84,13 +83,10 @@ fn by_twos<const LOW: bool>(run: Blocks<'_>, query: &QuantisedQuery, score: &Sco
 }
 
 /// Dot products of the sixteen vectors of each block, whose codes are half a byte: as in AVX-512,
-/// by the high and, of a fine query, the `LOW` bytes of the query's values.
+/// by the high and the low bytes of the query's values.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn dots_of_halves<const N: usize, const LOW: bool>(
-    blocks: [&[u8]; N],
-    query: &QuantisedQuery,
-) -> [[__m256i; 2]; N] {
+fn dots_of_halves<const N: usize>(blocks: [&[u8]; N], query: &QuantisedQuery) -> [[__m256i; 2]; N] {
     let lower = _mm256_set1_epi8(15);
     let (high_unit, low_unit) = (_mm256_set1_epi16(128), _mm256_set1_epi16(1));
     let (high, low) = (query.high.as_chunks::<8>().0, query.low.as_chunks::<8>().0);
@@ -114,21 +110,17 @@ fn dots_of_halves<const N: usize, const LOW: bool>(
                     for odd in 0..2 {
                         let products = _mm256_maddubs_epi16(codes[odd], high[odd]);
                         of_high[block][half] = _mm256_add_epi16(of_high[block][half], products);
-                        if LOW {
-                            let products = _mm256_maddubs_epi16(codes[odd], low[odd]);
-                            of_low[block][half] = _mm256_add_epi16(of_low[block][half], products);
-                        }
+                        let products = _mm256_maddubs_epi16(codes[odd], low[odd]);
+                        of_low[block][half] = _mm256_add_epi16(of_low[block][half], products);
                     }
                 }
             }
         }
         for block in 0..N {
             for half in 0..2 {
-                let mut sum = _mm256_madd_epi16(of_high[block][half], high_unit);
-                if LOW {
-                    sum = _mm256_add_epi32(sum, _mm256_madd_epi16(of_low[block][half], low_unit));
-                }
-                dots[block][half] = _mm256_add_epi32(dots[block][half], sum);
+                let high = _mm256_madd_epi16(of_high[block][half], high_unit);
+                let low = _mm256_madd_epi16(of_low[block][half], low_unit);
+                dots[block][half] = _mm256_add_epi32(dots[block][half], _mm256_add_epi32(high, low));
             }
         }
     }

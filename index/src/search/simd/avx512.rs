@@ -2,7 +2,7 @@
 //! multiplies them by four values of the query and adds the products up.
 
 use super::{avx2, portable};
-use crate::search::blocks::{Block, Blocks, CodeBits, LANES, Precision, QuantisedQuery};
+use crate::search::blocks::{Block, Blocks, CodeBits, LANES, QuantisedQuery};
 use crate::search::distance;
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
@@ -21,11 +21,11 @@ use std::arch::x86_64::{
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn scan(run: Blocks<'_>, query: &QuantisedQuery, factor: f32, base: f32, into: &mut [f32]) {
     let query = Query { query, bias: query.bias(run.bits()), factor, base };
-    match (query.query.precision, run.bits()) {
-        (Precision::Fine, CodeBits::Four) => by_twos::<true, true>(run, &query, into),
-        (Precision::Fine, CodeBits::Eight) => by_twos::<true, false>(run, &query, into),
-        (Precision::Coarse, CodeBits::Four) => by_twos::<false, true>(run, &query, into),
-        (Precision::Coarse, CodeBits::Eight) => by_twos::<false, false>(run, &query, into),
+    match run.bits() {
+        CodeBits::Four => by_twos::<true, true>(run, &query, into),
+        // Every entry is such a query while a hash is learned.
+        CodeBits::Eight if query.query.is_of_codes => by_twos::<false, false>(run, &query, into),
+        CodeBits::Eight => by_twos::<true, false>(run, &query, into),
     }
 }
 
@@ -52,7 +52,7 @@ fn by_twos<const LOW: bool, const HALVES: bool>(run: Blocks<'_>, query: &Query<'
 /// `HALVES`: whether a code is half a byte.
 ///
 /// The instruction takes the query's values as signed bytes, so a value goes in as `128 * high +
-/// low`; of a coarse query, without `LOW`, as its high half alone.
+/// low`, or, of a query whose low bytes are all 0, without `LOW`, as its high half alone.
 ///
 /// Loops in place of `map` and `fold`: their closures belong to functions of the standard library,
 /// which are compiled for any processor, and are not inlined into one that is for this.

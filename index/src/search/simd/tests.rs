@@ -1,7 +1,7 @@
 //! Every path against the plain loops, bit by bit, and those against the definition.
 
 use super::*;
-use crate::search::blocks::{self, BlockMut, CodeBits, LANES, Precision};
+use crate::search::blocks::{self, BlockMut, CodeBits, LANES};
 use crate::search::distance;
 use crate::search::smallest::Smallest;
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ fn vectors() -> impl Strategy<Value = Vectors> {
 
 proptest! {
     #[test]
-    fn every_path_gives_the_same_scores((axes, mut vectors, query) in vectors(), entries in prop_oneof![Just(None), Just(Some(CodeBits::Four)), Just(Some(CodeBits::Eight))], coarse: bool, keep in 1..60usize, factor in 0.0..1e-3f32, base in -2.0..2.0f32) {
+    fn every_path_gives_the_same_scores((axes, mut vectors, query) in vectors(), entries in prop_oneof![Just(None), Just(Some(CodeBits::Four)), Just(Some(CodeBits::Eight))], is_of_codes: bool, keep in 1..60usize, factor in 0.0..1e-3f32, base in -2.0..2.0f32) {
         if entries == Some(CodeBits::Four) {
             vectors.iter_mut().flat_map(|(codes, _)| codes).for_each(|code| *code %= 8);
         }
@@ -53,7 +53,11 @@ proptest! {
             None => Blocks::of_centres(&bytes, axes),
         };
         let mut quantised = QuantisedQuery::default();
-        quantised.set(&query, if coarse { Precision::Coarse } else { Precision::Fine });
+        if is_of_codes {
+            quantised.set_codes(&query.iter().map(|value| (40.0 * value) as i8).collect::<Vec<i8>>(), 0.025);
+        } else {
+            quantised.set(&query);
+        }
         let by = |simd: Simd| {
             let mut smallest = Smallest::default();
             smallest.reset(keep);
@@ -147,7 +151,7 @@ fn many_runs_are_scanned_in_parts() {
     let ends = starts[1..].iter().copied().chain([all.len() as u32]);
     let runs = starts.iter().zip(ends).map(|(&start, end)| (start as f32, all.run(start, end)));
     let mut query = QuantisedQuery::default();
-    query.set(&[1.0, -0.5, 0.25, 0.75], Precision::Fine);
+    query.set(&[1.0, -0.5, 0.25, 0.75]);
     let sum: i32 = query.values.iter().map(|&value| i32::from(value)).sum();
     let base = |at: u32| starts[starts.partition_point(|&start| start <= at / LANES as u32) - 1] as f32;
     let mut expected: Vec<(f32, u32)> = (0..)
@@ -168,43 +172,55 @@ fn many_runs_are_scanned_in_parts() {
 #[test]
 fn the_largest_sums_do_not_overflow() {
     let axes = blocks::MAX_AXES;
-    let codes = |code: i8| (vec![code; axes], 0.0f32);
-    let vectors = [codes(127), codes(-127)];
-    let bytes = block_bytes(axes, &vectors, None);
-    let mut query = QuantisedQuery::default();
-    for precision in [Precision::Fine, Precision::Coarse] {
-        query.set(&vec![1.0; axes], precision);
-        let largest = 127.0 * f32::from(query.values[0]) * axes as f32;
-        for simd in Simd::available() {
-            let mut smallest = Smallest::default();
-            smallest.reset(9);
-            smallest.scan(simd, [(0.0, Blocks::of_centres(&bytes, axes))].into_iter(), &query, 1.0);
-            let found: Vec<(f32, u32)> = smallest.sorted().collect();
-            assert_eq!(found, [(-largest, 0), (largest, 1)], "{}", simd.name());
+    let mut queries = [(); 2].map(|()| QuantisedQuery::default());
+    queries[0].set(&vec![1.0; axes]);
+    queries[1].set_codes(&vec![127; axes], 1.0);
+    for (entries, code) in [(None, 127), (Some(CodeBits::Eight), 127), (Some(CodeBits::Four), 7)] {
+        let vectors = [code, -code].map(|code| (vec![code; axes], 0.0));
+        let bytes = block_bytes(axes, &vectors, entries);
+        let (run, ids) = match entries {
+            Some(bits) => (Blocks::of_entries(&bytes, axes, bits), [1000, 999]),
+            None => (Blocks::of_centres(&bytes, axes), [0, 1]),
+        };
+        for query in &queries {
+            let largest = f32::from(code) * f32::from(query.values[0]) * axes as f32;
+            for simd in Simd::available() {
+                let mut smallest = Smallest::default();
+                smallest.reset(9);
+                smallest.scan(simd, [(0.0, run)].into_iter(), query, 1.0);
+                let found: Vec<(f32, u32)> = smallest.sorted().collect();
+                assert_eq!(found, [(-largest, ids[0]), (largest, ids[1])], "{} {entries:?}", simd.name());
+            }
         }
     }
 }
 
 #[test]
 fn quantised_values_are_near_and_their_forms_agree() {
-    let coordinates: Vec<f32> = (0..30).map(|at| ((at * 7919) % 101) as f32 / 50.0 - 1.0).collect();
-    let mut query = QuantisedQuery::default();
-    for (precision, bits) in [(Precision::Fine, 14), (Precision::Coarse, 7)] {
-        query.set(&coordinates, precision);
+    let agree = |query: &QuantisedQuery| {
         assert_eq!((query.values.len(), query.high.len(), query.low.len()), (32, 32, 32));
-        for (at, &value) in query.values.iter().enumerate() {
-            let coordinate = coordinates.get(at).copied().unwrap_or(0.0);
-            assert!((f32::from(value) * query.step - coordinate).abs() <= 0.6 / f32::from(1i16 << bits));
-            let (high, low) = (query.high[at] as i8, query.low[at] as i8);
-            assert_eq!(128 * i32::from(high) + i32::from(low), i32::from(value));
-            assert!(precision == Precision::Fine || low == 0);
+        let halves = query.high.iter().zip(&query.low);
+        for (&value, (&high, &low)) in query.values.iter().zip(halves) {
+            assert_eq!(128 * i32::from(high as i8) + i32::from(low as i8), i32::from(value));
+            assert!(!query.is_of_codes || low == 0);
         }
+    };
+    let mut query = QuantisedQuery::default();
+    let coordinates: Vec<f32> = (0..30).map(|at| ((at * 7919) % 101) as f32 / 50.0 - 1.0).collect();
+    query.set(&coordinates);
+    agree(&query);
+    for (&value, &coordinate) in query.values.iter().zip(&coordinates) {
+        assert!((f32::from(value) * query.step - coordinate).abs() <= 0.6 / f32::from(1i16 << 14));
+    }
+    let codes: Vec<i8> = (0..30).map(|at| (at * 7919 % 255 - 127) as i8).collect();
+    query.set_codes(&codes, 0.5);
+    agree(&query);
+    for (&value, &code) in query.values.iter().zip(&codes) {
+        assert_eq!(f32::from(value) * query.step, 0.5 * f32::from(code));
     }
     // All zeros, and what no finite query holds: no panic, and no NaN among the units.
     for odd in [0.0, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY, f32::NAN] {
-        for precision in [Precision::Fine, Precision::Coarse] {
-            query.set(&[odd; 5], precision);
-            assert!(!query.step.is_nan(), "{odd}");
-        }
+        query.set(&[odd; 5]);
+        assert!(!query.step.is_nan(), "{odd}");
     }
 }
