@@ -156,12 +156,13 @@ proptest! {
         let (mut together, mut apart) = (Vec::new(), Vec::new());
         let batched = single.searcher().batch(&queries, &options, &mut apart);
         prop_assert_eq!(segments.searcher().batch(&queries, &options, &mut together), batched);
-        prop_assert_eq!(together, apart);
+        prop_assert_eq!(&together, &apart);
         if let Ok(expected) = expected {
             let bits = |search: &grasp_index::Search| -> Vec<(u32, u32)> {
                 search.neighbours.iter().map(|near| (near.id, near.distance.to_bits())).collect()
             };
             prop_assert_eq!(bits(&found.unwrap()), bits(&expected));
+            prop_assert_eq!(&apart[..expected.neighbours.len()], &expected.neighbours[..]);
             prop_assert_eq!(by_shortlists(segments, &query, &options), expected.neighbours);
         } else {
             let are_missing =

@@ -72,32 +72,8 @@ pub fn shown(hand: &HandImage) -> HandImage {
 // With AVX2, where a processor has it, to the same bits.
 #[multiversion(targets("x86_64+avx2"))]
 pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
-    let rows = || hand.mask().chunks_exact(hand.width()).enumerate();
-    let (mut count, mut sums) = (0u64, [0u64; 2]);
-    for (y, row) in rows() {
-        let (mut inside, mut by_x) = (0, 0);
-        for (&value, x) in row.iter().zip(0u64..) {
-            inside += u64::from(value);
-            by_x += u64::from(value) * x;
-        }
-        count += inside;
-        sums = [sums[0] + by_x, sums[1] + inside * y as u64];
-    }
-    let centroid = sums.map(|sum| sum as f64 / count.max(1) as f64);
-    let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
-    // A map is linear: of a row, nothing comes to lie beyond both its ends.
-    let ends = rows().flat_map(|(y, row)| {
-        let ends = [row.iter().position(|v| *v != 0), row.iter().rposition(|v| *v != 0)];
-        ends.into_iter().flatten().map(move |x| (x, y))
-    });
-    for (x, y) in ends {
-        let (x, y) = (x as f64 - centroid[0], y as f64 - centroid[1]);
-        for (axis, [to_x, to_y]) in placement.map.iter().enumerate() {
-            let at = to_x * x + to_y * y;
-            low[axis] = low[axis].min(at);
-            high[axis] = high[axis].max(at);
-        }
-    }
+    let centroid = centroid(hand);
+    let [low, high] = ends(hand, placement, centroid);
     // Half a pixel more on either side: places are those of the pixels' centres.
     let extent = (high[0] - low[0]).max(high[1] - low[1]).max(1.0) + 1.0;
     let step = extent * (1.0 + BORDER) / PLANES_SIDE as f64 / placement.zoom;
@@ -141,6 +117,42 @@ pub fn planes(hand: &HandImage, placement: &Placement, out: &mut [f32]) {
         }
     }
     normalise(out);
+}
+
+/// The centroid of the mask, x and y. Inlined, as the next, into what is compiled for AVX2.
+#[inline(always)]
+fn centroid(hand: &HandImage) -> [f64; 2] {
+    let (mut count, mut sums) = (0u64, [0u64; 2]);
+    for (y, row) in hand.mask().chunks_exact(hand.width()).enumerate() {
+        let (mut inside, mut by_x) = (0, 0);
+        for (&value, x) in row.iter().zip(0u64..) {
+            inside += u64::from(value);
+            by_x += u64::from(value) * x;
+        }
+        count += inside;
+        sums = [sums[0] + by_x, sums[1] + inside * y as u64];
+    }
+    sums.map(|sum| sum as f64 / count.max(1) as f64)
+}
+
+/// The least and the greatest places, along each axis of the square, that pixels of the mask come
+/// to lie at when they are mapped about its centroid.
+#[inline(always)]
+fn ends(hand: &HandImage, placement: &Placement, centroid: [f64; 2]) -> [[f64; 2]; 2] {
+    let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
+    for (y, row) in hand.mask().chunks_exact(hand.width()).enumerate() {
+        // A map is linear: of a row, nothing comes to lie beyond both its ends.
+        let ends = [row.iter().position(|v| *v != 0), row.iter().rposition(|v| *v != 0)];
+        for x in ends.into_iter().flatten() {
+            let (x, y) = (x as f64 - centroid[0], y as f64 - centroid[1]);
+            for (axis, [to_x, to_y]) in placement.map.iter().enumerate() {
+                let at = to_x * x + to_y * y;
+                low[axis] = low[axis].min(at);
+                high[axis] = high[axis].max(at);
+            }
+        }
+    }
+    [low, high]
 }
 
 /// A hand in a frame of nothing, so that no place is without pixels around it.

@@ -153,6 +153,25 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     if catalogue.kept.labels && unnamed {
         return corrupt("lacks classes, hand shapes or stages");
     }
+    check_hash(catalogue)?;
+    let names = [catalogue.classes.len(), catalogue.hand_shapes.len(), catalogue.stages.len()];
+    if names.iter().zip(MOST_NAMES).any(|(count, most)| *count > most) {
+        return corrupt("names more classes, hand shapes or stages than can be numbered");
+    }
+    check_measured(&catalogue.measured)?;
+    let positive = |value: f64| value.is_finite() && value >= 0.0;
+    if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
+        return corrupt("states an impossible sigma");
+    }
+    if !catalogue.calibration.is_possible() {
+        return corrupt("states an impossible calibration");
+    }
+    Ok(())
+}
+
+/// The hash must be one that can be searched.
+fn check_hash(catalogue: &Catalogue) -> Result<(), OpenError> {
+    let corrupt = |what| Err(Corruption::Catalogue(what).into());
     let needs_descriptors = matches!(catalogue.hash, HashInfo::Random(_));
     if needs_descriptors && catalogue.originals != Originals::F32 {
         return corrupt("states a hash that needs the descriptors, and that they are not kept");
@@ -181,21 +200,9 @@ fn check_numbers(catalogue: &Catalogue) -> Result<(), OpenError> {
     {
         return corrupt("states more entries than its buckets hold");
     }
-    let names = [catalogue.classes.len(), catalogue.hand_shapes.len(), catalogue.stages.len()];
-    if names.iter().zip(MOST_NAMES).any(|(count, most)| *count > most) {
-        return corrupt("names more classes, hand shapes or stages than can be numbered");
-    }
     // Bucket numbers are u32.
     if buckets.is_none() {
         return corrupt("states more buckets than can be numbered");
-    }
-    check_measured(&catalogue.measured)?;
-    let positive = |value: f64| value.is_finite() && value >= 0.0;
-    if !positive(catalogue.sigma.mean_distance) || !positive(catalogue.sigma.literal) {
-        return corrupt("states an impossible sigma");
-    }
-    if !catalogue.calibration.is_possible() {
-        return corrupt("states an impossible calibration");
     }
     Ok(())
 }

@@ -52,11 +52,7 @@ impl<'a> Searcher<'a> {
     /// # Errors
     /// [`SearchError`], when the query does not fit the index.
     pub fn search(&mut self, query: &[f32], options: &SearchOptions) -> Result<Search, SearchError> {
-        let dim = self.stored.dim;
-        if query.len() != dim {
-            return Err(SearchError::WrongLength { expected: dim, found: query.len() });
-        }
-        check(query, options)?;
+        self.check_one(query, options)?;
         let Some((probes, predicted_recall)) = self.probes(options.effort)? else {
             let all = exhaustive(self.stored, &self.files, query, options.k, SearchCost::default());
             return all.ok_or(SearchError::NoOriginals);
@@ -80,11 +76,7 @@ impl<'a> Searcher<'a> {
         query: &[f32],
         options: &SearchOptions,
     ) -> Result<Option<Shortlist>, SearchError> {
-        let dim = self.stored.dim;
-        if query.len() != dim {
-            return Err(SearchError::WrongLength { expected: dim, found: query.len() });
-        }
-        check(query, options)?;
+        self.check_one(query, options)?;
         let Some((probes, _)) = self.probes(options.effort)? else { return Ok(None) };
         self.warm(query, options.k, probes);
         let in_flight = &mut self.in_flight[0];
@@ -111,19 +103,13 @@ impl<'a> Searcher<'a> {
         options: &SearchOptions,
         found: &mut Vec<Neighbour>,
     ) -> Result<(), SearchError> {
-        let (stored, dim) = (self.stored, self.stored.dim.max(1));
-        let rest = queries.len() % dim;
-        if rest != 0 {
-            return Err(SearchError::WrongLength { expected: dim, found: rest });
-        }
-        check(queries, options)?;
-        let (k, rows) = (options.k, queries.len() / dim);
-        reserve(found, k, rows)?;
+        let (stored, k) = (self.stored, options.k);
+        reserve(found, k, self.check_many(queries, options)?)?;
         let Some((probes, _)) = self.probes(options.effort)? else {
             let Ok(()) = nearest_of_many(stored, queries, k, Threads::One, found, &mut ahead(&self.files));
             return Ok(());
         };
-        let queries: Vec<&[f32]> = queries.chunks_exact(dim).collect();
+        let queries: Vec<&[f32]> = queries.chunks_exact(stored.dim.max(1)).collect();
         if let Some(first) = queries.first() {
             self.warm(first, k, probes);
         }
@@ -167,22 +153,37 @@ impl<'a> Searcher<'a> {
         k: usize,
         progress: &dyn Fn(f64) -> ControlFlow<()>,
     ) -> Result<Option<Vec<Neighbour>>, SearchError> {
-        let (stored, dim) = (self.stored, self.stored.dim.max(1));
-        let rest = queries.len() % dim;
-        if rest != 0 {
-            return Err(SearchError::WrongLength { expected: dim, found: rest });
-        }
         let options = SearchOptions { k, effort: Effort::Exact };
-        check(queries, &options)?;
+        let count = self.check_many(queries, &options)?;
         self.probes(options.effort)?;
         let (mut found, mut announce) = (Vec::new(), ahead(&self.files));
-        reserve(&mut found, k, queries.len() / dim)?;
+        reserve(&mut found, k, count)?;
         let mut before = |done: f64, to_come: &[(u32, Stored<'a>)]| {
             let Ok(()) = announce(done, to_come);
             if progress(done).is_break() { Err(()) } else { Ok(()) }
         };
-        let searched = nearest_of_many(stored, queries, k, Threads::All, &mut found, &mut before);
+        let searched = nearest_of_many(self.stored, queries, k, Threads::All, &mut found, &mut before);
         Ok(searched.is_ok().then_some(found))
+    }
+
+    /// Checks a query and what is wanted of its search.
+    fn check_one(&self, query: &[f32], options: &SearchOptions) -> Result<(), SearchError> {
+        let dim = self.stored.dim;
+        if query.len() != dim {
+            return Err(SearchError::WrongLength { expected: dim, found: query.len() });
+        }
+        check(query, options)
+    }
+
+    /// The same of queries in rows; returns how many they are.
+    fn check_many(&self, queries: &[f32], options: &SearchOptions) -> Result<usize, SearchError> {
+        let dim = self.stored.dim.max(1);
+        let rest = queries.len() % dim;
+        if rest != 0 {
+            return Err(SearchError::WrongLength { expected: dim, found: rest });
+        }
+        check(queries, options)?;
+        Ok(queries.len() / dim)
     }
 
     /// Before the first search of a file: asks for all buckets at once, and then for all
