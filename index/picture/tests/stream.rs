@@ -148,6 +148,12 @@ fn a_frame_is_given_when_its_last_byte_has_come() {
 }
 
 #[test]
+fn zeros_before_raw_video_are_skipped() {
+    let (frames, skipped) = split(b"\0\0\0YUV4MPEG2 W1 H1 Cmono\nFRAME\n\x10", 2);
+    assert_eq!((frames, skipped), (vec![b"P5\n1 1\n255\n\0".to_vec()], vec![3, 0]));
+}
+
+#[test]
 fn a_gigantic_frame_ends_the_stream_with_an_error() {
     for header in ["P6\n30000 30000\n255\n", "YUV4MPEG2 W30000 H30000\n"] {
         let mut frames = Frames::new(Cursor::new(header));
@@ -177,7 +183,7 @@ fn raw_video_becomes_pictures_of_its_colours() {
     let first = vec![black, black, white, black, black, white, red, red, red];
     assert_eq!(rgb(&half), std::slice::from_ref(&first));
     let twice = [&half[..], b"FRAME Ip\n", &luma, &[128, 128, 90, 90], &[128, 128, 240, 240]].concat();
-    assert_eq!(rgb(&twice), [first.clone(), first]);
+    assert_eq!(rgb(&twice), [first.clone(), first.clone()]);
     let beside =
         [b"YUV4MPEG2 W2 H2 C422\nFRAME\n".as_slice(), &[16, 235, 81, 81], &[128, 90], &[128, 240]].concat();
     assert_eq!(rgb(&beside), [[black, white, red, red]]);
@@ -185,6 +191,8 @@ fn raw_video_becomes_pictures_of_its_colours() {
         .concat();
     assert_eq!(rgb(&full), [[black, white]]);
     assert_eq!(rgb(b"YUV4MPEG2 W1 H2 Cmono\nFRAME\n\x10\xEB"), [[black, white]]);
+    let behind = [&half[..], b"YUV4MPEG2 W1 H2 Cmono\nFRAME\n\x10\xEB"].concat();
+    assert_eq!(rgb(&behind), [first, vec![black, white]]);
     for header in ["W2 H2 C420p10", "W2", "W-1 H2", "Cmono H1 W"] {
         let stream = format!("YUV4MPEG2 {header}\nFRAME\n1234567890");
         let error = Frames::new(Cursor::new(stream)).next().unwrap().unwrap_err();

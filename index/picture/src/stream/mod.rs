@@ -89,6 +89,13 @@ impl<R: Read> Frames<R> {
 
     fn next_frame(&mut self) -> Result<Option<Frame>, StreamError> {
         loop {
+            // Behind the frames of one such stream another may begin, as `cat` puts them together.
+            if let Some(header) = y4m::header(&self.buffer) {
+                let (y4m, length) = header?;
+                self.take(length);
+                self.y4m = Some(y4m);
+                continue;
+            }
             if let Some(y4m) = &self.y4m {
                 match y4m.end_of_frame(&self.buffer) {
                     End::At(end) if end <= self.buffer.len() => {
@@ -132,12 +139,6 @@ impl<R: Read> Frames<R> {
     /// Takes what stands where a frame should begin and is none. `false` where more bytes are
     /// needed to tell, or where all that follows is one picture.
     fn between_frames(&mut self) -> Result<bool, StreamError> {
-        if let Some(header) = y4m::header(&self.buffer) {
-            let (y4m, length) = header?;
-            self.take(length);
-            self.y4m = Some(y4m);
-            return Ok(true);
-        }
         match multipart::header(&self.buffer) {
             PartHeader::Whole(length) => {
                 self.take(length);
@@ -152,10 +153,12 @@ impl<R: Read> Frames<R> {
             PartHeader::None => {}
         }
         let zeros = self.buffer.iter().take_while(|&&byte| byte == 0).count();
+        let behind = self.buffer.get(zeros..).unwrap_or_default();
         // A few zeros at the beginning may be a format's own.
         let are_between = self.last.is_some()
             || zeros >= LONGEST_SIGNATURE
-            || Kind::of(self.buffer.get(zeros..).unwrap_or_default()).is_some();
+            || Kind::of(behind).is_some()
+            || y4m::begins(behind);
         if zeros > 0 && are_between {
             self.skip(zeros);
             return Ok(true);

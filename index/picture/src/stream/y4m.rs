@@ -28,6 +28,11 @@ pub(super) struct Y4m {
     range: Range,
 }
 
+/// Whether a header begins.
+pub(super) fn begins(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
 /// The header that `bytes` begins with, and its length; `None` where there is none, or not yet.
 pub(super) fn header(bytes: &[u8]) -> Option<Result<(Y4m, usize), StreamError>> {
     let parameters = bytes.strip_prefix(MAGIC)?;
@@ -74,8 +79,12 @@ fn parse(parameters: &str) -> Result<Y4m, StreamError> {
 }
 
 impl Y4m {
-    /// Where the frame that `bytes` begins with ends.
+    /// Where the frame that `bytes` begins with ends; unknown where something else begins but
+    /// another header.
     pub(super) fn end_of_frame(&self, bytes: &[u8]) -> End {
+        if !bytes.is_empty() && (MAGIC.starts_with(bytes) || begins(bytes)) {
+            return End::NeedsMore;
+        }
         let begins = bytes.len().min(FRAME.len());
         if bytes[..begins] != FRAME[..begins] {
             return End::Unknown;
