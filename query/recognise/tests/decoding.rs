@@ -139,12 +139,15 @@ fn masks_and_depth_are_read_as_what_they_are() {
     let mask = image::GrayImage::from_fn(3, 2, |x, _| Luma([if x == 1 { 255 } else { 0 }]));
     let (width, height, grey) = decode_grey(&encoded(mask, ImageFormat::Png)).unwrap();
     assert_eq!((width, height, grey), (3, 2, vec![0, 255, 0, 0, 255, 0]));
+    let white = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([255, 255, 255, 255 * x as u8]));
+    let (_, _, grey) = decode_grey(&encoded(white, ImageFormat::Png)).unwrap();
+    assert_eq!(grey, [0, 255], "what is transparent is outside");
 
     let depth = image::ImageBuffer::<Luma<u16>, _>::from_fn(2, 1, |x, _| Luma([40_000 + x as u16]));
     let (_, _, values) = decode_grey16(&encoded(depth, ImageFormat::Png)).unwrap();
     assert_eq!(values, [40_000, 40_001]);
     let error = decode_grey16(&encoded(picture(2, 2), ImageFormat::Png)).unwrap_err();
-    assert!(error.to_string().contains("16 bits"), "{error}");
+    assert!(error.to_string().ends_with("has 1 channel of 16 bits, this one 3 of 8"), "{error}");
 }
 
 #[test]

@@ -54,13 +54,15 @@ fn on_black(image: DynamicImage) -> DynamicImage {
     .into()
 }
 
-/// Decodes a mask: width, height and one grey value (0..=255) a pixel.
+/// Decodes a mask: width, height and one grey value (0..=255) a pixel; what is transparent is black,
+/// as in [`decode`].
 ///
 /// # Errors
 /// As [`decode`]; and where anything is missing, because a mask has nobody to warn.
 pub fn decode_grey(bytes: &[u8]) -> Result<(usize, usize, Vec<u8>), DecodeError> {
     let decoded = whole(bytes)?;
-    let mut image = DynamicImage::from(decoded.image.into_luma8());
+    let opaque = if decoded.image.color().has_alpha() { on_black(decoded.image) } else { decoded.image };
+    let mut image = DynamicImage::from(opaque.into_luma8());
     image.apply_orientation(decoded.orientation);
     let grey = image.into_luma8();
     Ok((grey.width() as usize, grey.height() as usize, grey.into_raw()))
@@ -78,10 +80,14 @@ pub fn decode_grey16(bytes: &[u8]) -> Result<(usize, usize, Vec<u16>), DecodeErr
         DynamicImage::ImageLuma16(grey) => {
             Ok((grey.width() as usize, grey.height() as usize, grey.into_raw()))
         }
-        other => Err(DecodeError::Damaged(format!(
-            "a depth picture has one channel of 16 bits, this one is {:?}",
-            other.color()
-        ))),
+        other => {
+            let colour = other.color();
+            let (channels, bits) = (colour.channel_count(), colour.bits_per_pixel());
+            Err(DecodeError::Damaged(format!(
+                "a depth picture has 1 channel of 16 bits, this one {channels} of {}",
+                bits / u16::from(channels)
+            )))
+        }
     }
 }
 

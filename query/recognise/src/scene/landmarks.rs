@@ -79,7 +79,7 @@ pub struct Landmarks {
 
 /// The same as a file has them.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "{\"unit\": .., \"landmarks\": [..]}")]
 struct File {
     unit: LandmarkUnit,
     landmarks: Vec<Place>,
@@ -87,7 +87,7 @@ struct File {
 
 /// What else a tracker says of a place is left alone.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a place is [x, y], [x, y, z] or {\"x\": .., \"y\": ..}, all of them numbers")]
 enum Place {
     List([f64; 2]),
     Deep([f64; 3]),
@@ -320,6 +320,12 @@ mod tests {
         points[7][1] = 1e308;
         insta::assert_snapshot!(error(&points), @"landmark 7 lies far outside the picture: is the unit right?");
         insta::assert_snapshot!(error(&flat().map(|[x, y]| [x + 900.0, y])), @"no landmark lies in the picture of 640 x 480 pixels");
+    }
+
+    #[test]
+    fn a_file_that_is_none_of_landmarks_is_told_what_one_is() {
+        let error = toml::from_str::<Landmarks>("unit = 'pixel'\nlandmarks = [7]").unwrap_err();
+        assert!(error.to_string().contains("a place is [x, y], [x, y, z] or {"), "{error}");
     }
 
     #[test]
