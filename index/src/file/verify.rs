@@ -107,14 +107,8 @@ fn elements(file: &Opened) -> Vec<Problem> {
         }),
         first(Axes, file.axes(), "is not a finite number", finite),
         buckets(file, entries),
-        kept.files.then(|| ascending(FileOffsets, file.file_offsets(), file.raw(FileText).len())).flatten(),
-        kept.labels
-            .then(|| ascending(ObjectOffsets, file.object_offsets(), file.raw(ObjectText).len()))
-            .flatten(),
-        kept.files.then(|| texts(FileText, entries, |at| file.file_name(at))).flatten(),
-        kept.labels
-            .then(|| texts(ObjectText, catalogue.objects as usize, |at| file.object_name(at)))
-            .flatten(),
+        kept.files.then(|| file_names(file, entries)).flatten(),
+        kept.labels.then(|| object_names(file, catalogue.objects as usize)).flatten(),
     ];
     found.into_iter().flatten().collect()
 }
@@ -183,6 +177,19 @@ fn ascending(kind: SectionKind, offsets: &[u32], end: usize) -> Option<Problem> 
     let last = offsets.len().saturating_sub(1);
     let at = falls.or((!starts).then_some(0)).or((!ends).then_some(last))?;
     Some(Problem::Element { kind, at, what: "is no offset in ascending order" })
+}
+
+/// Texts are looked at where their offsets ascend alone: others may each be all of the text.
+fn file_names(file: &Opened, entries: usize) -> Option<Problem> {
+    let text = SectionKind::FileText;
+    ascending(SectionKind::FileOffsets, file.file_offsets(), file.raw(text).len())
+        .or_else(|| texts(text, entries, |at| file.file_name(at)))
+}
+
+fn object_names(file: &Opened, objects: usize) -> Option<Problem> {
+    let text = SectionKind::ObjectText;
+    ascending(SectionKind::ObjectOffsets, file.object_offsets(), file.raw(text).len())
+        .or_else(|| texts(text, objects, |at| file.object_name(at)))
 }
 
 fn texts(kind: SectionKind, count: usize, text: impl Fn(usize) -> Option<String>) -> Option<Problem> {

@@ -179,6 +179,19 @@ fn a_nan_is_farther_than_anything() {
 }
 
 #[test]
+fn what_overlapping_buckets_hold_is_looked_at_once() {
+    let values: Vec<f32> = (0..2_000 * DIM).map(|at| ((at * 7919) % 1009) as f32).collect();
+    let rows = Rows { values: &values, dim: DIM };
+    let mut fitted = fit::<()>(rows, true, Simd::best(), &|_| Ok(())).expect("nothing stops it");
+    let blocks = fitted.size.entry_blocks;
+    let every_second = (0..).map(|bucket| if bucket % 2 == 0 { 0 } else { blocks });
+    fitted.bucket_directory.iter_mut().zip(every_second).for_each(|(bound, all)| *bound = all);
+    let hash = Hash::Learned(fitted.as_learned());
+    let found = InFlight::new(&hash).search(rows.into(), Simd::best(), &[1.0; DIM], 3, hash.most_probes());
+    assert!(found.cost.candidates <= blocks * blocks::LANES as u32, "{:?}", found.cost);
+}
+
+#[test]
 fn buckets_that_make_no_sense_are_empty() {
     let buckets = Buckets { directory: &[2, 1, 900, 1], ids: &[0, 7, u32::MAX] };
     for bucket in [0, 1, 2, 3, u32::MAX] {

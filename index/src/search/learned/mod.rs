@@ -24,7 +24,7 @@ pub(crate) mod lookup;
 
 use crate::search::blocks::{Blocks, CodeBits, LANES};
 use axes::Axes;
-use centres::{Centres, bounds};
+use centres::{Centres, at_most, bounds};
 
 /// The size of a learned hash.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +84,9 @@ impl<'a> Learned<'a> {
 
     /// The blocks of the given buckets, all buckets of one file before those of the next.
     fn runs<'l>(&'l self, buckets: &'l [(f32, u32)]) -> impl Iterator<Item = (f32, Blocks<'a>)> + Clone + 'l {
-        self.files.iter().flat_map(|file| buckets.iter().map(|&(base, bucket)| (base, file.bucket(bucket))))
+        self.files.iter().flat_map(|file| {
+            let runs = buckets.iter().map(|&(base, bucket)| (base, file.bucket(bucket)));
+            at_most(file.blocks.len(), runs)
+        })
     }
 }

@@ -48,14 +48,17 @@ impl<'a> Lookup<'a> {
     }
 
     /// Takes the union of the chosen buckets. Ids past the last entry, as a damaged file may hold,
-    /// are left out.
+    /// are left out, and buckets of more ids than there are entries.
     pub(crate) fn gather(&mut self) {
         let ends = self.hash.files.iter().map(|file| (file.first as usize).saturating_add(file.count));
         self.candidates.clear(ends.max().unwrap_or_default());
         for file in &self.hash.files {
             for &bucket in &self.buckets {
-                let ids = file.buckets.get(bucket).iter().filter(|&&id| (id as usize) < file.count);
-                ids.for_each(|id| self.candidates.insert(file.first.wrapping_add(*id)));
+                let ids = file.buckets.get(bucket);
+                if ids.len() <= file.count {
+                    let ids = ids.iter().filter(|&&id| (id as usize) < file.count);
+                    ids.for_each(|id| self.candidates.insert(file.first.wrapping_add(*id)));
+                }
             }
         }
     }
@@ -97,5 +100,6 @@ mod tests {
         };
         assert_eq!(gathered(&[(0, 5)]), [0]);
         assert_eq!(gathered(&[(0, 5), (70, 8)]), [0, 70, 77]);
+        assert_eq!(gathered(&[(0, 2)]), [0; 0], "three in one bucket, of two");
     }
 }
