@@ -88,12 +88,13 @@ fn what_cannot_be_measured_is_told() {
     let folder = tempfile::tempdir().unwrap();
     write_rows(&folder.path().join("x.npy"), 200, 1);
     write_rows(&folder.path().join("q.npy"), 5, 2);
-    let too_many = scale(folder.path(), &["--sizes", "1000"]);
+    let too_many = scale(folder.path(), &["--sizes", "150,1000"]);
     assert!(
         too_many.status == 2 && too_many.stderr.contains("holds 200 rows, and 1000 are wanted"),
         "{}",
         too_many.stderr
     );
+    assert!(!folder.path().join("results/scale.csv").exists(), "nothing is measured first");
     // Without sizes, as many as there are.
     let measured = scale(folder.path(), &[]);
     assert_eq!(measured.status, 0, "{}", measured.stderr);

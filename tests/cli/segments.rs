@@ -93,6 +93,23 @@ fn segments_answer_as_the_index_that_they_make() {
 }
 
 #[test]
+fn segments_that_another_run_is_writing_are_left_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let split = || {
+        let segments = ["split", "--segments", "2", "--out-dir", "."];
+        run(program("grasp-builder").args(segments).arg(small_index()).current_dir(folder.path()))
+    };
+    assert_eq!(split().status, 0);
+    // The other run has written the first, and is writing the second.
+    let part = fs::File::create(folder.path().join(".2-of-2.idx.part")).unwrap();
+    part.lock().unwrap();
+    let refused = split();
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("another program is writing"), "{}", refused.stderr);
+    assert!(folder.path().join("1-of-2.idx").exists());
+}
+
+#[test]
 fn segments_of_one_index_answer_as_it_does_at_any_effort() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

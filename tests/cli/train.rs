@@ -133,6 +133,19 @@ fn trained_networks_are_measured_on_the_same_renders() {
     assert_eq!(of_boxes.status, 0, "{}", of_boxes.stderr);
     assert!(top1(&of_boxes.json_lines()[0]) < top1(&first), "{}", of_boxes.stdout);
 
+    // A name that is no UTF-8 is shown as well as can be.
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::ffi::OsStrExt as _;
+        let odd = folder.path().join(std::ffi::OsStr::from_bytes(b"\xff.network"));
+        fs::copy(workspace().join(hand), &odd).unwrap();
+        let odd = run(program("grasp-builder")
+            .args(["experiment", "networks", "--scenes", "6", "--json"])
+            .arg(&odd));
+        assert_eq!(odd.status, 0, "{}", odd.stderr);
+        assert_eq!(odd.json_lines()[0]["figures"], first["figures"]);
+    }
+
     let text = measure("thing", &["query/recognise/data/thing.network"], &[]);
     assert_eq!(text.status, 0, "{}", text.stderr);
     assert!(text.stdout.contains("\n  objects mask iou "), "{}", text.stdout);

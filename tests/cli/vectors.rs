@@ -263,3 +263,24 @@ fn nothing_is_exported_over_the_index() {
     assert!(said.contains("is the index itself"), "{said}");
     assert!(refused(folder.path(), &["export", "a.idx"]).contains("--descriptors"));
 }
+
+#[test]
+fn an_index_that_tells_two_grasps_of_one_number_apart_can_be_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("x.npy"), array(&some(40), 3)).unwrap();
+    let row = |at: usize| format!("{},1,{}\n", ["bottle", "can"][at % 2], ["ann", "ben"][at / 20]);
+    let labels: String = (0..40).map(row).collect();
+    let labels = format!("grasp,cutkosky,hand_shape\n{labels}");
+    fs::write(folder.path().join("y.csv"), &labels).unwrap();
+    let build = ["build", "--descriptors", "x.npy", "--labels"];
+    done(&mut builder(folder.path(), &[&build[..], &["y.csv", "--out", "own.idx"]].concat()));
+    done(&mut builder(folder.path(), &["remove", "own.idx", "--hand-shape", "ben"]));
+    let index = Index::open(folder.path().join("own.idx")).unwrap();
+    assert_eq!((index.len(), index.catalogue().classes.len()), (20, 2));
+
+    // Two names for one number in two indexes may be two names for one grasp.
+    fs::write(folder.path().join("jar.csv"), labels.replace("can", "jar")).unwrap();
+    done(&mut builder(folder.path(), &[&build[..], &["jar.csv", "--out", "jar.idx"]].concat()));
+    let said = refused(folder.path(), &["compact", "own.idx", "jar.idx", "--out", "both.idx"]);
+    assert_eq!(said, "can and jar have the same number: give each grasp its own");
+}
