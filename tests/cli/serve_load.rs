@@ -59,12 +59,20 @@ fn who_sends_too_slowly_is_sent_away() {
 #[test]
 fn who_asks_nothing_shuts_nobody_out_for_long() {
     let service = serve(&[]);
-    // As many as there are places.
-    let idle: Vec<TcpStream> = (0..512).map(|_| service.connect()).collect();
-    let started = Instant::now();
-    assert_eq!(service.get("/healthz").text(), "ok\n");
-    assert!(started.elapsed() < Duration::from_secs(15), "{:?}", started.elapsed());
-    drop(idle);
+    // Nothing at all, and no whole head of a request.
+    for begun in ["", "GET /healthz HT"] {
+        let connect = || {
+            let mut stream = service.connect();
+            stream.write_all(begun.as_bytes()).unwrap();
+            stream
+        };
+        // As many as there are places.
+        let idle: Vec<TcpStream> = std::iter::repeat_with(connect).take(512).collect();
+        let started = Instant::now();
+        assert_eq!(service.get("/healthz").text(), "ok\n");
+        assert!(started.elapsed() < Duration::from_secs(15), "{begun}: {:?}", started.elapsed());
+        drop(idle);
+    }
 }
 
 /// Clients that mean no good: each has sent the head of a request, and sends of its body at most

@@ -5,10 +5,10 @@
 //! the `gate`, which bounds the work. It is done on a thread that may block (`recognise`,
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
 //! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
-//! holds the connections, `idle` ends those that ask nothing where others wait, `page` is what a
-//! browser is given. `router` says which path leads where, `openapi` what each takes and answers,
-//! and [`Service::run`] puts them together. [`client`] is the other end, and [`wire`] what crosses
-//! the line between both.
+//! holds the connections, `connection` ends those that ask nothing where others wait or take no
+//! answer, `page` is what a browser is given. `router` says which path leads where, `openapi` what
+//! each takes and answers, and [`Service::run`] puts them together. [`client`] is the other end, and
+//! [`wire`] what crosses the line between both.
 
 mod about;
 mod arrival;
@@ -16,6 +16,7 @@ mod body;
 pub mod browser;
 mod budget;
 pub mod client;
+mod connection;
 mod current;
 mod described_form;
 mod descriptors;
@@ -25,7 +26,6 @@ pub mod form;
 mod gate;
 mod guard;
 mod identity;
-mod idle;
 mod linger;
 mod listen;
 mod metrics;
@@ -47,7 +47,6 @@ mod tags;
 mod unusable;
 pub mod wire;
 mod work;
-mod write_timeout;
 
 pub use listen::Listener;
 pub use page::LOOK;

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use axum::Router;
 use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
 use hyper_util::service::TowerToHyperService;
@@ -17,11 +18,10 @@ use tokio::net::TcpListener;
 use tokio::net::UnixListener;
 use tokio::sync::Semaphore;
 
-use super::idle::Idle;
-use super::write_timeout::WriteTimeout;
+use super::connection::{Connection, Stage};
 
 /// How long a connection may take to send a request's head, and how long it may lie idle between
-/// requests; less where no place is free ([`Idle`]).
+/// requests; less where no place is free ([`Connection`]).
 const HEAD_TIME: Duration = Duration::from_secs(30);
 /// The most bytes of a request's head, and of what is read ahead of it.
 const MOST_HEAD: usize = 64 * 1024;
@@ -84,8 +84,18 @@ impl Connections {
                     continue;
                 }
             };
-            let service = TowerToHyperService::new(router.clone());
-            let stream = Idle::new(WriteTimeout::new(stream), Arc::clone(&self.places));
+            let stage = Stage::default();
+            let stream = Connection::new(stream, Arc::clone(&self.places), stage.clone());
+            let router = TowerToHyperService::new(router.clone());
+            let service = service_fn(move |request| {
+                stage.begin();
+                let (answer, stage) = (router.call(request), stage.clone());
+                async move {
+                    let answer = answer.await;
+                    stage.answer();
+                    answer
+                }
+            });
             let connection = self.open.watch(builder.serve_connection(TokioIo::new(stream), service));
             tokio::spawn(async move {
                 let _held = place;

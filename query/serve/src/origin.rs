@@ -91,10 +91,16 @@ pub fn check_origin(request: &Request) -> Result<(), Problem> {
     Err(Problem::new(StatusCode::FORBIDDEN, "origin", message))
 }
 
-/// HOST or HOST:PORT, as the request names the service.
+/// HOST or HOST:PORT, as the request names the service; `None` where it names several, of which a
+/// proxy may have gone by another one (RFC 9112, 3.2).
 fn host(request: &Request) -> Option<&str> {
-    let host = request.uri().authority().map(Authority::as_str);
-    host.or_else(|| request.headers().get(header::HOST)?.to_str().ok())
+    let mut named = request.headers().get_all(header::HOST).iter();
+    let first = named.next();
+    if named.next().is_some() {
+        return None;
+    }
+    let authority = request.uri().authority().map(Authority::as_str);
+    authority.or_else(|| first?.to_str().ok())
 }
 
 fn without_port(host: &str) -> &str {
@@ -131,6 +137,10 @@ mod tests {
         {
             assert!(!answers(host, Names::Loopback) && !answers(host, Names::Network), "{host}");
             assert!(answers(host, Names::Any), "{host}");
+        }
+        for both in [["localhost", "example.com"], ["example.com", "localhost"], ["localhost", "localhost"]] {
+            let request = request(&both.map(|host| ("host", host)));
+            assert!(check_host(&request, Names::Loopback).is_err(), "{both:?}");
         }
     }
 
