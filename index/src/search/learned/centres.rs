@@ -53,7 +53,7 @@ impl Centres<'_> {
             let (start, end) = bounds(self.group_directory, group);
             (0.0, self.buckets.run(start, end))
         });
-        nearest.scan(simd, at_most(self.buckets.len(), runs), query, factor);
+        nearest.scan(simd, at_most(self.buckets, runs), query, factor);
         buckets.clear();
         buckets.extend(nearest.sorted());
     }
@@ -65,15 +65,15 @@ pub(super) fn bounds(directory: &[u32], number: u32) -> (u32, u32) {
     bounds.map_or((0, 0), |(&start, &end)| (start, end))
 }
 
-/// Runs of blocks, as long as they are no more blocks together than a file has: in none that is
-/// sound do two runs share a block, and in a hostile one all of them may be the whole file.
+/// Runs of the blocks of a file, `all`, as long as they are no more than these together: in none
+/// that is sound do two runs share a block, and in a hostile one each may be the whole file.
 pub(super) fn at_most<'a>(
-    blocks: usize,
+    all: Blocks<'a>,
     runs: impl Iterator<Item = (f32, Blocks<'a>)> + Clone,
 ) -> impl Iterator<Item = (f32, Blocks<'a>)> + Clone {
-    let mut left = blocks;
+    let mut left = all.bytes().len();
     runs.take_while(move |(_, run)| {
-        let rest = left.checked_sub(run.len());
+        let rest = left.checked_sub(run.bytes().len());
         left = rest.unwrap_or(0);
         rest.is_some()
     })

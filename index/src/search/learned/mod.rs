@@ -86,7 +86,7 @@ impl<'a> Learned<'a> {
     fn runs<'l>(&'l self, buckets: &'l [(f32, u32)]) -> impl Iterator<Item = (f32, Blocks<'a>)> + Clone + 'l {
         self.files.iter().flat_map(|file| {
             let runs = buckets.iter().map(|&(base, bucket)| (base, file.bucket(bucket)));
-            at_most(file.blocks.len(), runs)
+            at_most(file.blocks, runs)
         })
     }
 }
