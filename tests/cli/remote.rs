@@ -310,6 +310,27 @@ fn a_service_that_does_not_answer_is_an_error_that_says_so() {
 }
 
 #[test]
+fn what_a_service_does_not_heed_is_refused() {
+    // Nothing listens there.
+    let nowhere = ["--server", "http://127.0.0.1:1"];
+    for (more, said) in [
+        (["--index", "own.idx"], "a service answers by its own index: with --server, leave out --index"),
+        (["--no-mmap", "--json"], "a service opens its index itself: with --server, leave out --no-mmap"),
+        (["--switch", "0.1"], "'--server <ADDRESS>' cannot be used with '--switch <P>'"),
+        (["--motion", "9"], "'--server <ADDRESS>' cannot be used with '--motion <DEG>'"),
+        (["--holding", "cup"], "'--server <ADDRESS>' cannot be used with '--holding <NAME>'"),
+    ] {
+        let outcome = recognise(&nowhere, &[&["camera/09-pinch.jpg"][..], &more].concat(), b"");
+        assert!(outcome.status == 2 && outcome.stderr.contains(said), "{more:?}: {}", outcome.stderr);
+    }
+    // The variable is for all other commands.
+    let mut by_variable = program("grasp-query");
+    by_variable.args(["recognise", "camera/09-pinch.jpg"]).args(nowhere).env("GRASP_INDEX", "own.idx");
+    let outcome = run(by_variable.current_dir(pictures()));
+    assert!(outcome.stderr.contains("no service answers at"), "{}", outcome.stderr);
+}
+
+#[test]
 fn who_is_told_to_wait_waits() {
     let service = service(&["--threads", "1", "--queue", "0"]);
     let server = format!("http://{}", service.address());

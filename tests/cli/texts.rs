@@ -42,6 +42,19 @@ fn a_folder_stands_for_its_pictures_in_the_order_of_their_names() {
 }
 
 #[test]
+fn pictures_of_a_folder_that_are_not_read_are_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(pictures().join("segmented/09-pinch.png"), folder.path().join("a.png")).unwrap();
+    for name in ["IMG_1.HEIC", "scan.tif", "notes.txt"] {
+        fs::write(folder.path().join(name), "").unwrap();
+    }
+    let outcome = query(&["recognise", "--segmented", "--json", &folder.path().display().to_string()]);
+    assert!(outcome.status < 2 && outcome.json_lines().len() == 1, "{}", outcome.stderr);
+    let said = "2 pictures are left out, being of a format that is not read, such as ";
+    assert!(outcome.stderr.contains(said) && outcome.stderr.contains("IMG_1.HEIC"), "{}", outcome.stderr);
+}
+
+#[test]
 fn where_knows_its_columns_and_values() {
     let evaluate = |condition| query(&["evaluate", "labels.csv", "--where", condition]);
     let column = evaluate("knid=camera");

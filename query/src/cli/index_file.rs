@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+#[cfg(feature = "serve")]
+use anyhow::bail;
 use grasp_answer::index_file::{self, IndexFileError, default_path};
 use grasp_index::{Index, Segments};
 use grasp_terminal::error::message;
@@ -59,6 +61,24 @@ impl IndexFile {
     pub(super) fn open(&self) -> Result<Index, IndexFileError> {
         index_file::open(&self.path(), self.no_mmap)
     }
+
+    /// Rejects an own index where a service answers by its own.
+    pub(super) fn refuse_beside_a_service(&self) -> anyhow::Result<()> {
+        refuse_beside_a_service(self.index.as_slice(), self.no_mmap)
+    }
+}
+
+/// Rejects indexes that an option names. What GRASP_INDEX names is for the other commands.
+#[cfg(feature = "serve")]
+fn refuse_beside_a_service(named: &[OsString], no_mmap: bool) -> anyhow::Result<()> {
+    let by_variable = std::env::var_os("GRASP_INDEX");
+    if named.iter().any(|name| by_variable.as_ref() != Some(name)) {
+        bail!("a service answers by its own index: with --server, leave out --index");
+    }
+    if no_mmap {
+        bail!("a service opens its index itself: with --server, leave out --no-mmap");
+    }
+    Ok(())
 }
 
 /// The indexes to search as one.
@@ -109,5 +129,11 @@ impl IndexFiles {
             );
         }
         Ok((Segments::new(indexes)?, paths.len()))
+    }
+
+    /// Rejects own indexes where a service answers by its own.
+    #[cfg(feature = "serve")]
+    pub(super) fn refuse_beside_a_service(&self) -> anyhow::Result<()> {
+        refuse_beside_a_service(&self.index, self.no_mmap)
     }
 }

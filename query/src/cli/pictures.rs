@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
-use grasp_recognise::picture;
+use grasp_recognise::picture::{self, FORMATS, PicturesIn};
+use grasp_terminal::text::{counted, shown};
 
-/// The named files, with the pictures of a named folder in its place. One of several that holds no
-/// picture stays, as what cannot be answered.
+/// The named files, with the pictures of a named folder in its place; what of these are of a format
+/// that is not read is reported. One of several folders that holds no picture stays, as what cannot
+/// be answered.
 ///
 /// # Errors
 /// Where a folder cannot be read, or the only one holds no picture.
@@ -17,8 +19,16 @@ pub(super) fn pictures(named: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             pictures.push(path.clone());
             continue;
         }
-        let found = picture::pictures_in(path)
+        let PicturesIn { read: found, unread } = picture::pictures_in(path)
             .with_context(|| format!("cannot read the folder {}", path.display()))?;
+        if let Some(first) = unread.first() {
+            tracing::warn!(
+                subject = path.display().to_string(),
+                "{} of a format that is not read, such as {}: convert them to one of {FORMATS}",
+                counted(unread.len(), ["picture is left out, being", "pictures are left out, being"]),
+                shown(first)
+            );
+        }
         if found.is_empty() && named.len() > 1 {
             pictures.push(path.clone());
         } else if found.is_empty() {

@@ -5,7 +5,7 @@ mod folder;
 mod rgb;
 
 pub use decode::{Decoded, decode, decode_grey, decode_grey16};
-pub use folder::pictures_in;
+pub use folder::{PicturesIn, pictures_in};
 pub use grasp_picture::{
     DecodeError, DecodeWarning, FORMATS, Frame, Frames, MAX_PIXELS, StreamError, dimensions, read,
 };

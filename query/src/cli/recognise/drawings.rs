@@ -64,9 +64,10 @@ impl Drawings {
         let mut drawn: HashMap<String, &PathBuf> = HashMap::with_capacity(pictures.len());
         for picture in pictures.iter().filter(|picture| !is_stream(picture)) {
             let name = name_in_folder(&picture.display().to_string(), None);
-            if let Some(other) = drawn.insert(name, picture)
-                && other != picture
-            {
+            if let Some(other) = drawn.insert(name, picture) {
+                if other == picture {
+                    bail!("--explain would draw {} twice into one file: name it once", picture.display());
+                }
                 let (other, picture) = (other.display(), picture.display());
                 bail!(
                     "--explain would draw {other} and {picture} into one file: recognise one after the other"
@@ -153,8 +154,7 @@ mod tests {
         };
         let why = |name: &str| Path::new("why").join(name);
         assert_eq!(files(&["a/1.jpg", "b/1.jpg", "-"]), Ok(vec![why("a_1.jpg.png"), why("b_1.jpg.png")]));
-        assert_eq!(files(&["a.jpg", "a.jpg"]), Ok(vec![why("a.jpg.png")]));
-        for [one, other] in [["a/b.jpg", "a_b.jpg"], ["../a/1.jpg", "a/1.jpg"]] {
+        for [one, other] in [["a/b.jpg", "a_b.jpg"], ["../a/1.jpg", "a/1.jpg"], ["a.jpg", "a.jpg"]] {
             let error = files(&[one, other]).unwrap_err();
             assert!(error.contains(one) && error.contains(other), "{error}");
         }

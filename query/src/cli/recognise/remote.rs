@@ -43,6 +43,7 @@ impl Recognise {
         // sent.
         self.source()?;
         self.recognise.refuse_networks()?;
+        self.index.refuse_beside_a_service()?;
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let asking = self.asking(Client::new(address.clone(), token), drawings)?;
