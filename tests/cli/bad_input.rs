@@ -189,9 +189,13 @@ fn no_output_overwrites_an_input() {
     fs::copy(good(), &picture).unwrap();
     let labels = folder.path().join("labels.csv");
     fs::write(&labels, "file,kind,grasp\npicture.png,segmented,large-diameter\n").unwrap();
+    let table = folder.path().join("unknown.csv");
+    fs::copy(&labels, &table).unwrap();
     for (arguments, input) in [
         (["recognise", "--segmented", "picture.png", "--explain", "./picture.png"], &picture),
         (["evaluate", "labels.csv", "--json", "--predictions", "labels.csv"], &labels),
+        (["evaluate", "labels.csv", "--json", "--predictions", "picture.png"], &picture),
+        (["experiment", "unknown", "unknown.csv", "--others=unknown.csv", "--out=."], &table),
     ] {
         let before = fs::read(input).unwrap();
         let outcome = run(program("grasp-query")

@@ -8,7 +8,7 @@ use grasp_index::AtomicFile;
 use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
-use super::overwriting::refuse_overwriting;
+use super::outputs::check_file;
 use crate::evaluate::Outcome;
 use crate::evaluate::report::{self, Report};
 use grasp_program::status::{ERROR, SUCCESS};
@@ -43,11 +43,12 @@ pub(super) struct Evaluate {
 
 impl Evaluate {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        if let Some(out) = &self.predictions {
-            refuse_overwriting(out, [self.labelled.selection.path(), self.index.path().as_path()])?;
-        }
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
+        if let Some(out) = &self.predictions {
+            let read = [self.labelled.selection.path().to_owned(), self.index.path()];
+            check_file(out, read.iter().chain(&selected.files()).map(PathBuf::as_path))?;
+        }
         let recognise = &self.labelled.recognise;
         let outcomes = self.labelled.score(&selected, &index, recognise.options()?, global)?;
         if let Some(path) = &self.predictions {

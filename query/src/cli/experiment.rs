@@ -14,7 +14,7 @@ use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
 use super::opening_experiment::OpeningArguments;
 use super::options::{FrameArguments, SegmentArguments, parse_share};
-use super::overwriting::refuse_overwriting;
+use super::outputs::{check_file, make_folder};
 use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
@@ -227,6 +227,13 @@ impl PaperArguments {
         let classes: Vec<Class> =
             classes.map(|class| Class { grasp: class.name.clone(), cutkosky: class.cutkosky }).collect();
         let selected = self.labelled.read(&index)?;
+        if let Some(folder) = &self.out {
+            make_folder(
+                folder,
+                &Paper::FILES,
+                [self.labelled.selection.path(), self.index.path().as_path()],
+            )?;
+        }
         let outcomes = self.labelled.score(&selected, &index, self.labelled.recognise.options()?, global)?;
         let path = self.index.path().display().to_string();
         let paper = Paper::new(self.labelled.table(), path, classes, &outcomes, &selected.broken);
@@ -254,6 +261,10 @@ impl ShapesArguments {
             );
         }
         let selected = self.labelled.selection.read(&classes)?;
+        if let Some(folder) = &self.out {
+            let indexes = self.indexes.iter().map(PathBuf::as_path);
+            make_folder(folder, &Shapes::FILES, indexes.chain([self.labelled.selection.path()]))?;
+        }
         let options = self.labelled.recognise.options()?;
         let score = |(path, index): &(&PathBuf, Index)| -> anyhow::Result<Scored> {
             Ok(Scored {
@@ -283,6 +294,10 @@ impl UnknownArguments {
                 "there is nothing to distinguish the grasps from: label pictures of other hands `{OTHER}`, or name a table of such by --others"
             );
         }
+        if let Some(folder) = &self.out {
+            let tables = self.others.iter().map(PathBuf::as_path).chain([self.labelled.selection.path()]);
+            make_folder(folder, &Unknown::FILES, tables.chain([self.index.path().as_path()]))?;
+        }
         let score = |options: &RecogniseOptions| -> anyhow::Result<Vec<Outcome>> {
             let mut outcomes = self.labelled.score(&selected, &index, options.clone(), global)?;
             if let Some(others) = &others {
@@ -311,19 +326,20 @@ impl UnknownArguments {
 
 impl TrustArguments {
     fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        if let Some(out) = &self.out {
-            let read = self.labels.iter().map(PathBuf::as_path);
-            refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
-        }
         let index = self.index.open_for_pictures()?;
         let classes = index.catalogue().class_names();
         let tables = Selection::all_of(&self.labels, &classes)?;
+        if let Some(out) = &self.out {
+            let files: Vec<PathBuf> = tables.iter().flat_map(Selected::files).collect();
+            let read = self.labels.iter().chain(&files).map(PathBuf::as_path);
+            check_file(out, read.chain([self.index.path().as_path()]))?;
+        }
         let segment = self.segment.params()?;
         let before = Trust::of_descriptor(&index.catalogue().descriptor, &segment.by);
         let [least, floor] = [self.least.unwrap_or(before.least), self.floor.unwrap_or(before.floor)];
         let recognisers = Recognisers::new(&index, segment);
         let (mut samples, mut segmented, mut status) = (Vec::new(), 0, SUCCESS);
-        for table in &tables {
+        for (table, path) in tables.iter().zip(&self.labels) {
             segmented += table.labels.iter().filter(|label| label.kind == Kind::Segmented).count();
             let bar = global.progress().bar(table.labels.len() as u64, "recognising", "pictures");
             let found: Vec<_> = table
@@ -342,7 +358,7 @@ impl TrustArguments {
                     Ok(found) => samples.extend(found),
                     Err(message) => {
                         status = ERROR;
-                        error!("{message}");
+                        error!("{}, {message}", path.display());
                     }
                 }
             }
@@ -376,6 +392,13 @@ impl SequenceArguments {
         }
         let selected = self.labelled.read(&index)?;
         sequence::check(&selected.labels)?;
+        if let Some(folder) = &self.out {
+            make_folder(
+                folder,
+                &Sequences::FILES,
+                [self.labelled.selection.path(), self.index.path().as_path()],
+            )?;
+        }
         // A frame that is unknown by itself may count for something with the others.
         let options = RecogniseOptions { accept: Accept::Always, ..self.labelled.recognise.options()? };
         let outcomes = self.labelled.score(&selected, &index, options, global)?;

@@ -12,7 +12,7 @@ mod listen;
 mod name_or_file;
 mod opening_experiment;
 mod options;
-mod overwriting;
+mod outputs;
 mod pictures;
 #[cfg(feature = "serve")]
 mod quiz;

@@ -7,7 +7,7 @@ use tracing::error;
 
 use super::figures::print;
 use super::index_file::IndexFile;
-use super::overwriting::refuse_overwriting;
+use super::outputs::check_file;
 use super::selection::{Selected, Selection, without_folders};
 use crate::evaluate::Outcome;
 use crate::evaluate::labels::{Kind, Label};
@@ -49,24 +49,26 @@ pub(super) struct OpeningArguments {
 
 impl OpeningArguments {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        if let Some(out) = &self.out {
-            let read = self.labels.iter().map(PathBuf::as_path);
-            refuse_overwriting(out, read.chain([self.index.path().as_path()]))?;
-        }
         let index = self.index.open_for_pictures()?;
         let classes = index.catalogue().class_names();
         let tables = Selection::all_of(&self.labels, &classes)?;
+        if let Some(out) = &self.out {
+            let files: Vec<PathBuf> = tables.iter().flat_map(Selected::files).collect();
+            let read = self.labels.iter().chain(&files).map(PathBuf::as_path);
+            check_file(out, read.chain([self.index.path().as_path()]))?;
+        }
         let (mut samples, mut status) = (Vec::new(), SUCCESS);
-        for (number, table) in tables.iter().enumerate() {
+        for (number, (table, path)) in tables.iter().zip(&self.labels).enumerate() {
+            let path = path.display();
             for row in &table.broken {
                 status = ERROR;
-                error!("{row}");
+                error!("{path}, {row}");
             }
             for outcome in with_hands_given(table, &index, global)? {
                 match &outcome.result {
                     Err(miss) if !miss.is_rejection => {
                         status = ERROR;
-                        error!("line {}: {}", outcome.label.line, miss.message);
+                        error!("{path}, line {}: {}", outcome.label.line, miss.message);
                     }
                     _ => samples.extend(Sample::new(number, &outcome, &classes, Opening::built_in())),
                 }

@@ -12,7 +12,7 @@ use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
 use super::listen::parse_listen;
-use super::overwriting::refuse_overwriting;
+use super::outputs::refuse_overwriting;
 use super::selection::{Selected, Selection};
 use super::signals::signals;
 use crate::evaluate::labels::OTHER;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::answering::Answering;
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
-use super::overwriting::refuse_overwriting_by_any;
+use super::outputs::refuse_overwriting_by_any;
 use super::pictures::pictures;
 use super::robot::{MessageArguments, RobotArguments};
 use drawings::Drawings;
@@ -120,7 +120,7 @@ pub(super) struct Recognise {
     holding: Option<String>,
     #[cfg(feature = "serve")]
     /// Let a running `grasp-query serve` answer, by its own index; http://HOST:PORT or unix:PATH.
-    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "prior"])]
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["sequence", "switch", "motion", "prior", "holding"])]
     server: Option<Address>,
     #[cfg(feature = "serve")]
     /// Show the service the token in this file.
@@ -434,8 +434,10 @@ impl<W: Write> Output<W> {
         self.status = self.status.max(record.status());
         match (self.form, record) {
             (Form::Json, _) => {
-                serde_json::to_writer(&mut self.out, record).map_err(io::Error::from)?;
-                self.out.write_all(b"\n")?;
+                // At once: who ends the program keeps whole lines.
+                let mut line = serde_json::to_vec(record).map_err(io::Error::from)?;
+                line.push(b'\n');
+                self.out.write_all(&line)?;
             }
             (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
                 match moveit::message(answer) {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
-use super::overwriting::refuse_overwriting;
+use super::outputs::check_file;
 use crate::experiment::report::{Findings, Source};
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_program::{Global, output_file};
@@ -46,12 +46,10 @@ pub(super) struct ReportArguments {
 
 impl ReportArguments {
     pub(super) fn run(&self, global: &Global) -> anyhow::Result<u8> {
-        refuse_overwriting(&self.out, [self.labelled.selection.path(), self.index.path().as_path()])?;
         let index = self.index.open_for_pictures()?;
         let selected = self.labelled.read(&index)?;
-        let pictures: Vec<PathBuf> =
-            selected.labels.iter().map(|label| selected.folder.join(&label.file)).collect();
-        refuse_overwriting(&self.out, pictures.iter().map(PathBuf::as_path))?;
+        let read = [self.labelled.selection.path().to_owned(), self.index.path()];
+        check_file(&self.out, read.iter().chain(&selected.files()).map(PathBuf::as_path))?;
         let recognise = &self.labelled.recognise;
         let outcomes = self.labelled.score(&selected, &index, recognise.options()?, global)?;
         let source = Source {

@@ -17,7 +17,7 @@ use tracing::info;
 
 use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
-use super::overwriting::refuse_overwriting;
+use super::outputs::refuse_overwriting;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
 use grasp_program::Global;
@@ -174,6 +174,7 @@ impl Search {
     /// As a run by an own index, but for who answers.
     #[cfg(feature = "serve")]
     fn run_remote(&self, address: &Address) -> anyhow::Result<u8> {
+        self.index.refuse_beside_a_service()?;
         let (queries, dim) = self.read_queries(None)?;
         let count = queries.len() / dim.max(1);
         let out = self.out.as_deref().map(Target::create).transpose()?;

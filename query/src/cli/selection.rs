@@ -117,6 +117,12 @@ impl Selection {
 }
 
 impl Selected {
+    /// The pictures and masks that the rows name.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let named = self.labels.iter().flat_map(|label| std::iter::once(&label.file).chain(&label.mask));
+        named.map(|file| self.folder.join(file)).collect()
+    }
+
     /// Whether any camera picture has a labelled mask.
     pub(super) fn has_camera_masks(&self) -> bool {
         self.labels.iter().any(|label| label.kind == Kind::Camera && label.mask.is_some())

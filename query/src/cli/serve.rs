@@ -13,7 +13,7 @@ use tracing::{info, warn};
 
 use super::index_file::IndexFile;
 use super::listen::parse_listen;
-use super::overwriting::refuse_overwriting;
+use super::outputs::refuse_overwriting;
 use super::quiz::{DEFAULT_SEED, QuizOptions, make};
 use super::selection::Selection;
 use super::signals::signals;

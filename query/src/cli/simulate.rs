@@ -9,12 +9,13 @@ use anyhow::{Context as _, bail};
 use grasp_terminal::text::{fixed, printable};
 use serde::Serialize;
 
-use grasp_answer::explain;
+use grasp_answer::explain::{self, Format, SaveError};
 use grasp_robot::simulation::{Offset, Outcome, Plan, Quality, SCENES, Scene};
 use grasp_robot::{ApproachSide, Object};
 use strip::strip;
 
 use super::name_or_file::NameOrFile;
+use super::outputs::check_file;
 use super::simulated_hand::SimulatedHand;
 use grasp_program::status::SUCCESS;
 
@@ -106,6 +107,10 @@ impl Simulate {
         hand.grasp_named(grasp)?;
         let (object, from) = self.setting(grasp)?;
         let plan = Plan::new(&hand, grasp, &object, self.from.map_or(from, FromArgument::approach).turned())?;
+        if let Some(path) = &self.pictures {
+            Format::from_path(path).ok_or_else(|| SaveError::Format(path.clone()))?;
+            check_file(path, [])?;
+        }
         let offset = Offset { x: 1e-3 * self.x, y: 1e-3 * self.y, yaw: self.yaw.to_radians() };
         let outcome = match &self.pictures {
             None => plan.run(offset),

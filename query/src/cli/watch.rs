@@ -18,7 +18,7 @@ use grasp_terminal::text::counted;
 use super::answering::Answering;
 use super::index_file::IndexFile;
 use super::options::{FrameArguments, RecogniseArguments};
-use super::overwriting::refuse_overwriting_by_any;
+use super::outputs::refuse_overwriting_by_any;
 use super::pictures::pictures;
 use super::robot::RobotArguments;
 use crate::live::camera::{self, Camera};
@@ -95,7 +95,6 @@ struct Watching<'a> {
 impl Watch {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
         let (source, keep) = self.source()?;
-        self.refuse_overwriting()?;
         let robot = self.robot.read()?;
         let index = self.index.open_for_pictures()?;
         let mut watching = Watching {
@@ -161,6 +160,7 @@ impl Watch {
             bail!("the frames are those of the camera {}: leave out SOURCE", device.display());
         }
         if let Some(device) = by_option.or(by_name) {
+            self.refuse_overwriting(&[])?;
             return Ok((Source::Camera(Camera::open(&device)?), Keep::Newest));
         }
         if self.sources.is_empty() {
@@ -168,12 +168,13 @@ impl Watch {
         }
         let files = pictures(&self.sources)?;
         files.iter().try_for_each(|file| Source::check(file))?;
+        self.refuse_overwriting(&files)?;
         let keep = if self.live { Keep::Newest } else { Keep::All };
         Ok((Source::streams(files), keep))
     }
 
-    fn refuse_overwriting(&self) -> anyhow::Result<()> {
-        let (read, index) = (pictures(&self.sources)?, self.index.path());
+    fn refuse_overwriting(&self, read: &[PathBuf]) -> anyhow::Result<()> {
+        let index = self.index.path();
         let outs = [Some(&self.out), self.json.as_ref()].into_iter().flatten();
         let inputs = read.iter().map(PathBuf::as_path).chain([index.as_path()]);
         refuse_overwriting_by_any(outs.map(PathBuf::as_path), inputs)

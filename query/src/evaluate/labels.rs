@@ -81,7 +81,7 @@ pub enum LabelsError {
         source: RowFault,
     },
     /// A column that is needed is missing.
-    #[error("{}: the labels have no column `{column}`; their header is {found}", path.display())]
+    #[error("{}: the labels have no column `{column}`; their header is {}", path.display(), described(found))]
     MissingColumn {
         /// The file.
         path: PathBuf,
@@ -90,6 +90,17 @@ pub enum LabelsError {
         /// The columns that are there.
         found: String,
     },
+}
+
+/// A header in a sentence that complains of it.
+fn described(header: &str) -> String {
+    match header {
+        "" => "empty".to_owned(),
+        other if !other.contains(", ") && other.contains([';', '\t']) => {
+            format!("{other}, where columns must be separated by commas")
+        }
+        other => other.to_owned(),
+    }
 }
 
 /// A row that cannot be used; the others can.
@@ -262,8 +273,15 @@ mod tests {
     fn a_missing_column_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("labels.csv");
-        std::fs::write(&path, "file,grasp\na.png,pinch\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("no column `kind`"));
+        for (text, said) in [
+            ("file,grasp\na.png,pinch\n", "no column `kind`; their header is file, grasp"),
+            ("file;kind;grasp\n", "`file`; their header is file;kind;grasp, where columns must be separated"),
+            ("", "`file`; their header is empty"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 
     #[test]

@@ -19,6 +19,7 @@ pub mod trust;
 pub mod unknown;
 
 use std::fmt;
+use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -38,6 +39,19 @@ impl fmt::Display for Kind {
             Self::Camera => "camera",
         })
     }
+}
+
+/// Writes files of results into a folder, which is made where there is none.
+fn write_files<const N: usize>(folder: &Path, names: [&str; N], bytes: [Vec<u8>; N]) -> anyhow::Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    names.iter().zip(&bytes).try_for_each(|(name, bytes)| write_file(&folder.join(name), bytes))
+}
+
+/// Figures as JSON to be read by people, too.
+fn json_of(figures: &impl Serialize) -> anyhow::Result<Vec<u8>> {
+    let mut json = serde_json::to_vec_pretty(figures)?;
+    json.push(b'\n');
+    Ok(json)
 }
 
 /// Writes a file of results, whole or not at all.

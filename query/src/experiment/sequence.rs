@@ -3,14 +3,13 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use grasp_terminal::text::counted;
 use serde::Serialize;
 
-use super::{KINDS, csv_of, write_file};
+use super::{KINDS, csv_of, json_of, write_files};
 use crate::evaluate::errors::median;
 use crate::evaluate::labels::{Kind, Label, RowError};
 use crate::evaluate::report::{Report, RowReport, errors_text};
@@ -100,16 +99,15 @@ impl Sequences {
         text
     }
 
-    /// Writes `sequence.csv` and `sequence.json` into a folder, which is made where there is none.
+    /// What [`Self::write`] writes.
+    pub const FILES: [&str; 2] = ["sequence.csv", "sequence.json"];
+
+    /// Writes [`Self::FILES`] into a folder, which is made where there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&self, folder: &Path) -> anyhow::Result<()> {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let mut json = serde_json::to_vec_pretty(self)?;
-        json.push(b'\n');
-        write_file(&folder.join("sequence.csv"), &csv_of(&self.rows)?)?;
-        write_file(&folder.join("sequence.json"), &json)
+        write_files(folder, Self::FILES, [csv_of(&self.rows)?, json_of(self)?])
     }
 }
 

@@ -1,12 +1,10 @@
 //! The figures as files.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::Context as _;
 use serde::Serialize;
 
-use super::super::{csv_of, write_file};
+use super::super::{csv_of, json_of, write_files};
 use super::figures::{KindResult, Paper, SetResult};
 use super::plot;
 use crate::evaluate::labels::Kind;
@@ -57,19 +55,16 @@ struct Step {
 }
 
 pub(super) fn write(paper: &Paper, folder: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let sets = || paper.kinds.iter().flat_map(|kind| kind.sets.iter().map(move |set| (kind, set)));
-    let mut json = serde_json::to_vec_pretty(paper)?;
-    json.push(b'\n');
-    let files = [
-        ("paper.csv", csv_of(sets().map(|(kind, set)| row(kind, set)))?),
-        ("confusion.csv", csv_of(sets().flat_map(|(kind, set)| cells(kind, set)))?),
-        ("orientation.csv", csv_of(sets().flat_map(|(kind, set)| steps(kind, set)))?),
-        ("paper.json", json),
-        ("confusion.svg", plot::confusion(paper).into_bytes()),
-        ("orientation.svg", plot::orientation(paper).into_bytes()),
+    let bytes = [
+        csv_of(sets().map(|(kind, set)| row(kind, set)))?,
+        csv_of(sets().flat_map(|(kind, set)| cells(kind, set)))?,
+        csv_of(sets().flat_map(|(kind, set)| steps(kind, set)))?,
+        json_of(paper)?,
+        plot::confusion(paper).into_bytes(),
+        plot::orientation(paper).into_bytes(),
     ];
-    files.iter().try_for_each(|(name, bytes)| write_file(&folder.join(name), bytes))
+    write_files(folder, Paper::FILES, bytes)
 }
 
 fn row(kind: &KindResult, set: &SetResult) -> Row {

@@ -19,8 +19,11 @@ impl Paper {
         text::text(self)
     }
 
-    /// Writes `paper.csv`, `confusion.csv`, `orientation.csv`, `paper.json`, `confusion.svg` and
-    /// `orientation.svg` into a folder, which is made where there is none.
+    /// What [`Self::write`] writes.
+    pub const FILES: [&str; 6] =
+        ["paper.csv", "confusion.csv", "orientation.csv", "paper.json", "confusion.svg", "orientation.svg"];
+
+    /// Writes [`Self::FILES`] into a folder, which is made where there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.

@@ -96,10 +96,11 @@ impl Table {
         // A thread that panicked while it held the lock left whole rows behind.
         let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
         let is_first = self.known.is_empty() && growing.rows.is_empty();
-        if let Some(file) = &mut growing.file {
+        if let (Some(file), Some(path)) = (&mut growing.file, &self.path) {
             let mut writer = csv::WriterBuilder::new().has_headers(is_first).from_writer(Vec::new());
             writer.serialize(&row)?;
-            file.write_all(&writer.into_inner().map_err(|error| error.into_error())?)?;
+            let written = file.write_all(&writer.into_inner().map_err(|error| error.into_error())?);
+            written.with_context(|| format!("cannot write {}", path.display()))?;
         }
         growing.rows.push(row);
         Ok(())

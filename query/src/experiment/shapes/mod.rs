@@ -5,26 +5,21 @@
 mod figures;
 mod plot;
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::Context as _;
-
-use super::{csv_of, write_file};
+use super::{csv_of, json_of, write_files};
 pub use figures::{Point, Scored, Shapes};
 
 impl Shapes {
-    /// Writes `shapes.csv`, `shapes.json` and `shapes.svg` into a folder, which is made where there
-    /// is none.
+    /// What [`Self::write`] writes.
+    pub const FILES: [&str; 3] = ["shapes.csv", "shapes.json", "shapes.svg"];
+
+    /// Writes [`Self::FILES`] into a folder, which is made where there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&self, folder: &Path) -> anyhow::Result<()> {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let mut json = serde_json::to_vec_pretty(self)?;
-        json.push(b'\n');
-        write_file(&folder.join("shapes.csv"), &csv_of(&self.points)?)?;
-        write_file(&folder.join("shapes.json"), &json)?;
-        write_file(&folder.join("shapes.svg"), plot::svg(self).as_bytes())
+        let drawing = plot::svg(self).into_bytes();
+        write_files(folder, Self::FILES, [csv_of(&self.points)?, json_of(self)?, drawing])
     }
 }

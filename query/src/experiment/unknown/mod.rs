@@ -4,13 +4,11 @@
 mod figures;
 mod plot;
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::Context as _;
 use serde::Serialize;
 
-use super::{csv_of, write_file};
+use super::{csv_of, json_of, write_files};
 pub use figures::{AtLimits, Curve, Limits, Point, Unknown};
 
 /// A row of `unknown.csv`. Columns are an interface, like keys.
@@ -23,15 +21,14 @@ struct Row {
 }
 
 impl Unknown {
-    /// Writes `unknown.csv`, `unknown.json` and `unknown.svg` into a folder, which is made where
-    /// there is none.
+    /// What [`Self::write`] writes.
+    pub const FILES: [&str; 3] = ["unknown.csv", "unknown.json", "unknown.svg"];
+
+    /// Writes [`Self::FILES`] into a folder, which is made where there is none.
     ///
     /// # Errors
     /// Where a file cannot be written.
     pub fn write(&self, folder: &Path) -> anyhow::Result<()> {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        let mut json = serde_json::to_vec_pretty(self)?;
-        json.push(b'\n');
         let rows = self.curves.iter().flat_map(|curve| {
             curve.points.iter().map(|&Point { limit, known_kept, others_kept }| Row {
                 measure: curve.measure,
@@ -40,8 +37,6 @@ impl Unknown {
                 others_kept,
             })
         });
-        write_file(&folder.join("unknown.csv"), &csv_of(rows)?)?;
-        write_file(&folder.join("unknown.json"), &json)?;
-        write_file(&folder.join("unknown.svg"), plot::svg(self).as_bytes())
+        write_files(folder, Self::FILES, [csv_of(rows)?, json_of(self)?, plot::svg(self).into_bytes()])
     }
 }
