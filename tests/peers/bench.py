@@ -22,6 +22,13 @@ from peers.contender import Run
 from peers.libraries import contenders
 from peers.pool import Failed, Store
 
+EXAMPLES = """\
+examples:
+  bench.py grasp.idx --work peers-work --binaries ../../target/release --csv points.csv
+  bench.py grasp.idx --work peers-work --entries 5000 --only grasp,faiss-ivf,hnswlib --rounds 2
+  bench.py base.npy queries.npy --work peers-work --skip annoy --recall-levels .9,.99
+"""
+
 
 def names(text: str) -> list[str]:
     """A comma-separated list; a name stands for all contenders that begin with it."""
@@ -36,14 +43,25 @@ def names(text: str) -> list[str]:
 
 
 def shares(text: str) -> list[float]:
-    values = [float(value) for value in text.split(",")]
+    try:
+        values = [float(value) for value in text.split(",")]
+    except ValueError:
+        values = [0.0]
     if not all(0 < value <= 1 for value in values):
-        raise argparse.ArgumentTypeError("levels lie above 0 and not above 1")
+        raise argparse.ArgumentTypeError("comma-separated levels, above 0 and not above 1")
     return values
 
 
+def positive(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"a whole number, at least 1, in place of {text!r}")
+    return int(text)
+
+
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
         "data",
         nargs="+",
@@ -58,17 +76,20 @@ def arguments() -> argparse.Namespace:
         help="with an index: the pictures that are searched for beside renders; default: the sample pictures",
     )
     parser.add_argument(
-        "--entries", type=int, metavar="N", help="with an index: take N of its entries, evenly; default: all"
+        "--entries",
+        type=positive,
+        metavar="N",
+        help="with an index: take N of its entries, evenly; default: all",
     )
     parser.add_argument("--work", type=Path, required=True, help="folder that keeps truth and built indexes")
     parser.add_argument("--only", type=names, help="comma-separated contenders, or beginnings of their names")
     parser.add_argument("--skip", type=names, default=[], help="likewise")
-    parser.add_argument("--k", type=int, default=10)
+    parser.add_argument("--k", type=positive, default=10)
     parser.add_argument("--eps", type=float, default=0.05)
     parser.add_argument("--recall-levels", type=shares, default=[0.9, 0.95, 0.99])
     parser.add_argument("--success-levels", type=shares, default=[0.95, 0.99])
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--repeats", type=int, default=3, help="batches of all queries in a round")
+    parser.add_argument("--rounds", type=positive, default=5)
+    parser.add_argument("--repeats", type=positive, default=3, help="batches of all queries in a round")
     parser.add_argument("--cold-rounds", type=int, default=9, help="0 leaves the cold starts out")
     parser.add_argument(
         "--time-limit", type=float, default=3600, metavar="SECONDS", help="of a build, a load or a search"
@@ -76,7 +97,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--core", type=int, help="where searches run; default: the last that this process may use"
     )
-    parser.add_argument("--build-threads", type=int, help="default: every core that this process may use")
+    parser.add_argument(
+        "--build-threads", type=positive, help="default: every core that this process may use"
+    )
     parser.add_argument("--in-turn", action="store_true", help="hold one index in memory at a time")
     parser.add_argument("--rebuild", action="store_true", help="do not use the indexes kept in --work")
     parser.add_argument(
@@ -87,14 +110,22 @@ def arguments() -> argparse.Namespace:
     given = parser.parse_args()
     if len(given.data) > 2 or (len(given.data) == 1 and given.data[0].endswith(".npy")):
         parser.error("name one index, or two arrays")
-    if given.entries is not None and (len(given.data) == 2 or given.entries < 1):
-        parser.error("--entries takes some of an index's entries, at least one")
+    if given.entries is not None and len(given.data) == 2:
+        parser.error("--entries takes some of an index's entries: name an index, in place of two arrays")
+    cores = sorted(os.sched_getaffinity(0))
+    if given.core is None:
+        given.core = cores[-1]
+    elif given.core not in cores:
+        parser.error(f"--core {given.core}: this process may use {', '.join(map(str, cores))}")
     return given
 
 
 def checked_shape(path: str) -> tuple[int, int]:
     """The shape of a file of vectors; raises ValueError saying what is wrong with it."""
-    array = np.load(path, mmap_mode="r")
+    try:
+        array = np.load(path, mmap_mode="r")
+    except ValueError:
+        raise ValueError(f"{path}: no array; numpy.save writes one") from None
     if array.ndim != 2 or array.dtype != np.float32 or not array.flags.c_contiguous:
         raise ValueError(
             f"{path}: float32, two-dimensional, C order expected, {array.dtype} {array.shape} found"
@@ -126,9 +157,12 @@ def data(given: argparse.Namespace, work: Path) -> vectors.Vectors:
 def main() -> int:
     given = arguments()
     given.binaries = given.binaries and str(Path(given.binaries).resolve())
-    given.work.mkdir(parents=True, exist_ok=True)
-    work = given.work.resolve()
     try:
+        given.work.mkdir(parents=True, exist_ok=True)
+        work = given.work.resolve()
+        if given.csv:
+            # What cannot be written is said before an hour of measuring; nothing is written yet.
+            given.csv.open("a").close()
         say("vectors")
         compared = data(given, work)
         n, dim = checked_shape(compared.base)
@@ -141,7 +175,6 @@ def main() -> int:
     except (OSError, ValueError) as error:
         print(f"bench: {error}", file=sys.stderr)
         return 2
-    cores = sorted(os.sched_getaffinity(0))
     run = Run(
         base=compared.base,
         queries="",
@@ -149,7 +182,7 @@ def main() -> int:
         dim=dim,
         k=given.k,
         seed=given.seed,
-        build_threads=given.build_threads or len(cores),
+        build_threads=given.build_threads or len(os.sched_getaffinity(0)),
         binaries=given.binaries,
         held_out=compared.held_out,
     )
@@ -180,7 +213,7 @@ def main() -> int:
                 levels=levels,
                 rounds=given.rounds,
                 repeats=given.repeats,
-                core=cores[-1] if given.core is None else given.core,
+                core=given.core,
                 limit=given.time_limit,
                 in_turn=given.in_turn or memory_is_short(n, dim, len(entries)),
                 scratch=Path(scratch),

@@ -1,4 +1,7 @@
-"""`coldstart.py faiss|grasp|hnswlib|usearch INDEX QUERY.npy K`: opens an index, answers a query, prints the time.
+"""Opens an index, answers a query, prints the time; bench.py starts it for the column of cold starts.
+
+    coldstart.py faiss|grasp|hnswlib|usearch INDEX QUERY.npy K
+    coldstart.py hnswlib peers-work/2a/hnswlib-1b/hnswlib.index one.npy 10
 
 Each library in the way that starts fastest: mapped where it can map, nothing imported that is not needed.
 """
@@ -11,6 +14,8 @@ import numpy as np
 
 
 def main() -> None:
+    if len(sys.argv) != 5:
+        sys.exit(__doc__)
     library, path, query_path, k = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
     query = np.load(query_path)
     if library == "faiss":

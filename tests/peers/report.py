@@ -14,6 +14,9 @@ from peers.contender import Run
 from peers.libraries import version
 from peers.rounds import Entry, Level, Plan
 
+FEW = 100
+"""Queries below which a call's own cost shows in what each of them takes."""
+
 
 def number(value: float | None) -> str:
     """Three figures are more than such a measurement is worth."""
@@ -69,9 +72,10 @@ def notes(entries: list[Entry], plan: Plan, queries: int, eps: float) -> str:
     run = plan.run
     versions = {e.contender.package: version(e.contender) for e in entries if e.contender.package}
     threads = sorted({entry.built.threads for entry in entries if entry.built})
+    built = f", builds with {', '.join(map(str, threads))} thread(s)" if threads else ""
     lines = [
-        f"- {time.strftime('%Y-%m-%d')}, {machine()}; searches on core {plan.core} with one thread, "
-        f"builds with {', '.join(map(str, threads))} thread(s).",
+        f"- {time.strftime('%Y-%m-%d')}, {machine()}; searches on core {plan.core} with one thread"
+        f"{built}.",
         f"- {run.n:,} vectors of {run.dim} dimensions, {queries:,} queries, k {run.k}, seed {run.seed}; medians of "
         f"{plan.rounds} interleaved rounds, in each the median of {plan.repeats} batches of all queries"
         + (", one index in memory at a time." if plan.in_turn else "."),
@@ -84,11 +88,18 @@ def notes(entries: list[Entry], plan: Plan, queries: int, eps: float) -> str:
         + ", ".join(f"{name} {number}" for name, number in versions.items())
         + f", Python {platform.python_version()}.",
     ]
+    if queries < FEW:
+        lines.append(
+            f"- few queries: a call from Python takes some microseconds, which {queries} queries share; grasp's "
+            "programs are timed without one."
+        )
     for entry in entries:
         said = [point for point in entry.points if point.predicted is not None]
         if said:
             pairs = ", ".join(f"{point.predicted:.3f} {point.score.recall:.3f}" for point in said)
-            lines.append(f"- recall@{run.k} that {entry.contender.name} predicted, and that it found: {pairs}.")
+            lines.append(
+                f"- recall@{run.k} that {entry.contender.name} predicted, and that it found: {pairs}."
+            )
         if entry.refused:
             lines.append(
                 f"- {entry.contender.name} refused {len(entry.refused)} settings, the first: {entry.refused[0]}"

@@ -11,7 +11,6 @@ import sys
 from importlib import resources
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 BASE = {
@@ -31,6 +30,8 @@ QUERIES_TAKEN = 2_000
 
 def descriptors(photographs: dict[str, list[str]]) -> np.ndarray:
     """One row of 128 values for each key point."""
+    import cv2  # here, so that the usage can be read without it
+
     sift = cv2.SIFT_create(contrastThreshold=CONTRAST)
     rows = []
     for package, names in photographs.items():
@@ -44,7 +45,7 @@ def descriptors(photographs: dict[str, list[str]]) -> np.ndarray:
 
 def main() -> None:
     if len(sys.argv) != 3:
-        sys.exit("usage: sift.py BASE.npy QUERIES.npy")
+        sys.exit(__doc__)
     base, queries = (Path(path) for path in sys.argv[1:])
     np.save(base, descriptors(BASE))
     rows = descriptors(QUERIES)

@@ -76,6 +76,8 @@ def main() -> None:
             if worker is None:
                 worker = Worker(contenders()[name], run)
             answer = getattr(worker, request.pop("do"))(**request)
+        except ModuleNotFoundError as error:
+            answer = {"error": f"{error}: see requirements.txt and, for grasp, README.md"}
         except Exception as error:  # whatever a library throws is its result, not this program's end
             answer = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(answer), file=answers, flush=True)
