@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Builds what a release has for one platform: build.sh TARGET OUT
 #
+#     .github/release/build.sh x86_64-unknown-linux-gnu dist
+#
 # TARGET is the platform, as Rust names it, and has to be the one on which this runs: programs and
 # wheel are tried before they are packed. Besides Rust it needs Python with what
 # requirements.txt beside this file lists.
@@ -10,6 +12,7 @@
 # one lock for all threads, and wheels need glibc anyway.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+[ $# = 2 ] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 2; } >&2
 target=$1 out=$2
 
 build=(cargo build --target "$target")
@@ -24,8 +27,15 @@ esac
 # A panic names its line all the same, without the lines of its callers.
 export CARGO_PROFILE_RELEASE_STRIP=debuginfo
 "${build[@]}" --release --locked --package grasp-builder --package grasp-query
-python .github/release/package.py "$target" "target/$target/release" "$out"
+third_party=target/$target/LICENSE-THIRD-PARTY
+python .github/release/licences.py "$target" Cargo.toml grasp-builder grasp-query >"$third_party"
+python .github/release/package.py "$target" "target/$target/release" "$third_party" "$out"
 
+# maturin packs what lies beside pyproject.toml under such a name.
+licences=(query/python/LICENSE-{APACHE,MIT,poses,THIRD-PARTY})
+trap 'rm -f "${licences[@]}"' EXIT
+cp LICENSE-APACHE LICENSE-MIT renders/data/LICENSE-poses query/python
+python .github/release/licences.py "$target" query/python/Cargo.toml grasp-python >query/python/LICENSE-THIRD-PARTY
 maturin build --release --locked --manifest-path query/python/Cargo.toml --out "$out" "${wheel[@]}"
 python -m pip install --no-index --no-deps --force-reinstall --find-links "$out" grasp
 python .github/release/try_wheel.py

@@ -4,6 +4,8 @@
 TAG has to be the version of Cargo.toml with a `v` before it, and CHANGELOG.md to have a section of
 it; `rehearsal` stands for the section `Unreleased`. Of the checksums the index's is named: whoever
 builds the default index by these programs gets the same bytes.
+
+    notes.py v1.2.3 dist/SHA256SUMS
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ def section(title: str, changelog: str) -> str:
 
 
 def main() -> None:
-    if len(sys.argv) not in (2, 3):
+    if len(sys.argv) not in (2, 3) or sys.argv[1] in ("-h", "--help"):
         sys.exit(__doc__)
     tag = sys.argv[1]
     if tag not in (REHEARSAL, f"v{version()}"):

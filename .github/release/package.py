@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
-"""Pack the programs of a release: package.py TARGET PROGRAMS OUT
+"""Pack the programs of a release: package.py TARGET PROGRAMS THIRD-PARTY OUT
 
 TARGET is the platform, as Rust names it; PROGRAMS the folder with the two programs, which have to
-run here; OUT the folder in which grasp-TARGET.tar.gz (for Windows .zip) is written. The archive
-holds programs, manual pages and completions where a prefix such as ~/.local has them: it is
-installed by being unpacked there. The same programs make the same bytes.
+run here; THIRD-PARTY the file with the licences of what they link, which licences.py prints; OUT the
+folder in which grasp-TARGET.tar.gz (for Windows .zip) is written. The archive holds programs, manual
+pages and completions where a prefix such as ~/.local has them: it is installed by being unpacked
+there. The same programs make the same bytes.
+
+    package.py x86_64-unknown-linux-gnu target/release LICENSE-THIRD-PARTY dist
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = ("grasp-builder", "grasp-query")
-DOCUMENTS = ("README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT")
+DOCUMENTS = ("README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "renders/data/LICENSE-poses")
 # Where each shell looks, below a prefix; the last is for `. FILE` in a profile.
 COMPLETIONS = {
     "bash": "share/bash-completion/completions/{}",
@@ -52,7 +55,7 @@ def subcommands(program: Path) -> list[str]:
     return [name for name in names if name != "help"]
 
 
-def contents(programs: Path, ending: str) -> dict[str, bytes]:
+def contents(programs: Path, third_party: Path, ending: str) -> dict[str, bytes]:
     """Return the files of the archive, by their paths below the prefix."""
     files = {}
     for name in PROGRAMS:
@@ -63,8 +66,8 @@ def contents(programs: Path, ending: str) -> dict[str, bytes]:
             files[f"share/man/man1/{name}-{subcommand}.1"] = printed(program, "man", subcommand)
         for shell, path in COMPLETIONS.items():
             files[path.format(name)] = printed(program, "completions", shell)
-    for name in DOCUMENTS:
-        files[f"share/doc/grasp/{name}"] = (ROOT / name).read_bytes()
+    for document in (*(ROOT / name for name in DOCUMENTS), third_party):
+        files[f"share/doc/grasp/{document.name}"] = document.read_bytes()
     return dict(sorted(files.items()))
 
 
@@ -89,11 +92,11 @@ def zipped(folder: str, files: dict[str, bytes]) -> bytes:
 
 
 def main() -> None:
-    if len(sys.argv) != 4:
+    if len(sys.argv) != 5:
         sys.exit(__doc__)
-    target, programs, out = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
+    target, (programs, third_party, out) = sys.argv[1], map(Path, sys.argv[2:])
     is_windows = "windows" in target
-    files = contents(programs, ".exe" if is_windows else "")
+    files = contents(programs, third_party, ".exe" if is_windows else "")
     folder = f"grasp-{version()}"
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"grasp-{target}.{'zip' if is_windows else 'tar.gz'}"

@@ -14,6 +14,7 @@ import unittest
 import zipfile
 from pathlib import Path
 
+import licences
 import notes
 import package
 
@@ -33,7 +34,9 @@ class Package(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
         cls.out = Path(cls.folder.name) / "out"
-        made = ran("package.py", TARGET, PROGRAMS, cls.out)
+        cls.third_party = Path(cls.folder.name) / "LICENSE-THIRD-PARTY"
+        cls.third_party.write_text("a 1.0.0 (MIT)\n")
+        made = ran("package.py", TARGET, PROGRAMS, cls.third_party, cls.out)
         assert made.returncode == 0, made.stderr
         cls.path = Path(made.stdout.strip())
 
@@ -51,7 +54,8 @@ class Package(unittest.TestCase):
             self.assertTrue((prefix / "share" / "man" / "man1" / f"{name}.1").read_text().startswith(".ie"))
         for page in ("grasp-query-recognise.1", "grasp-builder-build.1"):
             self.assertIn(".SH OPTIONS", (prefix / "share" / "man" / "man1" / page).read_text())
-        self.assertTrue((prefix / "share" / "doc" / "grasp" / "LICENSE-MIT").exists())
+        for licence in ("MIT", "APACHE", "poses", "THIRD-PARTY"):
+            self.assertTrue((prefix / "share" / "doc" / "grasp" / f"LICENSE-{licence}").exists(), licence)
 
     def stand_ins(self, ending: str = "") -> Path:
         """Small programs that print what they are asked."""
@@ -66,7 +70,8 @@ class Package(unittest.TestCase):
 
     def test_the_same_programs_make_the_same_bytes(self) -> None:
         programs = self.stand_ins()
-        paths = [Path(ran("package.py", TARGET, programs, self.out / name).stdout.strip()) for name in "ab"]
+        made = [ran("package.py", TARGET, programs, self.third_party, self.out / name) for name in "ab"]
+        paths = [Path(one.stdout.strip()) for one in made]
         self.assertEqual(paths[0].read_bytes(), paths[1].read_bytes())
         with tarfile.open(paths[0]) as archive:
             for entry in archive:
@@ -75,19 +80,46 @@ class Package(unittest.TestCase):
                 self.assertEqual(entry.mode, 0o755 if "/bin/" in entry.name else 0o644)
 
     def test_windows_has_a_zip_archive(self) -> None:
-        made = ran("package.py", "x86_64-pc-windows-msvc", self.stand_ins(".exe"), self.out)
+        programs = self.stand_ins(".exe")
+        made = ran("package.py", "x86_64-pc-windows-msvc", programs, self.third_party, self.out)
         with zipfile.ZipFile(made.stdout.strip()) as archive:
             names = archive.namelist()
         self.assertIn(f"grasp-{package.version()}/bin/grasp-query.exe", names)
         self.assertIn(f"grasp-{package.version()}/share/grasp/completions/grasp-query.ps1", names)
 
     def test_a_missing_program_ends_it(self) -> None:
-        made = ran("package.py", TARGET, self.folder.name, self.out / "none")
+        made = ran("package.py", TARGET, self.folder.name, self.third_party, self.out / "none")
         self.assertNotEqual(made.returncode, 0)
         self.assertFalse((self.out / "none").exists())
 
 
+class Licences(unittest.TestCase):
+    def test_every_linked_crate_has_one(self) -> None:
+        made = ran("licences.py", TARGET, "Cargo.toml", *package.PROGRAMS)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        for crate in ("serde", "axum", "rapier3d"):
+            self.assertRegex(made.stdout, rf"(?m)^{crate} \d+\.\d+\.\d+ \(.+\)$")
+        self.assertIn("Permission is hereby granted", made.stdout)
+        # What only tests need is not in the programs.
+        self.assertNotRegex(made.stdout, r"(?m)^(criterion|insta|proptest) ")
+
+    def test_a_crate_without_a_text_is_told(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            manifest = str(Path(folder) / "Cargo.toml")
+            crate = {"manifest_path": manifest, "license": "MIT/Apache-2.0"}
+            self.assertEqual(licences.texts(crate), [])
+            for name in ("LICENSE-APACHE", "LICENSE-MIT", "NOTICE"):
+                (Path(folder) / name).write_text(f"{name} \n\n")
+            self.assertEqual(licences.texts(crate), ["LICENSE-MIT", "NOTICE"])
+            self.assertEqual(len(licences.texts({**crate, "license": "MIT AND Apache-2.0"})), 3)
+
+
 class Notes(unittest.TestCase):
+    def test_all_packages_have_one_version(self) -> None:
+        for workspace in ("query/python", "query/ros"):
+            manifest = (package.ROOT / workspace / "Cargo.toml").read_text(encoding="utf-8")
+            self.assertIn(f'\nversion = "{package.version()}"\n', manifest, workspace)
+
     def test_a_section_ends_where_the_next_begins(self) -> None:
         changelog = "# C\n\n## 1.2.0 (2026-01-02)\n\n### A\n\n- b\n\n## 1.2\n\n- old\n"
         self.assertEqual(notes.section("1.2.0", changelog), "### A\n\n- b")
