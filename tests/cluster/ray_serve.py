@@ -68,7 +68,7 @@ def main():
     single, queries, folder = work / "single.idx", work / "q.npy", work / "segments"
     program("grasp-builder", "build", "--hands", 5, "--step", 30, "--thumbnails", 0, "--out", single)
     program("grasp-builder", "split", single, "--segments", 4, "--out-dir", folder)
-    program("grasp-builder", "queries", "--count", 150, "--step", 45, "--out", queries)
+    program("grasp-builder", "queries", "--preset", "paper", "--count", 150, "--out", queries)
     expected = [program("grasp-query", "search", queries, "--index", single, "--neighbours", *effort) for effort in EFFORTS]
 
     def compare(when):

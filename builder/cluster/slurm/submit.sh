@@ -6,6 +6,7 @@
 # PARTS and INDEX lie on a file system that all nodes share; grasp-builder is in the PATH. Options of sbatch, such as the partition,
 # are given as SBATCH_PARTITION and so on. Running it again makes only the parts that are missing.
 set -euo pipefail
+[ $# -ge 3 ] || { sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 2; } >&2
 here=$(dirname "$(readlink -f "$0")")
 shards=$1 parts=$2 index=$3
 shift 3
