@@ -95,8 +95,10 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// Where the header, line 1, cannot be read.
     pub fn new(table: R, remark: Option<u8>) -> Result<Self, RowFault> {
-        let mut reader =
-            ReaderBuilder::new().comment(remark).trim(csv::Trim::All).from_reader(LineEnds::new(table));
+        let mut reader = ReaderBuilder::new();
+        // How many fields a line has is for [`Self::advance`] to say.
+        reader.comment(remark).trim(csv::Trim::All).flexible(true);
+        let mut reader = reader.from_reader(LineEnds::new(table));
         let header = reader.headers()?.clone();
         Ok(Self { reader, header, record: StringRecord::new(), line: 1 })
     }
@@ -111,15 +113,26 @@ impl<R: Read> Table<R> {
         self.columns().any(|name| name == column)
     }
 
-    /// Goes on to the next line; `false` behind the last one.
+    /// Goes on to the next line that is not empty; `false` behind the last one.
     ///
     /// # Errors
     /// Where the line cannot be read; the next one may be.
     pub fn advance(&mut self) -> Result<bool, RowFault> {
-        let read = self.reader.read_record(&mut self.record);
-        let position = read.as_ref().map_or_else(csv::Error::position, |_| self.record.position());
-        self.line = position.map_or(self.line, csv::Position::line);
-        Ok(read?)
+        loop {
+            let read = self.reader.read_record(&mut self.record);
+            let position = read.as_ref().map_or_else(csv::Error::position, |_| self.record.position());
+            self.line = position.map_or(self.line, csv::Position::line);
+            if !read? {
+                return Ok(false);
+            }
+            // White space is as good as nothing, which the reader passes over by itself.
+            let is_empty = self.record.len() == 1 && self.record[0].is_empty();
+            match (self.record.len(), self.header.len()) {
+                _ if is_empty => {}
+                (found, expected) if found != expected => return Err(RowFault::fields(found, expected)),
+                _ => return Ok(true),
+            }
+        }
     }
 
     /// The number of the line, counted from 1 with the header.
@@ -183,6 +196,11 @@ impl Row<'_> {
 }
 
 impl RowFault {
+    fn fields(found: usize, expected: usize) -> Self {
+        let fields = if found == 1 { "field" } else { "fields" };
+        Self::Csv(format!("it has {found} {fields} where the header has {expected}"))
+    }
+
     /// A field without the number that is needed.
     pub fn empty(column: &str) -> Self {
         Self::Number { column: column.to_owned(), value: String::new() }
@@ -193,9 +211,6 @@ impl From<csv::Error> for RowFault {
     fn from(error: csv::Error) -> Self {
         // Without the position, which messages have anyway.
         match error.into_kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                Self::Csv(format!("it has {len} fields where the header has {expected_len}"))
-            }
             csv::ErrorKind::Utf8 { .. } => Self::Csv("it is not UTF-8 text".into()),
             csv::ErrorKind::Io(error) => Self::Csv(error.to_string()),
             kind => Self::Csv(format!("{kind:?}")),
@@ -220,6 +235,14 @@ mod tests {
     }
 
     #[test]
+    fn lines_of_white_space_are_no_rows_and_are_counted() {
+        let mut table = Table::new("file,grasp\n\n  \t\na,pinch\n \r\n  ".as_bytes(), None).unwrap();
+        assert!(table.advance().unwrap());
+        assert_eq!((table.row().unwrap().file, table.line()), (Some("a"), 4));
+        assert_eq!(table.advance(), Ok(false));
+    }
+
+    #[test]
     fn what_is_wrong_is_said_by_column_and_the_next_line_is_read() {
         let text = "cutkosky,roll,qz\n256,,\n9,inf,\n9\n9,,0\n9,,\n";
         let mut table = Table::new(text.as_bytes(), None).unwrap();
@@ -227,7 +250,7 @@ mod tests {
         let number = |what: &str| format!("{what} is not a number in the range of that column");
         assert_eq!(next().unwrap_err().to_string(), number("`256` in column `cutkosky`"));
         assert_eq!(next().unwrap_err().to_string(), number("`inf` in column `roll`"));
-        let short = "not a line of this table: it has 1 fields where the header has 3";
+        let short = "not a line of this table: it has 1 field where the header has 3";
         assert_eq!(next().unwrap_err().to_string(), short);
         assert_eq!(next().unwrap_err().to_string(), number("`` in column `qw`"));
         assert_eq!(next(), Ok(None));
