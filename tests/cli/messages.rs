@@ -75,6 +75,24 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_behind_standard_output_is_called_that() {
+    for (name, arguments) in [
+        ("grasp-builder", ["inspect", "--help"].as_slice()),
+        ("grasp-query", &["--version"]),
+        ("grasp-query", &["completions", "bash"]),
+    ] {
+        let mut command = program(name);
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let ended = command.args(arguments).stdout(full).output().unwrap();
+        let stderr = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(2), "{arguments:?}: {stderr}");
+        let said = format!("{name}: cannot write to standard output: No space left on device");
+        assert!(stderr.starts_with(&said), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
 fn completions_and_manual_pages_come_for_both_programs() {
     for (name, subcommand, option) in
         [("grasp-builder", "build", "thumbnails"), ("grasp-query", "recognise", "segmented")]

@@ -18,19 +18,19 @@ pub fn start<A: Parser>(
     global: impl Fn(&mut A) -> &mut Global,
     run: impl FnOnce(&A) -> anyhow::Result<u8>,
 ) -> ExitCode {
+    let [name, _] = program;
     let (mut arguments, command) = match parse::<A>() {
         Ok(parsed) => parsed,
-        Err(message) => return end_with_usage(&message),
+        Err(message) => return end_with_usage(name, &message),
     };
     let shared = global(&mut arguments);
-    let [name, _] = program;
     shared.program = name;
     let (log, threads) = (shared.log, shared.start_threads());
     let work = || match threads.and_then(|()| run(&arguments)) {
         Ok(status) => status,
         Err(error) if is_closed_pipe(&error) => SUCCESS,
         Err(error) => {
-            tracing::error!(subject = name, "{}", message(error.chain()));
+            tracing::error!(subject = name, "{}", said(&error));
             ERROR
         }
     };
@@ -44,13 +44,27 @@ fn parse<A: Parser>() -> clap::error::Result<(A, String)> {
     Ok((A::from_arg_matches(&matches)?, command))
 }
 
-fn end_with_usage(message: &clap::Error) -> ExitCode {
+fn end_with_usage(program: &str, message: &clap::Error) -> ExitCode {
     // `--help` and `--version` come this way too, with exit code 0.
     let status = u8::try_from(message.exit_code()).unwrap_or(ERROR);
     match print_usage(message) {
         Ok(()) => ExitCode::from(status),
         Err(problem) if problem.kind() == io::ErrorKind::BrokenPipe => ExitCode::from(SUCCESS),
-        Err(_) => ExitCode::from(ERROR),
+        Err(problem) => {
+            // There is no log yet, and where standard error is what failed, nobody to tell.
+            let _ = writeln!(io::stderr(), "{program}: {}", said(&problem.into()));
+            ExitCode::from(ERROR)
+        }
+    }
+}
+
+/// What went wrong. Who opens, reads or writes a file names it; an error of the system that nothing
+/// is said of is of the standard output, which has no name.
+fn said(error: &anyhow::Error) -> String {
+    let text = message(error.chain());
+    match error.chain().next().is_some_and(|outermost| outermost.is::<io::Error>()) {
+        true => format!("cannot write to standard output: {text}"),
+        false => text,
     }
 }
 
