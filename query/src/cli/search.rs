@@ -17,7 +17,7 @@ use tracing::info;
 
 use super::effort::EffortArguments;
 use super::index_file::IndexFiles;
-use super::outputs::refuse_overwriting;
+use super::outputs::check_file;
 use crate::search::{Batch, MeanCost, mean_cost, median_ns, ns_per_query};
 use grasp_answer::found::{QueryRecord, names_in, present};
 use grasp_program::Global;
@@ -126,9 +126,6 @@ impl Search {
         let name = self.queries.display();
         let (queries, _) = self.read_queries(Some(segments.dim()))?;
         let count = queries.len() / segments.dim().max(1);
-        // Before the search: a missing folder should not be found out after it.
-        let out = self.out.as_deref().map(Target::create).transpose()?;
-        let distances = self.distances.as_deref().map(Target::create).transpose()?;
 
         let options = self.options();
         let mut batch = Batch::new(&segments, &queries, options, threads(global))?;
@@ -140,7 +137,7 @@ impl Search {
         let names = |id| names_in(&segments, id);
         let check = || segments.check_unchanged().context("cannot use the index");
         check()?;
-        self.write(out, distances, count, || batch.found())?;
+        self.write(count, || batch.found())?;
         if self.neighbours {
             return print_neighbours(names, batch.found(), check);
         }
@@ -177,12 +174,10 @@ impl Search {
         self.index.refuse_beside_a_service()?;
         let (queries, dim) = self.read_queries(None)?;
         let count = queries.len() / dim.max(1);
-        let out = self.out.as_deref().map(Target::create).transpose()?;
-        let distances = self.distances.as_deref().map(Target::create).transpose()?;
         let found = self.ask(address, &queries, dim)?;
         let names = |id| found.names(id);
         let rows = || found.neighbours.chunks_exact(self.k);
-        self.write(out, distances, count, rows)?;
+        self.write(count, rows)?;
         if self.neighbours {
             return print_neighbours(names, rows(), || Ok(()));
         }
@@ -209,25 +204,25 @@ impl Search {
         Ok((queries, dim))
     }
 
-    /// Writes the arrays that are wanted.
+    /// Writes the arrays that are wanted: begun only now, so that a search that is ended by Ctrl-C
+    /// leaves none half written.
     fn write<'f, F: Iterator<Item = &'f [Neighbour]>>(
         &self,
-        out: Option<Target>,
-        distances: Option<Target>,
         count: usize,
         found: impl Fn() -> F,
     ) -> anyhow::Result<()> {
-        if let Some(target) = out {
-            target.write(NpyType::U32, count, self.k, found(), |neighbour| neighbour.id.to_le_bytes())?;
+        if let Some(out) = &self.out {
+            Target::create(out)?
+                .write(NpyType::U32, count, self.k, found(), |neighbour| neighbour.id.to_le_bytes())?;
         }
-        if let Some(target) = distances {
+        if let Some(distances) = &self.distances {
             let bytes = |neighbour: &Neighbour| neighbour.distance.to_le_bytes();
-            target.write(NpyType::F32, count, self.k, found(), bytes)?;
+            Target::create(distances)?.write(NpyType::F32, count, self.k, found(), bytes)?;
         }
         Ok(())
     }
 
-    /// Refuses outputs that would destroy an input or each other.
+    /// Refuses outputs that would destroy an input or each other, or cannot be written.
     fn refuse_clashes(&self) -> anyhow::Result<()> {
         let indexes = self.index.paths();
         let mut printed = usize::from(self.json || self.neighbours);
@@ -236,7 +231,7 @@ impl Search {
                 printed += 1;
             } else {
                 let inputs = indexes.iter().map(PathBuf::as_path).chain([self.queries.as_path()]);
-                refuse_overwriting(out, inputs)?;
+                check_file(out, inputs)?;
             }
         }
         if printed > 1 {
