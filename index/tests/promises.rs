@@ -1,8 +1,8 @@
 //! What a search was measured to find is what it finds, of queries like those that were held out.
 
 use grasp_index::{
-    DescriptorParams, Effort, Index, IndexParams, IndexWriter, KeptFields, NewEntry, Originals, SearchError,
-    SearchOptions,
+    DescriptorParams, Effort, HashInfo, HashParams, Index, IndexParams, IndexWriter, KeptFields, NewEntry,
+    Originals, RandomParams, SearchError, SearchOptions,
 };
 use insta::assert_snapshot;
 use rand::{RngExt as _, SeedableRng as _};
@@ -81,6 +81,33 @@ fn rows_that_are_held_out_are_measured_as_they_are() {
         let found = successes(&index, &all, &queries, 10, Effort::Success { eps: 0.0, success: wanted });
         assert!(found > wanted - 0.02, "{found} of the queries find their nearest, {wanted} wanted");
     }
+}
+
+/// K and T are chosen so that 0.95 of the queries find a neighbour within 1.05 of the nearest, by as
+/// little work as does that.
+#[test]
+fn the_papers_hash_is_tuned_to_what_it_shall_find_at_little_cost() {
+    let (all, queries) = (rows(0, 1000, 0.1), rows(90_000, 300, 0.1));
+    let params = IndexParams {
+        descriptor: DescriptorParams::raw(DIM as u32),
+        kept: KeptFields::nothing(),
+        hash: HashParams::Random(RandomParams::Auto),
+        held_out: rows(50_000, 300, 0.1).concat(),
+        ..IndexParams::default()
+    };
+    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    for row in &all {
+        writer.push(NewEntry { descriptor: row.clone(), ..NewEntry::default() }).expect("the entry fits");
+    }
+    let index = Index::from_bytes(&writer.finish_bytes().expect("the index is built")).expect("it opens");
+    let HashInfo::Random(hash) = index.catalogue().hash else { panic!("the hash is random") };
+    assert_eq!(hash.buckets, 1024, "about as many as rows: {hash:?}");
+    // The first that are measured: one bucket a table.
+    let measured = index.catalogue().measured.curve[0];
+    assert_eq!(measured.probes, 1);
+    assert!(measured.success() >= 0.95 && measured.share_of_database < 0.25, "{hash:?}: {measured:?}");
+    let found = successes(&index, &all, &queries, 1, Effort::Probes(1));
+    assert!(found >= 0.92, "{found} of the queries find their nearest by {hash:?}");
 }
 
 #[test]

@@ -220,3 +220,6 @@ fn check_measured(measured: &Measured) -> Result<(), OpenError> {
         Err(Corruption::Catalogue("states an impossible measurement").into())
     }
 }
+
+#[cfg(test)]
+mod tests;
