@@ -251,13 +251,15 @@ fn from_bone([x, y]: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     distance([x, y], [a[0] + share * along[0], a[1] + share * along[1]])
 }
 
-/// Whether a place lies in a triangle, whichever way round that goes.
+/// Whether a place lies in a triangle, whichever way round that goes. One whose corners are at one
+/// place, as trackers have joints that they do not see, holds nothing.
 fn is_inside([x, y]: [f64; 2], corners: [[f64; 2]; 3]) -> bool {
     let sides = [0, 1, 2].map(|at| {
         let (a, b) = (corners[at], corners[(at + 1) % 3]);
         (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
     });
-    sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
+    let is_within = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
+    is_within && sides.iter().any(|side| *side != 0.0)
 }
 
 #[cfg(test)]
@@ -292,6 +294,15 @@ mod tests {
         }
         let small = hand.shrunk(4);
         assert_eq!(small.hand([24.0, 15.0]), hand.hand([96.0, 60.0]));
+    }
+
+    #[test]
+    fn joints_at_one_place_are_no_palm() {
+        let mut points = flat();
+        (points[1], points[5]) = (points[0], points[0]);
+        let hand = joints(&points);
+        assert!(hand.hand([100.0, 199.0]) > 1.0 && hand.hand([115.0, 90.0]) > 1.0, "the hand");
+        assert!(hand.hand([500.0, 400.0]) < -1.0, "{}", hand.hand([500.0, 400.0]));
     }
 
     #[test]
