@@ -122,7 +122,9 @@ impl Prepared {
                     return Err(SourceError::Depth { depth: sizes[0], picture: sizes[1] }.into());
                 }
                 let found = mask_from_depth(*depth_width, *depth_height, depth, *range);
-                found.ok_or(RecogniseError::Empty("no depth lies within the range of the hand"))?
+                found.ok_or(RecogniseError::Empty(
+                    "no region of depths within the range is as large as a hand",
+                ))?
             }
         };
         if found.area() == 0 {
@@ -134,6 +136,10 @@ impl Prepared {
         }
         let picture = picture.shrunk_to(WORKING_SIDE);
         let mask = found.resized(picture.width(), picture.height());
+        if mask.area() == 0 {
+            let why = "what is marked as hand is too thin: nothing is left of it where the picture is shrunk";
+            return Err(RecogniseError::Empty(why));
+        }
         Ok(Self { picture, mask, skin: None, scene: None, quality: None })
     }
 
@@ -223,4 +229,25 @@ fn not_black(picture: &Picture, is_jpeg: bool) -> Mask {
         return mask;
     }
     component::without_specks(&median::median3x3(&mask))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn why_what_was_given_shows_no_hand_is_said_of_it_and_not_of_the_picture() {
+        let error = |source: MaskSource| {
+            let picture = Picture::new(1200, 40, vec![[90; 3]; 1200 * 40]).unwrap();
+            Prepared::new(picture, false, &source, &SegmentParams::default()).unwrap_err().to_string()
+        };
+        let mask = |test: fn(usize) -> bool| {
+            Mask::from_values(1200, 40, &(0..1200 * 40).map(test).collect::<Vec<_>>(), |inside| inside)
+        };
+        insta::assert_snapshot!(error(MaskSource::Given(mask(|_| false))), @"no hand: the mask is empty: values of 128 to 255 are the hand");
+        insta::assert_snapshot!(error(MaskSource::Given(mask(|at| at % 1200 == 600))), @"no hand: what is marked as hand is too thin: nothing is left of it where the picture is shrunk");
+        let depth = (0..1200 * 40).map(|at| if at < 100 { 500 } else { 2000 }).collect();
+        let range = "400..900".parse().unwrap();
+        insta::assert_snapshot!(error(MaskSource::Depth { width: 1200, height: 40, depth, range }), @"no hand: no region of depths within the range is as large as a hand");
+    }
 }
