@@ -63,3 +63,12 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
     warn(!is_calibrated, Warning::IndexNotCalibrated);
     warnings
 }
+
+/// Says how far the neighbours that an answer goes by disagree, in degrees, in place of what was said
+/// of others.
+pub(crate) fn point_out_disagreement(warnings: &mut Vec<Warning>, spread_deg: f64) {
+    warnings.retain(|warning| !matches!(warning, Warning::NeighboursDisagree { .. }));
+    if spread_deg > DISAGREE_DEG {
+        warnings.push(Warning::NeighboursDisagree { spread_deg });
+    }
+}

@@ -13,7 +13,7 @@ use crate::hypothesis;
 use crate::options::RecogniseOptions;
 use crate::picture::{self, DecodeWarning, Decoded};
 use crate::recognition::{Context, Recognition};
-use crate::scene::Prediction;
+use crate::scene::{Prediction, join_orientation};
 use crate::segment::Finder;
 use crate::source::{MaskSource, Prepared};
 use crate::timings::{self, Timings};
@@ -93,9 +93,9 @@ impl<'a> Recogniser<'a> {
             hypothesis::best(self.index, &hand_image, seen.as_deref(), &self.options, &mut timings)?;
         let side = best.side;
         // Equation 4 as printed is the neighbours' alone.
-        if let Some(seen) = seen.as_deref().filter(|_| !self.options.vote.euler_mean) {
-            seen.join_orientation(side, &mut best.vote.orientation);
-        }
+        let rotations = seen.as_deref().filter(|_| !self.options.vote.euler_mean);
+        let rotations = rotations.map(|seen| seen.rotations(side).to_vec()).unwrap_or_default();
+        join_orientation(&rotations, &mut best.vote.orientation);
         let none = seen.map(|seen| seen.join(self.index, side, self.options.hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let none = none.filter(|_| prepared.scene.is_some());
@@ -130,6 +130,7 @@ impl<'a> Recogniser<'a> {
             none,
             trust,
             tempering,
+            seen: rotations,
             warnings,
             doubt,
             context: Context::Nothing,

@@ -1,6 +1,7 @@
 //! An answer and all that led to it.
 
 use grasp_index::HandImage;
+use nalgebra::UnitQuaternion;
 
 use crate::accept::Doubt;
 use crate::evidence::Evidence;
@@ -36,6 +37,9 @@ pub struct Recognition {
     pub trust: Option<f64>,
     /// What the probabilities of the vote were tempered by for that, 0..=1, where they were.
     pub tempering: Option<f64>,
+    /// How networks see the hand turned in the picture, by each of their looks; empty where none
+    /// looks, or the orientation is the neighbours' alone.
+    pub(crate) seen: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps, by all that is seen, 0..=1; `None` where no
     /// scene network has found it.
     pub none: Option<f64>,

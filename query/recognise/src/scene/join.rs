@@ -50,13 +50,13 @@ impl Prediction {
         vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         none
     }
+}
 
-    /// Moves the orientation of a hand in the picture towards the rotations near it that networks
-    /// see. Its spread stays that of the neighbours about their own mean.
-    pub(crate) fn join_orientation(&self, side: Side, orientation: &mut OrientationEstimate) {
-        orientation.rotation = joined_rotation(orientation.rotation, self.rotations(side));
-        orientation.euler_deg = euler_deg(&orientation.rotation);
-    }
+/// Moves the orientation of a hand in the picture towards the rotations near it that networks see.
+/// Its spread stays that of the neighbours about their own mean.
+pub(crate) fn join_orientation(seen: &[UnitQuaternion<f64>], orientation: &mut OrientationEstimate) {
+    orientation.rotation = joined_rotation(orientation.rotation, seen);
+    orientation.euler_deg = euler_deg(&orientation.rotation);
 }
 
 /// The mean of a rotation and of those that are seen near it.

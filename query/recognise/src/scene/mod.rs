@@ -26,6 +26,7 @@ mod square;
 #[cfg(feature = "landmarks")]
 pub use find::find_by_joints;
 pub use find::{Detection, find, find_at, follow};
+pub(crate) use join::join_orientation;
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
 pub use name::Scene;
 pub use opening::Opening;

@@ -128,7 +128,7 @@ impl Prediction {
     }
 
     /// `camera_from_hand` in the picture if the hand is this one, by each look of the naming network.
-    pub(super) fn rotations(&self, side: Side) -> &[UnitQuaternion<f64>] {
+    pub(crate) fn rotations(&self, side: Side) -> &[UnitQuaternion<f64>] {
         &self.rotations_by_side[usize::from(side == Side::Left)]
     }
 
