@@ -27,7 +27,7 @@ fn main() -> ExitCode {
 }
 
 fn demo() -> Result<(), Box<dyn Error>> {
-    eprintln!("Compiling grasp-builder and grasp-query (the first time this takes two minutes) ...");
+    eprintln!("Compiling grasp-builder and grasp-query (the first time this takes some minutes) ...");
     let steps = Steps { programs: programs(Build::Trial) };
     // Relative paths keep what is printed short, and let a reader repeat it from the checkout's
     // root.

@@ -24,8 +24,8 @@ Examples:
   grasp-builder build --out grasp.idx                       the default: any hand, from any side
   grasp-builder build --preset paper --out paper.idx        the paper's 6 x 900 views of one hand
   grasp-builder build --hands 30 --rolls 12 --step 12 --out many.idx
-  grasp-builder render --out renders
-  grasp-builder build renders --out grasp.idx --descriptor paper
+  grasp-builder render --out rendered
+  grasp-builder build rendered --out grasp.idx --descriptor paper
   grasp-builder build --descriptors x.npy --labels y.csv --out vectors.idx
 
 Exit status: 0 done, 2 an error, 130 stopped by Ctrl-C.")]

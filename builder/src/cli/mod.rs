@@ -45,9 +45,9 @@ struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   grasp-builder build --out grasp.idx                    40 hands from all sides, as an index
-  grasp-builder render --out renders --hands 10          a render set of ten hand shapes, as PNGs
+  grasp-builder render --out rendered --hands 10         a render set of ten hand shapes, as PNGs
   grasp-builder render --out more --hand-shape slender   another, of one hand shape
-  grasp-builder build renders more --out grasp.idx       index two render sets, yours among them
+  grasp-builder build rendered more --out grasp.idx      index two render sets, yours among them
   grasp-builder shard --shard 3/12 --out parts           one of twelve parts, a machine for each
   grasp-builder merge parts --out grasp.idx              the index of all parts
   grasp-builder split grasp.idx --segments 4 --out-dir s the same in four files, for a machine each

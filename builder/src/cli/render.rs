@@ -24,7 +24,7 @@ use crate::interrupt::{self, Interrupted};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  grasp-builder render --out renders                        the paper's 6 x 900 views of one hand
+  grasp-builder render --out rendered                       the paper's 6 x 900 views of one hand
   grasp-builder render --out many --hands 10 --step 12      fewer views of more hands
   grasp-builder render --out one --hand-shape slender --stage close --stage grasp
 

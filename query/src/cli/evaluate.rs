@@ -20,7 +20,7 @@ const EXAMPLES: &str = "\
 Examples:
   grasp-query evaluate tests/pictures/labels.csv
   grasp-query evaluate tests/pictures/labels.csv --where kind=camera --where stage=grasp
-  grasp-query evaluate tests/pictures/labels.csv --json --predictions answers.csv
+  grasp-query evaluate tests/pictures/labels.csv --json --predictions predictions.csv
   grasp-query evaluate tests/pictures/labels.csv --exact  what the search costs in accuracy
 
 LABELS.csv has the columns file, kind (segmented or camera), grasp, and where known mask, stage,
