@@ -218,6 +218,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_farther_than_a_cluster_reaches_does_not_move_the_mean() {
+        let ballot =
+            |degrees| Ballot { class: 0, distance: 1.0, orientation: Some(turn(Vector3::y(), degrees)) };
+        // 70 degrees are within 40 of none of the others.
+        let found = estimate(&[0.0, 10.0, 20.0, 70.0].map(ballot), &[], 0, 1.0, false);
+        assert!(found.rotation.angle_to(&turn(Vector3::y(), 10.0)) < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn the_literal_mean_is_weighted_on_the_circle() {
+        let rotations = [(turn(Vector3::z(), 10.0), 0.5), (turn(Vector3::z(), 130.0), 0.25)];
+        let found = cyclic_euler_mean(&rotations).unwrap();
+        // Sides of 2 and 1, 120 degrees apart, sum to one that is 30 degrees off the longer.
+        assert!(found.angle_to(&turn(Vector3::z(), 40.0)) < 1e-9, "{found:?}");
+    }
+
+    #[test]
     fn nothing_has_no_mean() {
         assert_eq!(mean_rotation(&[]), None);
         assert_eq!(cyclic_euler_mean(&[(UnitQuaternion::identity(), 0.0)]), None);
