@@ -23,7 +23,7 @@ fn nonsense_is_refused_and_nothing_falls() {
 
     for (query, says) in [
         ("rolls=0", "rolls"),
-        ("rolls=1000000", "1 to 36"),
+        ("rolls=1000000", "1 to 360"),
         ("nothing=1", "nothing"),
         ("hand=both", "hand"),
         ("segment=colour", "segment"),
@@ -150,11 +150,11 @@ fn what_is_wrong_is_said_in_the_services_own_words() {
         ("POST", "/v1/recognise?k=x", "", b"", 400, "k is `x`: an integer from 1 to 1000 is needed"),
         (
             "POST",
-            "/v1/recognise?rolls=99",
+            "/v1/recognise?rolls=999",
             "",
             &picture,
             400,
-            "rolls is 99: an integer from 1 to 36 is needed",
+            "rolls is 999: an integer from 1 to 360 is needed",
         ),
         (
             "POST",

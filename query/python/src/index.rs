@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use grasp_about::IndexInfo;
 use grasp_index::{Effort, SearchError, SearchOptions, guard_against_truncation};
-use grasp_recognise::MOST_NEIGHBOURS;
+use grasp_recognise::ranges;
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::Rows;
 use crate::error::{self, parameter};
-use crate::number::{Integer, real};
+use crate::number::{Integer, count, real};
 use crate::parallel::{on_threads, share};
 
 /// Queries after which Python may stop the search (Ctrl-C).
@@ -309,9 +309,7 @@ impl Index {
 
 /// How many neighbours are wanted.
 pub(crate) fn neighbours(k: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let k: Integer = k.extract()?;
-    let count = k.get().filter(|k| (1..=MOST_NEIGHBOURS).contains(k));
-    count.ok_or_else(|| parameter(format!("k is {k}: an integer from 1 to {MOST_NEIGHBOURS} is needed")))
+    count("k", k, &ranges::NEIGHBOURS)
 }
 
 /// Finds the neighbours of all queries: their numbers and their distances, a row of `k` a query.

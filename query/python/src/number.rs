@@ -2,9 +2,12 @@
 //! cannot be, and not an overflow.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
+
+use crate::error::parameter;
 
 /// An integer.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +39,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Integer {
             Err(cause) => Err(cause),
         }
     }
+}
+
+/// How many of something are wanted, which is a parameter of that name.
+pub(crate) fn count(name: &str, value: &Bound<'_, PyAny>, range: &RangeInclusive<usize>) -> PyResult<usize> {
+    let value: Integer = value.extract()?;
+    let (least, most) = (range.start(), range.end());
+    let wrong = || parameter(format!("{name} is {value}: an integer from {least} to {most} is needed"));
+    value.get().filter(|count| range.contains(count)).ok_or_else(wrong)
 }
 
 /// A real number; an infinity where it is larger than those.

@@ -1,5 +1,6 @@
 //! `grasp.Recogniser`.
 
+use std::ops::RangeBounds as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,8 +9,8 @@ use grasp_index::{Effort, VoteOptions};
 use grasp_recognise::picture;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::{
-    Accept, DEFAULT_ROLLS, HandChoice, MOST_ROLLS, MaskSource, Prepared, RecogniseError, RecogniseOptions,
-    Recognition, Timings,
+    Accept, DEFAULT_ROLLS, HandChoice, MaskSource, Prepared, RecogniseError, RecogniseOptions, Recognition,
+    Timings, ranges,
 };
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -19,7 +20,7 @@ use crate::error::{self, parameter};
 use crate::found::Found;
 use crate::index::{Index, neighbours};
 use crate::mask;
-use crate::number::{Integer, real};
+use crate::number::{Integer, count, real};
 use crate::parallel::each;
 use crate::picture::Input;
 
@@ -80,9 +81,7 @@ const _: () = assert!(DEFAULT_ROLLS == 1);
 
 /// How many turns are wanted.
 fn turns(rolls: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let rolls: Integer = rolls.extract()?;
-    let turns = rolls.get().filter(|turns| (1..=MOST_ROLLS).contains(turns));
-    turns.ok_or_else(|| parameter(format!("rolls is {rolls}: an integer from 1 to {MOST_ROLLS} is needed")))
+    count("rolls", rolls, &ranges::ROLLS)
 }
 
 /// A picture's answer, not yet Python's.
@@ -116,7 +115,7 @@ impl Recogniser {
         given.set_item("exact", exact)?;
         given.set_item("k", k)?;
         given.set_item("rolls", rolls)?;
-        let is_possible = exact || (recall > 0.0 && recall <= 1.0);
+        let is_possible = exact || ranges::RECALL.contains(&recall);
         if !is_possible {
             return Err(parameter(format!(
                 "a recall of {recall} is not possible: it must be above 0 and at most 1"

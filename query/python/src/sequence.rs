@@ -2,6 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use grasp_recognise::ranges;
 use grasp_recognise::sequence::{Filter, SequenceParams};
 use pyo3::prelude::*;
 
@@ -53,12 +54,13 @@ impl Sequence {
         #[pyo3(from_py_with = real)] switch: f64,
         #[pyo3(from_py_with = real)] motion_deg: f64,
     ) -> PyResult<Self> {
-        let wrong = |name, value, most| parameter(format!("{name} is {value}: it must be from 0 to {most}"));
-        if !(0.0..=1.0).contains(&switch) {
-            return Err(wrong("switch", switch, 1));
-        }
-        if !(0.0..=180.0).contains(&motion_deg) {
-            return Err(wrong("motion_deg", motion_deg, 180));
+        for (name, value, range) in
+            [("switch", switch, ranges::PROBABILITY), ("motion_deg", motion_deg, ranges::MOTION_DEG)]
+        {
+            let (least, most) = range.clone().into_inner();
+            if !range.contains(&value) {
+                return Err(parameter(format!("{name} is {value}: it must be from {least} to {most}")));
+            }
         }
         let params = SequenceParams { switch, motion_deg };
         Ok(Self { recogniser, params, filter: Mutex::new(Filter::new(params, None)) })

@@ -91,6 +91,7 @@ def test_parameters_of_a_recogniser(index_path, vector_index_path):
         ({"k": 0}, "k is 0: an integer from 1 to 100000"),
         ({"rolls": -1}, "rolls is -1: an integer from 1 to 360"),
         ({"rolls": 0}, "rolls is 0: an integer from 1 to 360"),
+        ({"rolls": 361}, "rolls is 361: an integer from 1 to 360"),
         ({"rolls": 2**70}, "rolls is 1180591620717411303424: an integer from 1 to 360"),
     ]
     for arguments, message in cases:

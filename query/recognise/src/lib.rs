@@ -21,6 +21,7 @@ mod options;
 pub mod orientation;
 pub mod picture;
 pub mod prior;
+pub mod ranges;
 mod recogniser;
 mod recognition;
 pub mod scene;
@@ -39,7 +40,7 @@ pub use evidence::Evidence;
 pub use hypothesis::Hypothesis;
 #[cfg(feature = "landmarks")]
 pub use mediapipe::{HandNetworks, HandNetworksError, NetworkFault};
-pub use options::{Accept, DEFAULT_ROLLS, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
+pub use options::{Accept, DEFAULT_ROLLS, RecogniseOptions};
 pub use recogniser::Recogniser;
 pub use recognition::{Context, Recognition};
 pub use side::{HandChoice, Side};

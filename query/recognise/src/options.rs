@@ -11,10 +11,6 @@ use crate::side::HandChoice;
 /// 646, the hand given) and photographs alike, but more rolls cost orientation (median error 12.6,
 /// 14.1 and 16.1 degrees) and time.
 pub const DEFAULT_ROLLS: usize = 1;
-/// The most rolls that a program takes from whoever uses it: one a degree.
-pub const MOST_ROLLS: usize = 360;
-/// The most neighbours, likewise.
-pub const MOST_NEIGHBOURS: usize = 100_000;
 
 /// How pictures are recognised.
 #[derive(Clone, Debug)]

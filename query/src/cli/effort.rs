@@ -1,6 +1,9 @@
 //! How hard to look for neighbours: the options that all searching subcommands share.
 
+use std::ops::RangeBounds as _;
+
 use grasp_index::{Effort, SearchOptions};
+use grasp_recognise::ranges;
 
 /// The options' heading. Named for each of them: that of a struct would go on behind its last
 /// option.
@@ -21,7 +24,7 @@ pub(super) struct EffortArguments {
     #[arg(long, help_heading = HEADING, value_name = "SHARE", allow_negative_numbers = true, value_parser = parse_share, requires = "eps")]
     success: Option<f64>,
     /// Look into N buckets of each table, whatever that finds.
-    #[arg(long, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "exact")]
+    #[arg(long, help_heading = HEADING, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*ranges::PROBES.start())..), conflicts_with = "exact")]
     probes: Option<u32>,
     /// Compare with every entry of the index instead of searching its tables.
     #[arg(long, help_heading = HEADING)]
@@ -45,11 +48,11 @@ impl EffortArguments {
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
+    let share = text.parse().ok().filter(|share| ranges::RECALL.contains(share));
     share.ok_or_else(|| "a number above 0 and at most 1 is needed, such as 0.95".into())
 }
 
 fn parse_eps(text: &str) -> Result<f64, String> {
-    let eps = text.parse().ok().filter(|eps: &f64| eps.is_finite() && *eps >= 0.0);
+    let eps = text.parse().ok().filter(|eps| ranges::EPS.contains(eps));
     eps.ok_or_else(|| "a number of 0 or more is needed, such as 0.05".into())
 }

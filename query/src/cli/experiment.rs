@@ -13,7 +13,7 @@ use super::figures::print;
 use super::index_file::IndexFile;
 use super::labelled::LabelledArguments;
 use super::opening_experiment::OpeningArguments;
-use super::options::{FrameArguments, SegmentArguments, parse_share};
+use super::options::{FrameArguments, SegmentArguments, parse_probability};
 use super::outputs::{check_file, make_folder};
 use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
@@ -162,11 +162,11 @@ struct TrustArguments {
     #[command(flatten)]
     segment: SegmentArguments,
     /// The trust below which a hand is unknown; without it, that of the model that is replaced.
-    #[arg(long, value_name = "P", value_parser = parse_share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "P", value_parser = parse_probability, allow_negative_numbers = true)]
     least: Option<f64>,
     /// The least that probabilities are tempered by, however little an answer is trusted; without
     /// it, that of the model that is replaced.
-    #[arg(long, value_name = "P", value_parser = parse_share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "P", value_parser = parse_probability, allow_negative_numbers = true)]
     floor: Option<f64>,
     /// Write the model into this file.
     #[arg(long, value_name = "OUT.toml")]

@@ -1,5 +1,6 @@
 //! Options of recognition that several subcommands share.
 
+use std::ops::{RangeBounds as _, RangeInclusive};
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "landmarks")]
@@ -13,7 +14,7 @@ use grasp_recognise::HandNetworks;
 use grasp_recognise::networks::Networks;
 use grasp_recognise::segment::{Finder, SegmentParams};
 use grasp_recognise::sequence::SequenceParams;
-use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
+use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions, ranges};
 
 /// Under this heading stand options of those who study the method. `-h` leaves them out.
 const RESEARCH: &str = "Research";
@@ -228,7 +229,7 @@ impl RecogniseArguments {
 #[derive(Debug, clap::Args)]
 pub(super) struct FrameArguments {
     /// The probability that the grasp changes from one frame of a sequence to the next.
-    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_share, allow_negative_numbers = true)]
+    #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "P", default_value_t = SequenceParams::default().switch, value_parser = parse_probability, allow_negative_numbers = true)]
     switch: f64,
     /// How far the hand turns from one frame of a sequence to the next, in degrees.
     #[arg(long, help_heading = RESEARCH, hide_short_help = true, value_name = "DEG", default_value_t = SequenceParams::default().motion_deg, value_parser = parse_degrees, allow_negative_numbers = true)]
@@ -241,30 +242,66 @@ impl FrameArguments {
     }
 }
 
-pub(super) fn parse_share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
-    share.ok_or_else(|| "a number from 0 to 1 is needed".into())
+pub(super) fn parse_probability(text: &str) -> Result<f64, String> {
+    let (least, most) = ranges::PROBABILITY.into_inner();
+    let number = text.parse().ok().filter(|number| ranges::PROBABILITY.contains(number));
+    number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
 }
 
 fn parse_degrees(text: &str) -> Result<f64, String> {
-    let degrees = text.parse().ok().filter(|degrees| (0.0..=180.0).contains(degrees));
-    degrees.ok_or_else(|| "an angle from 0 to 180 degrees is needed".into())
+    let (least, most) = ranges::MOTION_DEG.into_inner();
+    let degrees = text.parse().ok().filter(|degrees| ranges::MOTION_DEG.contains(degrees));
+    degrees.ok_or_else(|| format!("an angle from {least} to {most} degrees is needed"))
 }
 
 fn parse_rolls(text: &str) -> Result<usize, String> {
-    parse_count(text, MOST_ROLLS)
+    parse_count(text, &ranges::ROLLS)
 }
 
 pub(super) fn parse_k(text: &str) -> Result<usize, String> {
-    parse_count(text, MOST_NEIGHBOURS)
+    parse_count(text, &ranges::NEIGHBOURS)
 }
 
-fn parse_count(text: &str, most: usize) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
-    count.ok_or_else(|| format!("an integer from 1 to {most} is needed"))
+fn parse_count(text: &str, range: &RangeInclusive<usize>) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| range.contains(count));
+    count.ok_or_else(|| format!("an integer from {} to {} is needed", range.start(), range.end()))
 }
 
 fn parse_positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    let number = text.parse().ok().filter(|number| ranges::POSITIVE.contains(number));
     number.ok_or_else(|| "a number above 0 is needed".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the service, Python and ROS, which have the ranges from the library as well.
+    #[test]
+    fn the_ranges_are_those_of_the_library() {
+        for (parse, range) in
+            [(parse_rolls as fn(&str) -> Result<usize, String>, ranges::ROLLS), (parse_k, ranges::NEIGHBOURS)]
+        {
+            let (least, most) = range.into_inner();
+            assert_eq!((parse(&least.to_string()), parse(&most.to_string())), (Ok(least), Ok(most)));
+            let said = format!("an integer from {least} to {most} is needed");
+            for wrong in [least - 1, most + 1] {
+                assert_eq!(parse(&wrong.to_string()), Err(said.clone()));
+            }
+        }
+        for (parse, range, said) in [
+            (
+                parse_probability as fn(&str) -> Result<f64, String>,
+                ranges::PROBABILITY,
+                "a number from 0 to 1 is needed",
+            ),
+            (parse_degrees, ranges::MOTION_DEG, "an angle from 0 to 180 degrees is needed"),
+        ] {
+            let (least, most) = range.into_inner();
+            assert_eq!((parse(&least.to_string()), parse(&most.to_string())), (Ok(least), Ok(most)));
+            for wrong in [least - 1e-9, most + 1e-9, f64::NAN] {
+                assert_eq!(parse(&wrong.to_string()), Err(said.into()));
+            }
+        }
+    }
 }

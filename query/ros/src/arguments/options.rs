@@ -1,6 +1,7 @@
 //! The node's options, which are its parameters.
 
 use std::ffi::{OsStr, OsString};
+use std::ops::RangeBounds as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
@@ -8,7 +9,7 @@ use clap::builder::BoolishValueParser;
 use clap::{ArgAction, CommandFactory as _, Parser, ValueEnum};
 use grasp_index::Effort;
 use grasp_recognise::segment::{Finder, SegmentParams};
-use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, MOST_NEIGHBOURS, MOST_ROLLS, RecogniseOptions};
+use grasp_recognise::{Accept, DEFAULT_ROLLS, HandChoice, RecogniseOptions, ranges};
 use ros2_client::ParameterValue;
 
 const EXAMPLES: &str = "\
@@ -75,11 +76,11 @@ pub(crate) struct Options {
     #[arg(long, value_enum, default_value_t = AcceptChoice::Calibrated)]
     accept: AcceptChoice,
     /// How many neighbours vote; 0: what the index was calibrated with.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=MOST_NEIGHBOURS as i64))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=*ranges::NEIGHBOURS.end() as i64))]
     k: u32,
     /// Turn each picture this many times, evenly over the circle, and take the turn whose
     /// neighbours are nearest.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(1..=MOST_ROLLS as i64))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(*ranges::ROLLS.start() as i64..=*ranges::ROLLS.end() as i64))]
     rolls: u32,
     /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose
     /// says it: one picture does not.
@@ -261,7 +262,7 @@ impl Options {
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
+    let share = text.parse().ok().filter(|share| ranges::RECALL.contains(share));
     share.ok_or_else(|| "a number above 0 and at most 1 is needed, such as 0.95".into())
 }
 
@@ -280,6 +281,22 @@ mod tests {
         let options = Options::try_parse_from(["grasp-ros"]).unwrap().recognition();
         assert_eq!(format!("{options:?}"), format!("{:?}", RecogniseOptions::default()));
         assert_eq!(Effort::Recall(0.95), SearchOptions::default().effort);
+    }
+
+    #[test]
+    fn the_ranges_are_those_of_the_program() {
+        let takes = |option: &str, value: usize| {
+            Options::try_parse_from(["grasp-ros", option, &value.to_string()]).is_ok()
+        };
+        // No neighbours: as many as the index was calibrated with.
+        for (option, least, most) in
+            [("--rolls", *ranges::ROLLS.start(), *ranges::ROLLS.end()), ("--k", 0, *ranges::NEIGHBOURS.end())]
+        {
+            assert!(takes(option, least) && takes(option, most) && !takes(option, most + 1), "{option}");
+        }
+        assert!(
+            !takes("--rolls", 0) && !takes("--recall", 0) && takes("--recall", 1) && !takes("--recall", 2)
+        );
     }
 
     #[test]

@@ -10,14 +10,16 @@ pub enum ParameterError {
     /// Parameters that exclude each other.
     #[error("only one of {0} can be given")]
     OneOf(&'static str),
-    /// A count that is 0 or too large.
-    #[error("{name} is {value}: an integer from 1 to {most} is needed")]
+    /// A count that is too small or too large.
+    #[error("{name} is {value}: an integer from {least} to {most} is needed")]
     Count {
         /// The parameter.
         name: &'static str,
         /// What was given.
         value: usize,
-        /// What would still do.
+        /// The least that would do.
+        least: usize,
+        /// The most.
         most: usize,
     },
     /// A number that is not above 0.

@@ -1,5 +1,7 @@
 //! The options of a request: query parameters, named as the options of the command line are.
 
+use std::ops::{RangeBounds as _, RangeInclusive};
+
 use super::parameter_error::ParameterError;
 use grasp_index::{Effort, SearchOptions, VoteOptions};
 use serde::{Deserialize, Serialize};
@@ -9,12 +11,11 @@ use utoipa::{IntoParams, ToSchema};
 
 use grasp_recognise::segment::depth::DepthRange;
 use grasp_recognise::segment::{Finder, SegmentParams};
-use grasp_recognise::{Accept, HandChoice, RecogniseOptions};
+use grasp_recognise::{Accept, HandChoice, RecogniseOptions, ranges};
 
-/// The most turns that one request may ask for.
-const MOST_ROLLS: usize = 36;
-/// The most neighbours that one request may ask for.
-const MOST_K: usize = 1000;
+/// How many neighbours of one hand or query a request may ask for: fewer than elsewhere, because an
+/// answer that names more has megabytes.
+const NEIGHBOURS: RangeInclusive<usize> = 1..=1000;
 
 /// Options of a picture's request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
@@ -32,8 +33,8 @@ pub struct PictureParameters {
     #[param(inline)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandChoice>,
-    /// Try this many turns of the picture, evenly over the circle, 1 to 36.
-    #[param(minimum = 1, maximum = 36)]
+    /// Try this many turns of the picture, evenly over the circle, 1 to 360.
+    #[param(minimum = 1, maximum = 360)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
     /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.
@@ -239,8 +240,8 @@ impl PictureParameters {
         Ok(RecogniseOptions {
             accept,
             hand: self.hand.unwrap_or(defaults.hand),
-            rolls: count("rolls", self.rolls, MOST_ROLLS)?.unwrap_or(defaults.rolls),
-            k: count("k", self.k, MOST_K)?,
+            rolls: count("rolls", self.rolls, &ranges::ROLLS)?.unwrap_or(defaults.rolls),
+            k: count("k", self.k, &NEIGHBOURS)?,
             effort: self.efforts().effort()?,
             vote: VoteOptions {
                 sigma: positive("sigma", self.sigma)?,
@@ -287,29 +288,34 @@ impl SearchParameters {
     /// The options that these parameters mean, or what is wrong with them.
     pub(crate) fn options(&self) -> Result<SearchOptions, ParameterError> {
         Ok(SearchOptions {
-            k: count("k", self.k, MOST_K)?.unwrap_or(SearchOptions::default().k),
+            k: count("k", self.k, &NEIGHBOURS)?.unwrap_or(SearchOptions::default().k),
             effort: self.efforts().effort()?,
         })
     }
 }
 
-fn count(name: &'static str, value: Option<usize>, most: usize) -> Result<Option<usize>, ParameterError> {
+fn count(
+    name: &'static str,
+    value: Option<usize>,
+    range: &RangeInclusive<usize>,
+) -> Result<Option<usize>, ParameterError> {
     match value {
-        Some(value) if !(1..=most).contains(&value) => Err(ParameterError::Count { name, value, most }),
+        Some(value) if !range.contains(&value) => {
+            Err(ParameterError::Count { name, value, least: *range.start(), most: *range.end() })
+        }
         count => Ok(count),
     }
 }
 
 fn positive(name: &'static str, value: Option<f64>) -> Result<Option<f64>, ParameterError> {
     match value {
-        Some(value) if !(value.is_finite() && value > 0.0) => Err(ParameterError::Positive { name, value }),
+        Some(value) if !ranges::POSITIVE.contains(&value) => Err(ParameterError::Positive { name, value }),
         number => Ok(number),
     }
 }
 
 fn share(name: &'static str, value: f64) -> Result<f64, ParameterError> {
-    let is_share = value > 0.0 && value <= 1.0;
-    is_share.then_some(value).ok_or(ParameterError::Share { name, value })
+    ranges::RECALL.contains(&value).then_some(value).ok_or(ParameterError::Share { name, value })
 }
 
 /// What is wanted of the search, as both kinds of requests name it. (They cannot share it as
@@ -347,13 +353,13 @@ impl Efforts {
             (_, None, Some(_), _) => Err(ParameterError::SuccessWithoutEps),
             (Some(recall), ..) => share("recall", recall).map(Effort::Recall),
             (_, Some(eps), success, _) => {
-                if !(eps.is_finite() && eps >= 0.0) {
+                if !ranges::EPS.contains(&eps) {
                     return Err(ParameterError::Eps(eps));
                 }
                 let success = share("success", success.unwrap_or(Effort::DEFAULT_SUCCESS))?;
                 Ok(Effort::Success { eps, success })
             }
-            (.., Some(0)) => Err(ParameterError::Probes),
+            (.., Some(probes)) if !ranges::PROBES.contains(&probes) => Err(ParameterError::Probes),
             (.., Some(probes)) => Ok(Effort::Probes(probes)),
             _ if exact => Ok(Effort::Exact),
             _ => Ok(SearchOptions::default().effort),
@@ -365,6 +371,7 @@ impl Efforts {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use serde::de::DeserializeOwned;
 
     fn efforts() -> impl Strategy<Value = Effort> {
         prop_oneof![
@@ -380,8 +387,8 @@ mod tests {
         fn options_survive_the_way_over_the_wire(
             effort in efforts(),
             hand in prop_oneof![Just(HandChoice::Auto), Just(HandChoice::Left), Just(HandChoice::Right)],
-            rolls in 1usize..=MOST_ROLLS,
-            k in proptest::option::of(1usize..=MOST_K),
+            rolls in ranges::ROLLS,
+            k in proptest::option::of(NEIGHBOURS),
             sigma in proptest::option::of(1e-9f64..1e9),
             euler_mean: bool,
             accept in prop_oneof![Just(Accept::Always), Just(Accept::Calibrated), (1e-9f64..1e9).prop_map(Accept::Within)],
@@ -398,16 +405,67 @@ mod tests {
             if let Ok(options) =
                 serde_urlencoded::from_str::<PictureParameters>(&query).map_err(drop).and_then(|p| p.options().map_err(drop))
             {
-                prop_assert!((1..=MOST_ROLLS).contains(&options.rolls) && options.k.is_none_or(|k| k <= MOST_K));
+                prop_assert!(ranges::ROLLS.contains(&options.rolls) && options.k.is_none_or(|k| NEIGHBOURS.contains(&k)));
             }
         }
+    }
+
+    /// What is wrong with such a query, if anything is.
+    fn refused<P: DeserializeOwned, O>(
+        query: &str,
+        options: impl Fn(&P) -> Result<O, ParameterError>,
+    ) -> Option<String> {
+        let parameters = serde_urlencoded::from_str::<P>(query).map_err(|error| error.to_string());
+        parameters.and_then(|parameters| options(&parameters).map_err(|error| error.to_string())).err()
+    }
+
+    /// The description is written out; what is refused is what the library's ranges leave out.
+    #[test]
+    fn the_ranges_that_are_described_are_those_that_are_checked() {
+        let of_picture = |query: &str| refused(query, PictureParameters::options);
+        let of_search = |query: &str| refused(query, SearchParameters::options);
+        let (pictures, searches) =
+            (PictureParameters::into_params(|| None), SearchParameters::into_params(|| None));
+        let pictures = pictures.iter().map(|of| (of, &of_picture as &dyn Fn(&str) -> Option<String>));
+        let searches = searches.iter().map(|of| (of, &of_search as &dyn Fn(&str) -> Option<String>));
+        let mut bounds = 0;
+        for (parameter, refused) in pictures.chain(searches) {
+            let name = &parameter.name;
+            let schema = serde_json::to_value(&parameter.schema).unwrap();
+            let step = if schema["type"].to_string().contains("integer") { 1.0 } else { 1e-9 };
+            let mut check = |bound: &str, is_in: bool, inwards: f64| {
+                let Some(at) = schema[bound].as_f64() else { return };
+                bounds += 1;
+                let query = |value: f64| match name.as_str() {
+                    "success" => format!("eps=0&success={value}"),
+                    _ => format!("{name}={value}"),
+                };
+                assert_eq!(refused(&query(at)).is_none(), is_in, "{}: {:?}", query(at), refused(&query(at)));
+                let [inside, outside] = [inwards, -inwards].map(|by| query(at + by * step));
+                assert_eq!(refused(&inside), None, "{inside}");
+                assert!(refused(&outside).is_some(), "{outside}");
+            };
+            check("minimum", true, 1.0);
+            check("exclusiveMinimum", false, 1.0);
+            if name != "frame" {
+                check("maximum", true, -1.0);
+            }
+            if matches!(name.as_str(), "rolls" | "k") {
+                let said = format!("{} to {}", schema["minimum"], schema["maximum"]);
+                assert!(parameter.description.as_ref().unwrap().contains(&said), "{name}");
+            }
+        }
+        assert_eq!(bounds, 24, "all that are described");
+        assert!(
+            ranges::NEIGHBOURS.contains(NEIGHBOURS.start()) && ranges::NEIGHBOURS.contains(NEIGHBOURS.end())
+        );
     }
 
     #[test]
     fn nonsense_is_refused_by_name() {
         for (query, says) in [
             ("rolls=0", "rolls is 0"),
-            ("rolls=37", "1 to 36"),
+            ("rolls=361", "1 to 360"),
             ("k=1001", "1 to 1000"),
             ("recall=0", "recall is 0"),
             ("recall=0.9&exact=true", "only one of"),
