@@ -2,9 +2,9 @@
 //!
 //! In order of what uses what: `error` raises Python's exceptions, `number` takes numbers of any
 //! size, `array` reads NumPy's arrays, `parallel` shares work among threads; `index` searches,
-//! `building` writes indexes and `progress` says how far that is; `picture` and `mask` say what is
-//! to be recognised, `recogniser` recognises it, and with `sequence` one picture after the other;
-//! `found` is what the answer came from, `strategy` what a robot makes of it.
+//! `building` writes indexes and `progress` says how far that is; `picture`, `mask` and `landmarks`
+//! say what is to be recognised, `recogniser` recognises it, and with `sequence` one picture after
+//! the other; `found` is what the answer came from, `strategy` what a robot makes of it.
 //!
 //! Docstrings are NumPy's, because Python shows them. Whatever takes long lets other Python threads
 //! run. No thread works on after a call and no lock is held between calls, so that a process may

@@ -203,24 +203,8 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
 
     let jobs = Newest::new();
     let worker = Worker::new(&index_path, &index, &options, is_rectified, robot, answers, &log);
-    let outcome = thread::scope(|scope| {
-        let (jobs, log) = (&jobs, &log);
-        let silence = no_picture(&topics.pictures, options.image_transport);
-        scope.spawn(move || {
-            if !jobs.has_come_within(PATIENCE) {
-                log.say(Level::Warn, &silence);
-            }
-        });
-        let working = scope.spawn(move || {
-            // However the work ends, by a panic as well: pictures would come in vain.
-            let _end = EndOnDrop(sender);
-            worker.run(jobs)
-        });
-        block_on(receive(&mut coming, jobs, log));
-        jobs.close();
-        working.join().unwrap_or_else(|_| Err(anyhow!("the work has panicked: report this")))
-    });
-    let tally = outcome?;
+    let silence = no_picture(&topics.pictures, options.image_transport);
+    let tally = answer(worker, &mut coming, sender, &silence, &jobs, &log)?;
     log.info(&summary(&tally, jobs.dropped()));
     drop(coming);
     node.stop_spinner();
@@ -228,6 +212,33 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
         log.say(Level::Error, &in_words([&error as &(dyn std::error::Error + 'static)]));
     }
     Ok(())
+}
+
+/// Has the pictures that are `coming` answered until the end comes, which the work sends by `sender`
+/// where it ends by itself. Where no picture comes, `silence` says why that may be.
+fn answer(
+    worker: Worker<'_>,
+    coming: &mut (impl futures::Stream<Item = Event> + Unpin),
+    sender: UnboundedSender<Event>,
+    silence: &str,
+    jobs: &Newest<Job>,
+    log: &Log,
+) -> anyhow::Result<Tally> {
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            if !jobs.has_come_within(PATIENCE) {
+                log.say(Level::Warn, silence);
+            }
+        });
+        let working = scope.spawn(move || {
+            // However the work ends, by a panic as well: pictures would come in vain.
+            let _end = EndOnDrop(sender);
+            worker.run(jobs)
+        });
+        block_on(receive(coming, jobs, log));
+        jobs.close();
+        working.join().unwrap_or_else(|_| Err(anyhow!("the work has panicked: report this")))
+    })
 }
 
 /// Ends the node where it is dropped.
