@@ -58,11 +58,13 @@ fn end_with_usage(program: &str, message: &clap::Error) -> ExitCode {
     }
 }
 
-/// What went wrong. Who opens, reads or writes a file names it; an error of the system that nothing
-/// is said of is of the standard output, which has no name.
+/// What went wrong. Who opens, reads or writes a file names it; where no room is left for something
+/// without a name, it is the standard output.
 fn said(error: &anyhow::Error) -> String {
+    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
     let text = message(error.chain());
-    match error.chain().next().is_some_and(|outermost| outermost.is::<io::Error>()) {
+    let is_full = |error: &io::Error| matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge);
+    match error.chain().next().and_then(|outermost| outermost.downcast_ref()).is_some_and(is_full) {
         true => format!("cannot write to standard output: {text}"),
         false => text,
     }

@@ -136,7 +136,10 @@ impl<'a> Recogniser<'a> {
             context: Context::Nothing,
             timings,
         };
-        let is_measured = self.index.catalogue().calibration.measured.is_some();
+        // Nor was anything fitted to so many neighbours; it is the best there is all the same.
+        let calibration = &self.index.catalogue().calibration;
+        let has_own_k = self.options.k.is_some_and(|k| k != calibration.k as usize);
+        let is_measured = calibration.measured.is_some() && !has_own_k;
         found.warnings = doubtful::warnings(&found, is_measured && is_calibrated);
         Ok(found)
     }

@@ -61,7 +61,7 @@ pub enum Warning {
         probability: f64,
     },
     /// The index has no calibration, or none that holds for such a vote.
-    #[error("no calibration holds for this vote: probabilities are shares of the neighbours' votes")]
+    #[error("no calibration holds for this vote: its probabilities may be far off")]
     IndexNotCalibrated,
 }
 

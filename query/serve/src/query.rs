@@ -129,7 +129,7 @@ mod tests {
     fn what_is_wrong_is_said_by_name_and_with_what_would_be_right() {
         for (query, says) in [
             ("k=-1", "k is `-1`: an integer from 1 to 1000 is needed"),
-            ("rolls=x", "rolls is `x`: an integer from 1 to 36 is needed"),
+            ("rolls=x", "rolls is `x`: an integer from 1 to 360 is needed"),
             ("hand=both", "hand is `both`: `auto` or `left` or `right` is needed"),
             ("accept=no", "accept is `no`: `always` or `calibrated` is needed"),
             ("exact=yes", "exact is `yes`: `true` or `false` is needed"),
