@@ -41,8 +41,8 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
     clear(out);
     let ends = ends(&index, count)?;
-    // From the beginning: two runs that write the same segments do not mix, and neither removes what
-    // the other has written.
+    // From the beginning: two runs that write the same segments do not mix, and neither removes
+    // what the other has written.
     let mut last = Some(AtomicFile::create(&out.join(file_name(count, count)))?);
     let bar = progress.bar(u64::from(count), "splitting", "segments");
     let mut written = Written::default();

@@ -83,8 +83,8 @@ fn rows_that_are_held_out_are_measured_as_they_are() {
     }
 }
 
-/// K and T are chosen so that 0.95 of the queries find a neighbour within 1.05 of the nearest, by as
-/// little work as does that.
+/// K and T are chosen so that 0.95 of the queries find a neighbour within 1.05 of the nearest, by
+/// as little work as does that.
 #[test]
 fn the_papers_hash_is_tuned_to_what_it_shall_find_at_little_cost() {
     let (all, queries) = (rows(0, 1000, 0.1), rows(90_000, 300, 0.1));

@@ -1,5 +1,5 @@
-//! What neighbours, looks and opinions say together, against Equation 3 and the mean of looks as one
-//! would write them down.
+//! What neighbours, looks and opinions say together, against Equation 3 and the mean of looks as
+//! one would write them down.
 
 use grasp_index::{
     Calibration, ClassInfo, DescriptorParams, Index, IndexParams, IndexWriter, Look, Neighbour,

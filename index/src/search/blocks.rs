@@ -1,8 +1,8 @@
 //! Quantised vectors as they lie in the file: blocks of sixteen.
 //!
-//! A vector is a code for each of P axes, a *scalar* that a distance needs besides, and, where it is
-//! an entry, its id. A code is a byte, of which 128 stands for 0, or half a byte, of which 8 does. A
-//! block holds, one after the other,
+//! A vector is a code for each of P axes, a *scalar* that a distance needs besides, and, where it
+//! is an entry, its id. A code is a byte, of which 128 stands for 0, or half a byte, of which 8
+//! does. A block holds, one after the other,
 //!
 //! - `P / 4` groups of 64 bytes: four axes of the first vector, the same four of the second, and so
 //!   on to the sixteenth, because a processor multiplies and adds four neighbouring bytes at once;

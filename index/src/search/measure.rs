@@ -43,8 +43,8 @@ fn curve<E>(
     Ok(curve)
 }
 
-/// 1, 2, 3, ... 15, 16, 18, 20, ... 30, 32, 36, ... and last `most`: a search is asked for a recall,
-/// and makes at most an eighth more effort than gives it.
+/// 1, 2, 3, ... 15, 16, 18, 20, ... 30, 32, 36, ... and last `most`: a search is asked for a
+/// recall, and makes at most an eighth more effort than gives it.
 fn ladder(most: u32) -> impl Iterator<Item = u32> {
     let steps = (0..).flat_map(|octave: u32| (8..16).map(move |eighth| (eighth << octave) / 8));
     let mut last = 0;

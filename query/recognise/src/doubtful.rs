@@ -64,8 +64,8 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
     warnings
 }
 
-/// Says how far the neighbours that an answer goes by disagree, in degrees, in place of what was said
-/// of others.
+/// Says how far the neighbours that an answer goes by disagree, in degrees, in place of what was
+/// said of others.
 pub(crate) fn point_out_disagreement(warnings: &mut Vec<Warning>, spread_deg: f64) {
     warnings.retain(|warning| !matches!(warning, Warning::NeighboursDisagree { .. }));
     if spread_deg > DISAGREE_DEG {

@@ -136,7 +136,7 @@ impl<'a> Recogniser<'a> {
             context: Context::Nothing,
             timings,
         };
-        // Nor was anything fitted to so many neighbours; it is the best there is all the same.
+        // Nor do probabilities hold for another number of neighbours than they were fitted to.
         let calibration = &self.index.catalogue().calibration;
         let has_own_k = self.options.k.is_some_and(|k| k != calibration.k as usize);
         let is_measured = calibration.measured.is_some() && !has_own_k;

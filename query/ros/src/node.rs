@@ -214,8 +214,8 @@ pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Has the pictures that are `coming` answered until the end comes, which the work sends by `sender`
-/// where it ends by itself. Where no picture comes, `silence` says why that may be.
+/// Has the pictures that are `coming` answered until the end comes, which the work sends by
+/// `sender` where it ends by itself. Where no picture comes, `silence` says why that may be.
 fn answer(
     worker: Worker<'_>,
     coming: &mut (impl futures::Stream<Item = Event> + Unpin),

@@ -7,7 +7,8 @@
 //! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
 //! holds the connections, `connection` ends those that ask nothing where others wait or take no
 //! answer, `page` is what a browser is given. `router` says which path leads where, `openapi` what
-//! each takes and answers, and [`Service::run`] puts them together. [`client`] is the other end, and
+//! each takes and answers, and [`Service::run`] puts them together. [`client`] is the other end,
+//! and
 //! [`wire`] what crosses the line between both.
 
 mod about;

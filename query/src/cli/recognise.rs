@@ -186,9 +186,9 @@ impl Recognise {
         if let Some(camera) = camera {
             self.run_feed(Feed::camera(camera)?, &setup, &mut filter, &mut output)?;
         }
-        // As many at a time as are answered soon: their pictures are all in memory at once. A single
-        // picture is answered before a pool of threads would have started, and to ask how many there
-        // are starts it.
+        // As many at a time as are answered soon: their pictures are all in memory at once. A
+        // single picture is answered before a pool of threads would have started, and to ask how
+        // many there are starts it.
         let at_once = if images.len() > 1 { 4 * rayon::current_num_threads() } else { 1 };
         for group in groups(&images) {
             if let [only] = group

@@ -299,8 +299,8 @@ impl Framing {
     const NEAR: [f64; 2] = [1.5, 2.9];
     const FOUND: [f64; 2] = [1.6, 2.7];
     const FAR: [f64; 2] = [1.5, 8.0];
-    /// Sides of pictures that show a thing large, in roots of the area that is seen of it; about the
-    /// least side, in roots of the hand's area; and the least area in texels.
+    /// Sides of pictures that show a thing large, in roots of the area that is seen of it; about
+    /// the least side, in roots of the hand's area; and the least area in texels.
     const OF_THING: [f64; 2] = [1.5, 2.6];
     const LEAST_OF_HAND: f64 = 0.9;
     const LEAST_OF_THING: f32 = 30.0;

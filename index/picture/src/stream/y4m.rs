@@ -85,8 +85,8 @@ impl Y4m {
         if !bytes.is_empty() && (MAGIC.starts_with(bytes) || begins(bytes)) {
             return End::NeedsMore;
         }
-        let begins = bytes.len().min(FRAME.len());
-        if bytes[..begins] != FRAME[..begins] {
+        let length = bytes.len().min(FRAME.len());
+        if bytes[..length] != FRAME[..length] {
             return End::Unknown;
         }
         let line = &bytes[..bytes.len().min(MAX_HEADER)];

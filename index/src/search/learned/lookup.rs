@@ -16,8 +16,8 @@ const MORE: usize = 2;
 /// More are never measured exactly, whatever k is asked for.
 const MOST: usize = 1 << 30;
 /// Groups of centres that are looked through, besides three for every ten buckets that are wanted.
-/// One for each bucket and three find less than 0.001 more (D = 128, 103,574 and 668,869 entries) in
-/// up to an eighth more of the time.
+/// One for each bucket and three find less than 0.001 more (D = 128, 103,574 and 668,869 entries)
+/// in up to an eighth more of the time.
 const GROUPS: u32 = 6;
 /// Bytes of a bucket that are asked for ahead of their use; the processor follows by itself.
 const PREFETCHED: usize = 2048;

@@ -9,8 +9,8 @@
 //! ranked by the distance of their centres, in two levels: the groups of centres first, then the
 //! centres of the nearest groups. The first buckets are scanned: their entries lie in blocks of
 //! codes ([`super::blocks`]), the difference of each entry from its bucket's centre. A code has 4
-//! bits where the index keeps descriptors, by which the best are measured in the end, else 8. From a
-//! query q to an entry x = c + r, with centre c and residual r,
+//! bits where the index keeps descriptors, by which the best are measured in the end, else 8. From
+//! a query q to an entry x = c + r, with centre c and residual r,
 //!
 //! `|q - x|^2 = |q - c|^2 + (|r|^2 + 2 <c, r>) - 2 <q, r>`:
 //!

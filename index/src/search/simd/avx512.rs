@@ -64,8 +64,8 @@ fn score<const N: usize, const LOW: bool, const HALVES: bool>(
     into: [&mut [f32; LANES]; N],
 ) {
     let &Query { query, bias, factor, base } = query;
-    // Two groups of four axes at a time, a last one by itself. Of codes of half a byte two groups lie
-    // in the same bytes, and none is by itself.
+    // Two groups of four axes at a time, a last one by itself. Of codes of half a byte two groups
+    // lie in the same bytes, and none is by itself.
     let (high, low) = (query.high.as_chunks::<4>().0, query.low.as_chunks::<4>().0);
     let per_bytes = if HALVES { 2 } else { 1 };
     let mut groups = high.len().min(low.len());

@@ -54,8 +54,8 @@ fn on_black(image: DynamicImage) -> DynamicImage {
     .into()
 }
 
-/// Decodes a mask: width, height and one grey value (0..=255) a pixel; what is transparent is black,
-/// as in [`decode`].
+/// Decodes a mask: width, height and one grey value (0..=255) a pixel; what is transparent is
+/// black, as in [`decode`].
 ///
 /// # Errors
 /// As [`decode`]; and where anything is missing, because a mask has nobody to warn.

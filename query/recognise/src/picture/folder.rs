@@ -8,8 +8,9 @@ use image::ImageFormat;
 /// The endings of what phones, cameras and scanners write besides, none of which is read.
 const UNREAD: [&str; 8] = ["heic", "heif", "hif", "avif", "tif", "tiff", "dng", "jxl"];
 
-/// The pictures that lie in a folder itself, by the endings of their names and in the order of their
-/// names, as a shell lists `FOLDER/*`: hidden files, other files and folders in it are left out.
+/// The pictures that lie in a folder itself, by the endings of their names and in the order of
+/// their names, as a shell lists `FOLDER/*`: hidden files, other files and folders in it are left
+/// out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PicturesIn {
     /// Those of formats that are read.

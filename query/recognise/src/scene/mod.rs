@@ -3,10 +3,10 @@
 //!
 //! A network looks at a [`Square`] of the picture. [`find`] looks at the whole picture first, then
 //! at the square around the hand that it has found there, turned so that the arm comes from below,
-//! as in the scenes that it learned to name grasps by. There the mask network sees what is hand, arm
-//! and thing. This [`Detection`] helps colours to cut the hand out, which two networks then look at
-//! once more, and another at what it holds: a [`Scene`] says which hand it is, and how likely each
-//! grasp is by all that is seen, by which the neighbours are weighed.
+//! as in the scenes that it learned to name grasps by. There the mask network sees what is hand,
+//! arm and thing. This [`Detection`] helps colours to cut the hand out, which two networks then
+//! look at once more, and another at what it holds: a [`Scene`] says which hand it is, and how
+//! likely each grasp is by all that is seen, by which the neighbours are weighed.
 
 mod arm;
 mod cut_out;

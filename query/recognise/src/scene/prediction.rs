@@ -96,8 +96,9 @@ impl Prediction {
         }
     }
 
-    /// Joins what is seen in squares around what the hand holds, the more the likelier it is that the
-    /// hand holds something; their mean, where there are several, and nothing where there is none.
+    /// Joins what is seen in squares around what the hand holds, the more the likelier it is that
+    /// the hand holds something; their mean, where there are several, and nothing where there is
+    /// none.
     pub(super) fn add_thing(
         &mut self,
         networks: &Networks,
@@ -127,7 +128,8 @@ impl Prediction {
         std::array::from_fn(|stage| libm::exp(logs[stage]))
     }
 
-    /// `camera_from_hand` in the picture if the hand is this one, by each look of the naming network.
+    /// `camera_from_hand` in the picture if the hand is this one, by each look of the naming
+    /// network.
     pub(crate) fn rotations(&self, side: Side) -> &[UnitQuaternion<f64>] {
         &self.rotations_by_side[usize::from(side == Side::Left)]
     }
