@@ -205,6 +205,14 @@ fn what_is_missing_or_wrong_is_said() {
         folder.error("<robot name='r'/>", Some(COMPANION)),
     ];
     insta::assert_snapshot!(said.join("\n\n"));
+    // As many as would fill the memory with what is made of them.
+    let tips = format!("tips = [{}]", "'left_tip', ".repeat(33));
+    let many = COMPANION.replace("tips = [\"left_tip\", \"right_tip\"]", &tips);
+    assert!(
+        folder
+            .error(URDF, Some(&many))
+            .ends_with("33 tips, where a hand has at most 32: name the last link of each finger")
+    );
     // Every link is carried, in a circle.
     let circle = URDF
         .replace("<parent link=\"base\"/>", "<parent link=\"left_tip\"/>")
@@ -214,4 +222,20 @@ fn what_is_missing_or_wrong_is_said() {
     for at in (0..URDF.len()).step_by(37) {
         let _ = folder.hand(&URDF[..at], Some(COMPANION));
     }
+}
+
+#[test]
+fn what_the_parser_of_xml_has_no_end_of_is_said_as_well() {
+    let folder = Folder::new("hostile");
+    let deep = "<a><?p</b?>".repeat(100_000) + &"</a>".repeat(100_000);
+    let error = folder.error(&format!("<robot>{deep}</robot>"), Some(COMPANION));
+    assert!(error.ends_with("its elements lie more than 100 deep in one another"), "{error}");
+    let unbound = URDF
+        .replace("<robot ", "<robot xmlns:xmlns='z' xmlns:p='u' ")
+        .replace("<link name=\"base\"/>", "<p:link name=\"base\"/>");
+    let error = folder.error(&unbound, Some(COMPANION));
+    assert!(error.contains("its XML namespaces (xmlns) are more than a URDF needs"), "{error}");
+    // Those of a simulator are read.
+    let usual = URDF.replace("<robot ", "<robot xmlns:xacro='http://www.ros.org/wiki/xacro' ");
+    assert_eq!(folder.hand(&usual, Some(COMPANION)).unwrap().limits, shipped().limits);
 }

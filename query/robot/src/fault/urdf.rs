@@ -21,6 +21,18 @@ pub enum UrdfFault {
         /// The most.
         most: usize,
     },
+    /// More elements than any hand's URDF has.
+    #[error("it has more than {most} elements")]
+    TooManyElements {
+        /// The most.
+        most: usize,
+    },
+    /// Namespaces that are many, long, or none.
+    #[error("its XML namespaces (xmlns) are more than a URDF needs, which is none: take them out")]
+    Namespaces,
+    /// Text that is no markup.
+    #[error("it holds <![CDATA[, where a URDF has nothing to say: take it out")]
+    CharacterData,
     /// It is no XML, or no URDF: what the parser says.
     #[error("{0}")]
     Parser(String),
@@ -103,6 +115,14 @@ pub enum UrdfFault {
     /// No tips.
     #[error("tips = []: name the links at the fingers' ends")]
     NoTips,
+    /// More tips than any hand has.
+    #[error("{count} tips, where a hand has at most {most}: name the last link of each finger")]
+    TooManyTips {
+        /// How many.
+        count: usize,
+        /// The most.
+        most: usize,
+    },
     /// Nothing says how hard the fingers press.
     #[error("say by `max_contact_force`, in newtons, what the fingers may press with")]
     NoForce,

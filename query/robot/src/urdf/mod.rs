@@ -6,6 +6,7 @@
 //! other.
 
 mod derive;
+mod markup;
 mod tree;
 mod values;
 
@@ -20,6 +21,8 @@ use crate::{DescriptionFault, RobotError, UrdfFault};
 use tree::Tree;
 use values::{numbers, way};
 
+/// No hand has more fingers; what is made of a URDF has all segments of each.
+const MOST_TIPS: usize = 32;
 /// An axis whose length is less has no direction.
 const SHORTEST_AXIS: f64 = 1e-3;
 
@@ -99,6 +102,10 @@ fn merged(tree: &Tree, name: &str, urdf: Source<'_>, path: &Path) -> Result<Tabl
     }
     if companion.tips.is_empty() {
         return Err(source.error(UrdfFault::NoTips.into()));
+    }
+    if companion.tips.len() > MOST_TIPS {
+        let count = companion.tips.len();
+        return Err(source.error(UrdfFault::TooManyTips { count, most: MOST_TIPS }.into()));
     }
     let mut chains = Vec::new();
     for tip in &companion.tips {

@@ -6,16 +6,13 @@ use nalgebra::Isometry3;
 use toml::{Table, Value};
 use urdf_rs::{Joint, JointType, Robot};
 
+use super::markup;
 use super::values::numbers;
 use crate::chain::{Segment, frames};
 use crate::object::LARGEST;
 use crate::read::Source;
 use crate::{RobotError, UrdfFault};
 
-/// No gripper's URDF is longer, in bytes: meshes are not in it.
-const LONGEST: usize = 4_000_000;
-/// No URDF has elements in elements so deep; a parser has no end of memory for them.
-const DEEPEST: usize = 100;
 /// A hand has fewer joints and links.
 const MOST: usize = 1000;
 /// How far from 0 a finger's joint may be, in radians: two turns.
@@ -36,16 +33,13 @@ pub(super) type Way = Vec<usize>;
 
 impl Tree {
     pub(super) fn parse(source: Source<'_>, text: &str) -> Result<Self, RobotError> {
-        if text.len() > LONGEST {
-            return Err(source.error(UrdfFault::TooLong { most: LONGEST }.into()));
-        }
         // What xacro is still to expand is no URDF, and would be read as one without joints.
         let elements = text.split("-->").filter_map(|part| part.split("<!--").next());
         if elements.into_iter().any(|part| part.contains("<xacro:")) {
             return Err(source.error(UrdfFault::Xacro.into()));
         }
-        if depth(text) > DEEPEST {
-            return Err(source.error(UrdfFault::TooDeep { most: DEEPEST }.into()));
+        if let Some(fault) = markup::fault(text) {
+            return Err(source.error(fault.into()));
         }
         let robot = urdf_rs::read_from_string(text)
             .map_err(|error| source.error(UrdfFault::Parser(error.to_string()).into()))?;
@@ -228,22 +222,6 @@ impl Tree {
         let segments = self.joints(way).map(segment).collect();
         Value::Table([("segments".to_owned(), Value::Array(segments))].into_iter().collect())
     }
-}
-
-/// How deep elements lie in elements, or more: what is ambiguous counts as one that is not closed.
-fn depth(text: &str) -> usize {
-    let (mut depth, mut deepest) = (0_usize, 0);
-    for part in text.split('<').skip(1) {
-        let tag = part.split('>').next().unwrap_or_default();
-        let is_quoted = ['"', '\''].iter().any(|quote| tag.matches(*quote).count() % 2 == 1);
-        if part.starts_with('/') {
-            depth = depth.saturating_sub(1);
-        } else if !part.starts_with(['!', '?']) && (is_quoted || !tag.ends_with('/')) {
-            depth += 1;
-        }
-        deepest = deepest.max(depth);
-    }
-    deepest
 }
 
 /// What a joint's own <limit> says.
