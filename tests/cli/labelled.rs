@@ -182,6 +182,49 @@ fn shapes_are_built_once_and_scored_like_evaluate() {
 }
 
 #[test]
+fn changed_pictures_are_scored_beside_pictures_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("results");
+    let labels = pictures().join("labels.csv");
+    let chosen = ["--json", "--hand", "right", "--where", "kind=segmented"];
+    let outcome = run(program("grasp-query")
+        .args(["experiment", "steadiness", "--out", out.to_str().unwrap(), "--index"])
+        .arg(small_index())
+        .arg(&labels)
+        .args(chosen));
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    let figures = &outcome.json_lines()[0];
+    let file = fs::read(out.join("steadiness.json")).unwrap();
+    assert_eq!(&serde_json::from_slice::<serde_json::Value>(&file).unwrap(), figures);
+
+    let evaluated = run(program("grasp-query")
+        .args(["evaluate", "--index"])
+        .arg(small_index())
+        .arg(&labels)
+        .args(chosen));
+    let report = &evaluated.json_lines()[0];
+    let changes = figures["changes"].as_array().unwrap();
+    let [first, rest @ ..] = changes.as_slice() else { panic!("{figures}") };
+    assert_eq!(first["change"], "as it is");
+    assert_eq!((&first["right"]["top1"], &first["same"]), (&report["top1"], &1.0.into()));
+    assert_eq!(first["orientation_error_deg"], report["orientation_error_deg"]["median"]);
+    let n = report["n"].as_u64().unwrap();
+    for change in rest {
+        assert_eq!((&change["right"]["n"], &change["hand_right"]), (&n.into(), &serde_json::Value::Null));
+        // Hands of these renders are not so near to another grasp, nor labels turned the wrong way.
+        assert!(change["same"].as_f64().unwrap() >= 0.5, "{change}");
+        assert!(change["orientation_error_deg"].as_f64().unwrap() < 40.0, "{change}");
+    }
+    let counts = ["always", "sometimes", "never"].map(|count| figures[count].as_u64().unwrap());
+    assert_eq!(counts.iter().sum::<u64>(), n);
+
+    let rows = rows(&out.join("steadiness.csv"));
+    assert_eq!(rows.len() as u64, n * changes.len() as u64);
+    let mirrored = rows.iter().find(|row| &row[1] == "mirrored").unwrap();
+    assert_eq!((&mirrored[5], &mirrored[6]), ("left", "left"), "{mirrored:?}");
+}
+
+#[test]
 fn predictions_are_a_table_of_what_was_answered() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("answers.csv");

@@ -30,7 +30,7 @@ fn help_texts() {
     insta::assert_snapshot!("builder_experiment_shapes", help("grasp-builder", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_shapes", help("grasp-query", &["experiment", "shapes"]));
     insta::assert_snapshot!("query_experiment_unknown", help("grasp-query", &["experiment", "unknown"]));
-    for name in ["trust", "robustness", "imitation", "report"] {
+    for name in ["trust", "robustness", "imitation", "report", "steadiness"] {
         insta::assert_snapshot!(
             format!("query_experiment_{name}"),
             help("grasp-query", &["experiment", name])

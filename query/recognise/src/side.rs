@@ -18,7 +18,7 @@ pub enum Side {
 
 impl Side {
     /// The other hand.
-    pub(crate) fn other(self) -> Self {
+    pub fn other(self) -> Self {
         match self {
             Self::Left => Self::Right,
             Self::Right => Self::Left,

@@ -19,6 +19,7 @@ use super::report::ReportArguments;
 #[cfg(feature = "simulate")]
 use super::robot_experiment::{ImitationArguments, RobustnessArguments};
 use super::selection::{Selected, Selection, without_folders};
+use super::steadiness_experiment::SteadinessArguments;
 use crate::evaluate::Outcome;
 use crate::evaluate::labels::{Kind, OTHER};
 use crate::evaluate::report::RowReport;
@@ -50,6 +51,7 @@ enum Name {
     #[cfg(feature = "simulate")]
     Imitation(ImitationArguments),
     Sequence(SequenceArguments),
+    Steadiness(SteadinessArguments),
     Report(ReportArguments),
 }
 
@@ -215,6 +217,7 @@ impl Experiment {
             #[cfg(feature = "simulate")]
             Name::Imitation(imitation) => imitation.run(global),
             Name::Sequence(sequence) => sequence.run(global),
+            Name::Steadiness(steadiness) => steadiness.run(global),
             Name::Report(report) => report.run(global),
         }
     }

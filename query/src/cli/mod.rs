@@ -32,6 +32,7 @@ mod simulate;
 #[cfg(feature = "simulate")]
 mod simulated_hand;
 #[cfg(feature = "serve")]
+mod steadiness_experiment;
 mod token;
 mod watch;
 

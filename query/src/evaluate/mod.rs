@@ -14,9 +14,11 @@ use grasp_index::{HandImage, NETWORK_STAGES};
 use nalgebra::UnitQuaternion;
 
 use grasp_answer::record::UNKNOWN;
-use grasp_recognise::picture::{self, Picture};
+use grasp_recognise::picture::{self, Decoded, Picture};
 use grasp_recognise::segment::{Mask, SegmentParams};
-use grasp_recognise::{Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side};
+use grasp_recognise::{
+    Evidence, MaskSource, Prepared, RecogniseError, Recogniser, Recognition, Side, Timings,
+};
 use labels::{Kind, Label};
 
 /// What became of one labelled picture.
@@ -129,6 +131,32 @@ pub fn labelled_hand(folder: &Path, label: &Label) -> Result<(Picture, Mask), Mi
     let bytes = picture::read(&resolve(folder, &label.file)).map_err(|error| miss(&error.into()))?;
     let prepared = Prepared::decode(&bytes, &source, &SegmentParams::default());
     prepared.map(|prepared| (prepared.picture, prepared.mask)).map_err(|error| miss(&error))
+}
+
+/// A labelled picture, decoded, and where its hand's mask comes from, as in [`score`].
+///
+/// # Errors
+/// [`Miss`]: where the picture or its mask cannot be read.
+pub fn labelled_picture(
+    folder: &Path,
+    label: &Label,
+    labelled_masks: bool,
+) -> Result<(Decoded, MaskSource), Miss> {
+    let source = source_of(label.kind, labelled_mask(folder, label)?, labelled_masks);
+    let decoded = picture::read(&resolve(folder, &label.file)).and_then(|bytes| picture::decode(&bytes));
+    decoded.map(|decoded| (decoded, source)).map_err(|error| miss(&error.into()))
+}
+
+/// What a prepared picture is taken for.
+///
+/// # Errors
+/// [`Miss`]: where it could not be prepared, or its hand cannot be recognised.
+pub fn guess_of(
+    recogniser: &Recogniser<'_>,
+    prepared: Result<Prepared, RecogniseError>,
+) -> Result<Guess, Miss> {
+    let found = prepared.and_then(|prepared| recogniser.recognise_prepared(prepared, Timings::default()));
+    found.map(|found| guess(recogniser, &found)).map_err(|error| miss(&error))
 }
 
 fn source_of(kind: Kind, mask: Option<Mask>, labelled_masks: bool) -> MaskSource {

@@ -74,6 +74,12 @@ impl RowReport {
     }
 }
 
+impl From<&RowError> for RowReport {
+    fn from(row: &RowError) -> Self {
+        Self { line: row.line, file: None, message: row.fault.to_string() }
+    }
+}
+
 /// What became of pictures that show none of the classes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Other {
@@ -120,10 +126,7 @@ impl Report {
         broken: &[RowError],
         hand_is_free: bool,
     ) -> Self {
-        let mut errors: Vec<RowReport> = broken
-            .iter()
-            .map(|row| RowReport { line: row.line, file: None, message: row.fault.to_string() })
-            .collect();
+        let mut errors: Vec<RowReport> = broken.iter().map(RowReport::from).collect();
         let mut usable = Vec::new();
         for outcome in outcomes {
             match &outcome.result {
