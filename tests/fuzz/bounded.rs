@@ -5,34 +5,53 @@
 #[allow(unreachable_pub, reason = "the library of the package of cargo-fuzz")]
 mod harness;
 mod mutated;
+mod reworded;
 
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
 use grasp_index::npy::{NpyHeader, NpyType};
+use grasp_network::{Architecture, Convolution, Masks, Network};
 use grasp_tests::{boxes, pictures, workspace};
 use mutated::mutated;
 use proptest::prelude::*;
+use reworded::reworded;
 
 /// A format: its target, what reads it, and sound files in it.
 struct Format {
     target: &'static str,
     read: fn(&[u8]) -> bool,
     seeds: Vec<Vec<u8>>,
+    /// Whether it is written by hand, word by word.
+    is_text: bool,
 }
 
-fn formats() -> &'static [Format; 5] {
-    static FORMATS: OnceLock<[Format; 5]> = OnceLock::new();
+/// Formats of bytes, then those of text.
+fn formats() -> &'static [Format] {
+    static FORMATS: OnceLock<Vec<Format>> = OnceLock::new();
     FORMATS.get_or_init(|| {
-        [
-            Format { target: "index", read: harness::index, seeds: indexes() },
-            Format { target: "npy", read: harness::npy, seeds: arrays() },
-            Format { target: "glb", read: harness::glb, seeds: vec![boxes::hand()] },
-            Format { target: "stream", read: harness::stream, seeds: streams() },
-            Format { target: "form", read: harness::form, seeds: vec![form()] },
+        let bytes = |target, read, seeds| Format { target, read, seeds, is_text: false };
+        let text = |target, read, seeds| Format { target, read, seeds, is_text: true };
+        vec![
+            bytes("index", harness::index, indexes()),
+            bytes("npy", harness::npy, arrays()),
+            bytes("glb", harness::glb, vec![boxes::hand()]),
+            bytes("stream", harness::stream, streams()),
+            bytes("form", harness::form, vec![form()]),
+            bytes("network", harness::network, networks()),
+            text("labels", harness::labels, tables()),
+            text("landmarks", harness::landmarks, landmarks()),
+            text("robot", harness::robot, descriptions()),
+            text("urdf", harness::urdf, grippers()),
+            text("grasps", harness::grasps, vec![shipped("renders/data/grasps.toml")]),
         ]
     })
+}
+
+/// A file of the project.
+fn shipped(path: &str) -> Vec<u8> {
+    fs::read(workspace().join(path)).unwrap()
 }
 
 /// One index of each format that is read.
@@ -70,11 +89,72 @@ fn form() -> Vec<u8> {
     .into_bytes()
 }
 
+/// One of each version of the format.
+fn networks() -> Vec<Vec<u8>> {
+    let plain = Architecture {
+        side: 6,
+        planes: 2,
+        convolutions: vec![
+            Convolution { kernel: 3, stride: 2, outputs: 5 },
+            Convolution { kernel: 1, stride: 1, outputs: 34 },
+        ],
+        embedding: 4,
+        heads: 3,
+        masks: None,
+    };
+    let masked = Architecture { masks: Some(Masks { convolution: 0, count: 2, cells: 3 }), ..plain.clone() };
+    let network = |architecture: Architecture| {
+        let count = architecture.parameters().unwrap();
+        let weights = (0..count).map(|at| (at as f32 * 0.7).sin() * 0.3).collect();
+        Network::from_weights(architecture, weights).unwrap()
+    };
+    let floats = [network(plain), network(masked)];
+    let integers = floats.each_ref().map(|network| network.clone().in_integers().to_bytes());
+    [floats.map(|network| network.to_bytes()), integers].concat()
+}
+
+fn tables() -> Vec<Vec<u8>> {
+    let manifest = "file,hand_shape,grasp,cutkosky,stage,azimuth,elevation,roll,qx,qy,qz,qw,object,seed\r\n\
+        a/b.png,mean,pinch,9,grasp,1.5,-60,0,0,0,0.6,0.8,sphere,18446744073709551615\r\n\
+        \"c,\"\"d\",hand-7,large-diameter,1,reach,,,,1,0,0,0,,\n";
+    vec![shipped("tests/pictures/labels.csv"), manifest.into()]
+}
+
+fn landmarks() -> Vec<Vec<u8>> {
+    let deep = (0..21).map(|at| format!("[0.{at}, 0.5, -1e-3]")).collect::<Vec<_>>().join(", ");
+    let named = (0..21).map(|at| format!("{{\"x\": {at}.5, \"y\": 7.5, \"visibility\": 1}}"));
+    let named = named.collect::<Vec<_>>().join(", ");
+    vec![
+        shipped("tests/pictures/landmarks/09-pinch.json"),
+        format!("{{\"unit\": \"share\", \"landmarks\": [{deep}]}}").into(),
+        format!("{{\"unit\": \"pixel\", \"landmarks\": [{named}]}}").into(),
+    ]
+}
+
+fn descriptions() -> Vec<Vec<u8>> {
+    let folders = ["arms", "objects", "robots"].map(|name| workspace().join("query/data").join(name));
+    let files = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap());
+    let mut paths: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+    paths.sort();
+    paths.iter().map(|path| fs::read(path).unwrap()).collect()
+}
+
+fn grippers() -> Vec<Vec<u8>> {
+    let slider = |ending| shipped(&format!("query/robot/tests/urdf/slider.{ending}"));
+    let [urdf, beside] = ["urdf", "toml"].map(slider);
+    let versioned = String::from_utf8_lossy(&urdf).replace("<robot ", "<robot version='1.2' xmlns:a='b' ");
+    [urdf, versioned.into()].map(|urdf| [&urdf[..], harness::BESIDE.as_bytes(), &beside].concat()).into()
+}
+
+fn input(format: &'static Format) -> BoxedStrategy<Vec<u8>> {
+    match format.is_text {
+        true => prop_oneof![1 => mutated(&format.seeds), 3 => reworded(&format.seeds)].boxed(),
+        false => mutated(&format.seeds).boxed(),
+    }
+}
+
 fn format_and_input() -> impl Strategy<Value = (&'static Format, Vec<u8>)> {
-    (0..formats().len()).prop_flat_map(|number| {
-        let format = &formats()[number];
-        (Just(format), mutated(&format.seeds))
-    })
+    (0..formats().len()).prop_flat_map(|number| (Just(&formats()[number]), input(&formats()[number])))
 }
 
 impl std::fmt::Debug for Format {
@@ -84,7 +164,7 @@ impl std::fmt::Debug for Format {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(5 * ProptestConfig::default().cases))]
+    #![proptest_config(ProptestConfig::with_cases(formats().len() as u32 * ProptestConfig::default().cases))]
 
     #[test]
     fn whatever_is_read_does_no_harm((format, bytes) in format_and_input()) {
