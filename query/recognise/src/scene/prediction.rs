@@ -183,14 +183,16 @@ fn looks(
     let looks = squares.iter().flat_map(|square| ways.iter().map(move |way| (square, way)));
     let share_of_look = 1.0 / (squares.len() * ways.len()) as f64;
     for (square, &(turn, size)) in looks {
-        let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
-        eye.turn_to(&square);
         for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
-            if side == Side::Left {
-                eye.mirror();
-            }
             if !sides.contains(&side) {
                 continue;
+            }
+            // A left hand is looked at as its mirror image would be, turned the other way.
+            let turn = if side == Side::Left { -turn } else { turn };
+            let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
+            eye.turn_to(&square);
+            if side == Side::Left {
+                eye.mirror();
             }
             for voice in voices {
                 let heads = eye.see(voice.network);
@@ -273,10 +275,9 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_is_turned_with_its_picture_and_a_left_one_as_its_mirror_image() {
+    fn a_hand_is_turned_with_its_picture_and_a_left_one_is_seen_as_its_mirror_image() {
         let networks = Networks::default();
-        // How it is turned in the picture whose pixel (x, y) is the shaded one's at `of(x, y)`. The
-        // looks beside the first are not each other's mirror images.
+        // What is seen in the picture whose pixel (x, y) is the shaded one's at `of(x, y)`.
         let seen = |of: fn(usize, usize) -> (usize, usize), square: Square, side: Side| {
             let shaded = shaded();
             let pixel = |at: usize| of(at % 64, at / 64);
@@ -284,19 +285,26 @@ mod tests {
             let picture = Picture::new(64, 64, pixels).unwrap();
             let seen = Prediction::of_square(&networks, &mut Eye::new(&picture), &square, &[side], POWERS);
             assert_eq!([side, side.other()].map(|side| seen.rotations(side).len()), [LOOKS.len(), 0]);
-            seen.rotations(side)[0]
+            seen
         };
+        let apart = |a: UnitQuaternion<f64>, b: UnitQuaternion<f64>| a.angle_to(&b).to_degrees();
         let square = Square { centre: [30.0, 36.0], ..SQUARE };
         let own = seen(|x, y| (x, y), square, Side::Right);
-        let apart = |a: UnitQuaternion<f64>, b: UnitQuaternion<f64>| a.angle_to(&b).to_degrees();
         let mirrored = Square { centre: [64.0 - 30.0, 36.0], turn: -square.turn, ..square };
         let left = seen(|x, y| (63 - x, y), mirrored, Side::Left);
-        assert!(apart(left, mirror_orientation(&own)) < 1.0, "{}", apart(left, mirror_orientation(&own)));
+        // Every look, also those that are turned.
+        for (left, own) in left.rotations(Side::Left).iter().zip(own.rotations(Side::Right)) {
+            assert!(apart(*left, mirror_orientation(own)) < 1.0, "{}", apart(*left, mirror_orientation(own)));
+        }
+        for (left, own) in left.probabilities(Side::Left).iter().zip(own.probabilities(Side::Right)) {
+            assert!((left - own).abs() < 0.02, "{left} {own}");
+        }
+        assert!((left.right_odds + own.right_odds).abs() < 0.1, "{} {}", left.right_odds, own.right_odds);
         // A quarter turn clockwise.
         let quarter = std::f64::consts::FRAC_PI_2;
         let turned = Square { centre: [64.0 - 36.0, 30.0], turn: square.turn - quarter, ..square };
-        let turned = seen(|x, y| (y, 63 - x), turned, Side::Right);
-        let expected = turned_orientation(90.0, &own);
+        let turned = seen(|x, y| (y, 63 - x), turned, Side::Right).rotations(Side::Right)[0];
+        let expected = turned_orientation(90.0, &own.rotations(Side::Right)[0]);
         assert!(apart(turned, expected) < 1.0, "{}", apart(turned, expected));
     }
 
