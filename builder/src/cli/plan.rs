@@ -15,6 +15,9 @@ use crate::plan_spec::{EXAMPLES, PlanSpec, ROLLS, STEPS_DEG, VIEWS, Version, are
 
 /// Views of one scene are held at a time; more than a million are a slip of the keyboard.
 const MOST_VIEWS: f64 = 1e6;
+/// The largest file of grasps in bytes, seventy times as large as that of the built-in ones: what
+/// the parser makes of a text takes as many times its memory.
+const LARGEST_GRASPS: usize = 1 << 20;
 
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "What to render")]
@@ -183,8 +186,13 @@ impl PlanOptions {
     /// The grasps as they are written down, where they are not the built-in ones.
     fn grasps_text(&self) -> anyhow::Result<Option<String>> {
         let Some(path) = &self.grasps else { return Ok(self.kept_grasps.clone()) };
-        let text = grasp_bounded::read_text(path);
-        text.map(Some).with_context(|| format!("cannot read the grasps {}", path.display()))
+        let cannot = || format!("cannot read the grasps {}", path.display());
+        let text = grasp_bounded::read_text(path).with_context(cannot)?;
+        if text.len() > LARGEST_GRASPS {
+            let (found, most) = (text.len() >> 10, LARGEST_GRASPS >> 10);
+            bail!("the grasps {} are {found} KiB: files of at most {most} KiB are read", path.display());
+        }
+        Ok(Some(text))
     }
 
     /// The plan that the options describe.
@@ -348,6 +356,20 @@ mod tests {
         }
         let foreign = options("--preset=paper --hand-model=x.glb --hands=9");
         assert_eq!(foreign.spec().unwrap(), PlanSpec::of_preset(Preset::Paper));
+    }
+
+    #[test]
+    fn a_file_of_grasps_is_read_where_it_is_not_too_large_to_be_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("grasps.toml");
+        let grasps = PlanOptions { grasps: Some(path.clone()), ..PlanOptions::default() };
+        let sound = include_str!("../../../renders/data/grasps.toml");
+        std::fs::write(&path, sound).unwrap();
+        assert_eq!(grasps.grasps().unwrap(), GraspSet::builtin());
+        // As TOML these would be sixty times as large.
+        std::fs::write(&path, format!("a = [{}]", "[],".repeat(LARGEST_GRASPS))).unwrap();
+        let error = grasps.grasps().unwrap_err().to_string();
+        assert!(error.ends_with("are 3072 KiB: files of at most 1024 KiB are read"), "{error}");
     }
 
     #[test]
