@@ -1,10 +1,10 @@
 //! The seam between the hashes and the path that they share: a hash turns a vector into an ordered
 //! list of buckets to probe, and its buckets into candidates.
 
-use super::learned::lookup::Lookup as LearnedLookup;
+use super::learned::lookup::{Lookup as LearnedLookup, Rotated};
 use super::learned::{Learned, LearnedHash};
 use super::nearest::Nearest;
-use super::random::lookup::Lookup as RandomLookup;
+use super::random::lookup::{Located as RandomLocated, Lookup as RandomLookup};
 use super::random::{Random, RandomHash};
 use super::simd::Simd;
 use std::collections::HashMap;
@@ -72,6 +72,13 @@ impl<'a> Hash<'a> {
     }
 }
 
+/// What a hash knows of a query, however many buckets are looked into for it.
+#[derive(Clone, Debug)]
+pub(crate) enum Located {
+    Random(RandomLocated),
+    Learned(Rotated),
+}
+
 /// One query after another on its way through a hash, with the memory that this hash needs for it.
 #[expect(clippy::large_enum_variant, reason = "a searcher has three, and nearly always of the larger kind")]
 #[derive(Clone, Debug)]
@@ -106,9 +113,40 @@ impl<'a> Lookup<'a> {
 
     /// Chooses the buckets to look into for `vector`, `probes` a table, the most promising first.
     pub(crate) fn probe(&mut self, simd: Simd, vector: &[f32], probes: u32) {
+        self.locate(simd, vector);
+        self.rank(simd, probes);
+    }
+
+    /// Takes up a query: what is the same however many buckets are looked into.
+    pub(crate) fn locate(&mut self, simd: Simd, vector: &[f32]) {
         match self {
-            Self::Random(lookup) => lookup.probe(vector, probes),
-            Self::Learned(lookup) => lookup.probe(simd, vector, probes),
+            Self::Random(lookup) => lookup.locate(vector),
+            Self::Learned(lookup) => lookup.rotate(simd, vector),
+        }
+    }
+
+    /// The query that was located last.
+    pub(crate) fn located(&self) -> Located {
+        match self {
+            Self::Random(lookup) => Located::Random(lookup.query.clone()),
+            Self::Learned(lookup) => Located::Learned(lookup.query.clone()),
+        }
+    }
+
+    /// Takes up again a query that a lookup of the same hash has located.
+    pub(crate) fn resume(&mut self, located: &Located) {
+        match (self, located) {
+            (Self::Random(lookup), Located::Random(query)) => lookup.query.clone_from(query),
+            (Self::Learned(lookup), Located::Learned(query)) => lookup.query.clone_from(query),
+            _ => debug_assert!(false, "a lookup of another hash has located the query"),
+        }
+    }
+
+    /// As [`Self::probe`], for the query that was located last.
+    pub(crate) fn rank(&mut self, simd: Simd, probes: u32) {
+        match self {
+            Self::Random(lookup) => lookup.rank(probes),
+            Self::Learned(lookup) => lookup.rank(simd, probes),
         }
     }
 

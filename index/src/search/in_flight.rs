@@ -32,11 +32,24 @@ impl<'a> InFlight<'a> {
         k: usize,
         probes: u32,
     ) -> Search {
+        self.lookup.locate(simd, query);
+        self.search_located(stored, simd, query, k, probes)
+    }
+
+    /// As [`Self::search`], for the query that was located last.
+    pub(crate) fn search_located(
+        &mut self,
+        stored: Stored<'_>,
+        simd: Simd,
+        query: &[f32],
+        k: usize,
+        probes: u32,
+    ) -> Search {
         let lookup = &mut self.lookup;
         let wanted = k.min(stored.entries);
         let (mut probes, most) = (probes.max(1), lookup.most_probes());
         loop {
-            lookup.probe(simd, query, probes);
+            lookup.rank(simd, probes);
             lookup.gather(simd, k);
             if lookup.candidates().len() >= wanted || probes >= most {
                 break;

@@ -3,7 +3,7 @@
 
 use super::distance;
 use super::effort::{EPS_GRID, EffortPoint, Measured, RECALL_K};
-use super::hash::Hash;
+use super::hash::{Hash, Located};
 use super::in_flight::InFlight;
 use super::nearest::Neighbour;
 use super::queries::{HeldOut, Query, is_near_enough, queries};
@@ -25,11 +25,17 @@ fn curve<E>(
     queries: &[Query],
     progress: &dyn Fn(f64) -> Result<(), E>,
 ) -> Result<Vec<EffortPoint>, E> {
+    // With many tables it is this that takes the time, and every step needs the same.
+    let locate = |in_flight: &mut InFlight<'_>, query: &Query| {
+        in_flight.lookup.locate(Simd::best(), &query.vector);
+        in_flight.lookup.located()
+    };
+    let located: Vec<Located> = queries.par_iter().map_init(|| InFlight::new(hash), locate).collect();
     let mut curve: Vec<EffortPoint> = Vec::new();
     let steps = ladder(hash.most_probes()).count();
     for (at, probes) in ladder(hash.most_probes()).enumerate() {
         progress(at as f64 / steps as f64)?;
-        let point = point(rows, stored, hash, queries, probes);
+        let point = point(rows, stored, hash, queries, &located, probes);
         curve.push(point);
         // Where twice the effort finds no more, nothing will.
         let half = curve.iter().rev().find(|half| half.probes <= probes / 2);
@@ -54,14 +60,24 @@ fn ladder(most: u32) -> impl Iterator<Item = u32> {
     steps.chain([most])
 }
 
-fn point(rows: Rows<'_>, stored: Stored<'_>, hash: &Hash<'_>, queries: &[Query], probes: u32) -> EffortPoint {
+fn point(
+    rows: Rows<'_>,
+    stored: Stored<'_>,
+    hash: &Hash<'_>,
+    queries: &[Query],
+    located: &[Located],
+    probes: u32,
+) -> EffortPoint {
     let each: Vec<(f64, [f64; EPS_GRID.len()], f64)> = queries
         .par_iter()
+        .zip(located)
         .map_init(
             || InFlight::new(hash),
-            |in_flight, query| {
+            |in_flight, (query, located)| {
+                in_flight.lookup.resume(located);
                 // One more, because the query's own row is among them.
-                let found = in_flight.search(stored, Simd::best(), &query.vector, RECALL_K + 1, probes);
+                let found =
+                    in_flight.search_located(stored, Simd::best(), &query.vector, RECALL_K + 1, probes);
                 let others = found.neighbours.iter().filter(|found| Some(found.id) != query.itself);
                 // The distance that a search returns may be an estimate.
                 let measured = |other: &Neighbour| {

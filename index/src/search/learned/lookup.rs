@@ -22,14 +22,20 @@ const GROUPS: u32 = 6;
 /// Bytes of a bucket that are asked for ahead of their use; the processor follows by itself.
 const PREFETCHED: usize = 2048;
 
-/// Looks queries up in a learned hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes
-/// the best of what they hold.
+/// A query as the hash sees it, however many buckets are looked into.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rotated {
+    /// In the principal axes.
+    coordinates: Vec<f32>,
+    quantised: QuantisedQuery,
+}
+
+/// Looks queries up in a learned hash: [`Self::rotate`] takes a query up, [`Self::rank`] chooses the
+/// buckets, [`Self::gather`] takes the best of what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Lookup<'a> {
     hash: Learned<'a>,
-    /// The query in the principal axes.
-    coordinates: Vec<f32>,
-    quantised: QuantisedQuery,
+    pub(crate) query: Rotated,
     ranking: Ranking,
     /// The nearest entries by their codes.
     found: Smallest,
@@ -41,8 +47,7 @@ impl<'a> Lookup<'a> {
     pub(crate) fn new(hash: Learned<'a>) -> Self {
         Self {
             hash,
-            coordinates: Vec::new(),
-            quantised: QuantisedQuery::default(),
+            query: Rotated::default(),
             ranking: Ranking::default(),
             found: Smallest::default(),
             candidates: Vec::new(),
@@ -53,24 +58,20 @@ impl<'a> Lookup<'a> {
         &self.hash
     }
 
-    /// Chooses the `probes` buckets whose centres are nearest.
-    pub(crate) fn probe(&mut self, simd: Simd, vector: &[f32], probes: u32) {
-        self.rotate(simd, vector);
-        // A damaged or hostile request may ask for more than there is.
-        self.rank(simd, probes.min(self.hash.most_probes()));
-    }
-
     /// Turns the query into the principal axes and quantises it.
     pub(crate) fn rotate(&mut self, simd: Simd, vector: &[f32]) {
-        self.coordinates.resize(self.hash.axes.count, 0.0);
-        self.hash.axes.project(simd, vector, &mut self.coordinates);
-        self.quantised.set(&self.coordinates);
+        let Self { hash, query: Rotated { coordinates, quantised }, .. } = self;
+        coordinates.resize(hash.axes.count, 0.0);
+        hash.axes.project(simd, vector, coordinates);
+        quantised.set(coordinates);
     }
 
-    /// Ranks the buckets for the rotated query.
+    /// Chooses the `probes` buckets whose centres are nearest to the rotated query.
     pub(crate) fn rank(&mut self, simd: Simd, probes: u32) {
+        // A damaged or hostile request may ask for more than there is.
+        let probes = probes.min(self.hash.most_probes());
         let groups = GROUPS + probes.saturating_mul(3) / 10;
-        self.hash.centres.rank(simd, &self.quantised, groups, probes, &mut self.ranking);
+        self.hash.centres.rank(simd, &self.query.quantised, groups, probes, &mut self.ranking);
     }
 
     /// The bytes of the chosen buckets.
@@ -86,7 +87,7 @@ impl<'a> Lookup<'a> {
     /// Scans the chosen buckets and keeps of their entries those that are nearest by their codes:
     /// the `k` that are wanted, and some more.
     pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
-        let Self { hash, quantised, ranking, found, candidates, .. } = self;
+        let Self { hash, query: Rotated { quantised, .. }, ranking, found, candidates } = self;
         // What a search finds was measured with so many neighbours, and depends on how many entries
         // are measured exactly: a search for fewer measures as many.
         let k = k.max(RECALL_K);
@@ -127,7 +128,7 @@ impl<'a> Lookup<'a> {
     /// so many `entries`, as a damaged file may hold, has none.
     pub(crate) fn estimate(&mut self, entries: usize, nearest: &mut Nearest) {
         // The query's own square, which the scores leave out.
-        let square: f32 = self.coordinates.iter().map(|value| value * value).sum();
+        let square: f32 = self.query.coordinates.iter().map(|value| value * value).sum();
         for (score, id) in self.found.unsorted().filter(|&(_, id)| (id as usize) < entries) {
             nearest.offer(id, (score + square).max(0.0));
         }

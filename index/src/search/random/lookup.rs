@@ -3,13 +3,23 @@
 use super::id_set::IdSet;
 use super::{Random, RandomHyperplanes};
 
-/// Looks queries up in a random hash: [`Self::probe`] chooses the buckets, [`Self::gather`] takes
-/// what they hold.
+/// A query as the hyperplanes see it, however many buckets are looked into.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Located {
+    /// Its bit string in each table.
+    bits: Vec<u64>,
+    /// The numbers of each table's planes, the nearest first, table by table.
+    nearest: Vec<u8>,
+}
+
+/// Looks queries up in a random hash: [`Self::locate`] takes a query up, [`Self::rank`] chooses the
+/// buckets, [`Self::gather`] takes what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Lookup<'a> {
     hash: Random<'a>,
     /// How far the query lies from each plane of a table, and the plane's number.
-    margins: Vec<(f32, usize)>,
+    margins: Vec<(f32, u8)>,
+    pub(crate) query: Located,
     /// Buckets to look into, table by table, the most promising of each table first.
     buckets: Vec<u32>,
     candidates: IdSet,
@@ -17,33 +27,49 @@ pub(crate) struct Lookup<'a> {
 
 impl<'a> Lookup<'a> {
     pub(crate) fn new(hash: Random<'a>) -> Self {
-        Self { hash, margins: Vec::new(), buckets: Vec::new(), candidates: IdSet::default() }
+        Self {
+            hash,
+            margins: Vec::new(),
+            query: Located::default(),
+            buckets: Vec::new(),
+            candidates: IdSet::default(),
+        }
     }
 
     pub(crate) fn hash(&self) -> &Random<'a> {
         &self.hash
     }
 
-    /// Chooses `probes` buckets a table: its own first; then those across one plane, the nearest
-    /// plane first.
-    pub(crate) fn probe(&mut self, vector: &[f32], probes: u32) {
-        let Self { hash, margins, buckets, .. } = self;
-        let RandomHyperplanes { size, .. } = hash.hyperplanes;
-        buckets.clear();
-        for table in 0..size.tables {
+    /// Takes up a query: on which side of each plane it lies, and which planes are near.
+    pub(crate) fn locate(&mut self, vector: &[f32]) {
+        let Self { hash, margins, query: Located { bits: all_bits, nearest }, .. } = self;
+        all_bits.clear();
+        nearest.clear();
+        for table in 0..hash.tables() {
             margins.clear();
             let mut bits = 0u64;
             hash.hyperplanes.margins(vector, table, |plane, margin| {
                 bits |= u64::from(margin >= 0.0) << plane;
-                margins.push((margin.abs(), plane));
+                margins.push((margin.abs(), plane as u8));
             });
+            all_bits.push(bits);
+            margins.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            nearest.extend(margins.iter().map(|(_, plane)| plane));
+        }
+    }
+
+    /// Chooses `probes` buckets a table for the located query: its own first; then those across one
+    /// plane, the nearest plane first.
+    pub(crate) fn rank(&mut self, probes: u32) {
+        let Self { hash, query, buckets, .. } = self;
+        let RandomHyperplanes { size, .. } = hash.hyperplanes;
+        buckets.clear();
+        let tables = query.bits.iter().zip(query.nearest.chunks_exact(size.planes as usize));
+        for (table, (&bits, nearest)) in (0..).zip(tables) {
             let number = |bits: u64| table * size.buckets + hash.hyperplanes.bucket(bits, table);
             buckets.push(number(bits));
-            if probes > 1 {
-                margins.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                let flips = margins.iter().take(probes as usize - 1);
-                buckets.extend(flips.map(|(_, plane)| number(bits ^ (1 << plane))));
-            }
+            let flips = nearest.iter().take(probes.saturating_sub(1) as usize);
+            buckets.extend(flips.map(|plane| number(bits ^ (1 << plane))));
         }
     }
 
@@ -94,7 +120,8 @@ mod tests {
         };
         let gathered = |files: &[(u32, usize)]| {
             let mut lookup = Lookup::new(hash(files));
-            lookup.probe(&[1.0], 1);
+            lookup.locate(&[1.0]);
+            lookup.rank(1);
             lookup.gather();
             lookup.candidates().to_vec()
         };

@@ -37,21 +37,21 @@ impl Tables {
         buckets: u32,
         bucket_of: impl Fn(&[f32], u32) -> u32 + Sync,
     ) -> Self {
-        let sorted: Vec<(Vec<u32>, Vec<u32>)> = (0..tables)
-            .into_par_iter()
-            .map(|table| {
-                let homes: Vec<u32> =
-                    rows.values.par_chunks_exact(rows.dim).map(|row| bucket_of(row, table)).collect();
-                counting_sort(&homes, buckets)
-            })
-            .collect();
-        let mut all = Self { directory: vec![0], ids: Vec::with_capacity(tables as usize * rows.len()) };
-        for (ends, ids) in sorted {
-            let start = all.ids.len() as u32;
-            all.directory.extend(ends.iter().map(|end| start + end));
-            all.ids.extend(ids);
-        }
-        all
+        // In their places from the beginning: a directory of many tables of many buckets is what
+        // takes the memory, however few the rows are.
+        let (per_table, count) = (buckets as usize, rows.len());
+        let mut directory = vec![0; tables as usize * per_table + 1];
+        let mut ids = vec![0; tables as usize * count];
+        let places = directory[1..].par_chunks_exact_mut(per_table).zip(ids.par_chunks_exact_mut(count));
+        places.zip(0..tables).for_each(|((directory, ids), table)| {
+            let homes: Vec<u32> =
+                rows.values.par_chunks_exact(rows.dim).map(|row| bucket_of(row, table)).collect();
+            let (ends, sorted) = counting_sort(&homes, buckets);
+            let start = table * count as u32;
+            directory.iter_mut().zip(ends).for_each(|(place, end)| *place = start + end);
+            ids.copy_from_slice(&sorted);
+        });
+        Self { directory, ids }
     }
 
     pub(crate) fn as_buckets(&self) -> Buckets<'_> {
