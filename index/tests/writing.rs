@@ -3,8 +3,8 @@
 mod support;
 
 use grasp_index::{
-    AtomicFile, BuildError, Effort, FileChanged, Index, IndexParams, IndexWriter, OpenError, SearchError,
-    SearchOptions, Segments, WriteError,
+    AtomicFile, BuildError, DescriptorParams, Effort, FileChanged, Index, IndexParams, IndexWriter, NewEntry,
+    OpenError, SearchError, SearchOptions, Segments, WriteError,
 };
 use std::ops::ControlFlow;
 
@@ -57,6 +57,21 @@ fn mapped_read_and_copied_indexes_answer_alike() {
     });
     assert_eq!(answers[0], answers[1]);
     assert_eq!(answers[0], answers[2]);
+}
+
+#[test]
+fn an_entry_has_the_picture_that_came_with_it_or_none() {
+    let descriptor = DescriptorParams::raw(1);
+    let params = IndexParams { descriptor, thumbnail_side: 2, ..support::small_params() };
+    let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+    let pictures = [Some(vec![255; 4]), None, Some(vec![0, 0, 0, 1])];
+    for (n, thumbnail) in pictures.iter().cloned().enumerate() {
+        let entry = NewEntry { descriptor: vec![n as f32], thumbnail, ..NewEntry::default() };
+        writer.push(entry).expect("the entry fits");
+    }
+    let index = Index::from_bytes(&writer.finish_bytes().expect("the index is built")).expect("it opens");
+    let found: Vec<_> = (0..4).map(|id| index.thumbnail(id).map(<[u8]>::to_vec)).collect();
+    assert_eq!(found, [&pictures[..], &[None]].concat());
 }
 
 /// What the mapping relies on: see `Bytes::map`.

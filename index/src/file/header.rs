@@ -119,3 +119,57 @@ fn u64_at(bytes: &[u8; LENGTH], at: usize) -> u64 {
     value.copy_from_slice(&bytes[at..at + 8]);
     u64::from_le_bytes(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a file of two sections' room and a catalogue of 100 bytes.
+    const SOUND: Header = Header {
+        least_reader: 3,
+        version: VERSION,
+        file_length: 292,
+        catalogue_offset: 192,
+        catalogue_length: 100,
+        catalogue_hash: 5,
+    };
+
+    /// What is read of a whole file with this header.
+    fn read(header: Header) -> Result<Header, OpenError> {
+        let mut file = Vec::from(header.to_bytes());
+        file.resize(SOUND.file_length as usize, 0);
+        Header::read(&file)
+    }
+
+    #[test]
+    fn a_header_is_read_as_it_was_written() {
+        let at_once = Header { catalogue_offset: 64, catalogue_length: 228, ..SOUND };
+        let empty = Header { file_length: 64, catalogue_offset: 64, catalogue_length: 0, ..SOUND };
+        for header in [SOUND, at_once] {
+            assert_eq!(read(header).expect("it is sound"), header);
+        }
+        assert_eq!(Header::read(&empty.to_bytes()).expect("it is sound"), empty);
+    }
+
+    /// The catalogue starts after the header, at a multiple of 64, and is the file's end.
+    #[test]
+    fn a_catalogue_elsewhere_is_refused() {
+        for (catalogue_offset, catalogue_length) in
+            [(0, 292), (192, 99), (192, 101), (128, 100), (191, 101), (224, 68), (u64::MAX - 63, 356)]
+        {
+            let refused = read(Header { catalogue_offset, catalogue_length, ..SOUND });
+            let is_told =
+                matches!(refused, Err(OpenError::Corrupt(Corruption::CataloguePlace { alignment: 64 })));
+            assert!(is_told, "{catalogue_offset} and {catalogue_length}: {refused:?}");
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_versions_are_read_and_none_beyond() {
+        let of = |least_reader, version| read(Header { least_reader, version, ..SOUND });
+        assert!(of(VERSION, VERSION + 1).is_ok(), "a newer writer wrote what this reader reads");
+        assert!(of(OLDEST, OLDEST).is_ok());
+        assert!(matches!(of(VERSION + 1, VERSION + 1), Err(OpenError::TooNew { needs: 8, reader: 7 })));
+        assert!(matches!(of(1, 1), Err(OpenError::TooOld { wrote: 1, oldest: 2 })));
+    }
+}

@@ -212,3 +212,23 @@ pub struct Summary {
     /// How well it does.
     pub measured: Measured,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn an_entry_of_a_turned_picture_has_the_turned_hand_and_the_roll_that_shows_it() {
+        let entry = NewEntry { roll_deg: 10.0, file: "a.png".into(), ..NewEntry::default() };
+        let turned = entry.clone().turned(30.0);
+        // Clockwise on the picture: what pointed right points down as well.
+        let right = turned.orientation * Vector3::x();
+        assert!((right - Vector3::new(0.75f64.sqrt(), 0.5, 0.0)).norm() < 1e-12, "{right}");
+        assert_eq!(turned.roll_deg, 340.0);
+        assert_eq!(turned.file, "a.png");
+        let back = turned.turned(-30.0);
+        assert_eq!(back.roll_deg, 10.0);
+        assert!(back.orientation.angle_to(&entry.orientation) < 1e-12);
+    }
+}

@@ -68,3 +68,53 @@ fn network(catalogue: &Catalogue, bytes: &[u8]) -> Result<Option<Arc<Network>>, 
     DescriptorModel::learned(Arc::clone(&network)).map_err(Corruption::Descriptor)?;
     Ok(Some(network))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::input::{IndexParams, NewEntry};
+    use crate::{ClassInfo, IndexWriter};
+    use grasp_network::Architecture;
+
+    fn bytes_of(side: u32, embedding: u32) -> Vec<u8> {
+        let architecture =
+            Architecture { side, planes: 2, convolutions: Vec::new(), embedding, heads: 3, masks: None };
+        let count = architecture.parameters().expect("a small network");
+        Network::from_weights(architecture, vec![0.1; count]).expect("a network").to_bytes()
+    }
+
+    /// The catalogue of an index whose descriptors a network of this fingerprint made.
+    fn catalogue(network: u64, dim: u32) -> Catalogue {
+        let params = IndexParams {
+            classes: vec![ClassInfo { name: "one".into(), cutkosky: 1 }],
+            hand_shapes: vec!["mean".into()],
+            stages: vec!["grasp".into()],
+            ..IndexParams::default()
+        };
+        let descriptor = vec![0.5; params.descriptor.dim()];
+        let mut writer = IndexWriter::new(params).expect("the parameters are sound");
+        writer.push(NewEntry { descriptor, ..NewEntry::default() }).expect("the entry fits");
+        let bytes = writer.finish_bytes().expect("the index is built");
+        let mut catalogue = Opened::new(Bytes::copy(&bytes)).expect("it opens").catalogue;
+        catalogue.descriptor.kind = DescriptorKind::Learned { network, dim };
+        catalogue
+    }
+
+    /// Pictures would be described by one network and compared with descriptors of another.
+    #[test]
+    fn a_network_that_the_descriptors_do_not_name_is_refused() {
+        let own = bytes_of(48, 5);
+        let fingerprint = Network::from_bytes(&own).expect("a network").fingerprint();
+        let read = |fingerprint, dim, bytes: &[u8]| network(&catalogue(fingerprint, dim), bytes);
+        let found = read(fingerprint, 5, &own).expect("its own").map(|network| network.fingerprint());
+        assert_eq!(found, Some(fingerprint));
+        for (fingerprint, dim) in [(fingerprint ^ 1, 5), (fingerprint, 4)] {
+            let refused = read(fingerprint, dim, &own).expect_err("it is another");
+            assert!(matches!(refused, OpenError::Corrupt(Corruption::OtherNetwork)), "{refused}");
+        }
+        let other = bytes_of(24, 5);
+        let fingerprint = Network::from_bytes(&other).expect("a network").fingerprint();
+        let refused = read(fingerprint, 5, &other).expect_err("it takes other pictures");
+        assert!(matches!(refused, OpenError::Corrupt(Corruption::Descriptor(_))), "{refused}");
+    }
+}

@@ -196,3 +196,6 @@ fn texts(kind: SectionKind, count: usize, text: impl Fn(usize) -> Option<String>
     let at = (0..count).find(|&at| text(at).is_none())?;
     Some(Problem::Element { kind, at, what: "is no text" })
 }
+
+#[cfg(test)]
+mod tests;
