@@ -249,8 +249,7 @@ fn interpret(text: &str, element: NpyType) -> Result<(u64, u64), NpyError> {
 
 /// Whether a shape has one axis: a single row, whatever the order.
 fn single(shape: &str) -> bool {
-    shape.matches(|character: char| character.is_ascii_digit()).count() > 0
-        && !shape.trim_end_matches([',', ')', ' ']).contains(',')
+    !shape.trim_end_matches([',', ')', ' ']).contains(',')
 }
 
 /// The value of `key`: what stands between its colon and the comma or brace that ends it, outside

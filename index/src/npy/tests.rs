@@ -36,7 +36,64 @@ fn what_numpy_writes_is_read() {
     second.extend([2, 0]);
     second.extend((text.len() as u32).to_le_bytes());
     second.extend(&by_numpy[10..]);
-    assert_eq!(read(&second).expect("an array").1, values);
+    let (header, found) = read(&second).expect("an array");
+    assert_eq!((header.offset, found), (130, values));
+}
+
+/// Gives what a pipe may: pieces of any length, interruptions, and an error in the end.
+struct Pipe<'a> {
+    bytes: &'a [u8],
+    piece: usize,
+    is_interrupted: bool,
+}
+
+impl Read for Pipe<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        self.is_interrupted = !self.is_interrupted;
+        if self.is_interrupted {
+            return Err(io::ErrorKind::Interrupted.into());
+        }
+        if self.bytes.is_empty() {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let length = self.piece.min(into.len());
+        self.bytes.read(&mut into[..length])
+    }
+}
+
+#[test]
+fn a_pipe_gives_all_its_values_or_says_why_not() {
+    let values: Vec<f32> = (0..2 * PIECE + 3).map(|value| value as f32).collect();
+    let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 1), }}", values.len());
+    let whole = array(&text, &values);
+    let of_pipe = |bytes| {
+        let mut pipe = Pipe { bytes, piece: 65_535, is_interrupted: false };
+        let header = NpyHeader::read(&mut pipe, NpyType::F32)?;
+        header.read_values(&mut pipe)
+    };
+    assert!(of_pipe(&whole).expect("an array") == values);
+    for length in [7, 40, whole.len() - 1] {
+        let error = of_pipe(&whole[..length]).expect_err("the pipe breaks");
+        assert!(matches!(&error, NpyError::Io(why) if why.kind() == io::ErrorKind::BrokenPipe), "{error}");
+    }
+    // A file that ends in the second piece, within a value.
+    let missing = 4 * PIECE + 2;
+    let error = read(&whole[..whole.len() - missing]).expect_err("values are missing");
+    let found = (4 * values.len() - missing) as u64;
+    assert!(matches!(error, NpyError::Truncated { found: is, .. } if is == found), "{error}, not {found}");
+}
+
+#[test]
+fn a_value_that_is_not_finite_has_its_row_and_column() {
+    let mut values = [0.5; 12];
+    values[7] = f32::NEG_INFINITY;
+    values[11] = f32::NAN;
+    let at = |columns| match check_finite(&values, columns) {
+        Err(NpyError::NotFinite { row, column, value: f32::NEG_INFINITY }) => (row, column),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!((at(4), at(3), at(1)), ((1, 3), (2, 1), (7, 0)));
+    assert!(check_finite(&values[..7], 4).is_ok());
 }
 
 #[test]
@@ -57,9 +114,10 @@ fn messages() {
     let version = read(b"\x93NUMPY\x09\x00      ").expect_err("an unknown version");
     assert_snapshot!(version, @"a .npy file of version 9.0: save it with version 1.0, 2.0 or 3.0");
     assert_snapshot!(error("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }"), @"its values are '<f8', <f4 is needed: convert them with astype('<f4')");
-    assert_snapshot!(error("{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (1, 2), }"), @"its values are [('x', '<f4')], <f4 is needed: convert them with astype('<f4')");
+    assert_snapshot!(error("{'descr': [('x', '<f4'), ('y', '<f4')], 'fortran_order': False, 'shape': (1,), }"), @"its values are [('x', '<f4'), ('y', '<f4')], <f4 is needed: convert them with astype('<f4')");
     assert_snapshot!(error("{'descr': '<f4', 'fortran_order': True, 'shape': (1, 2), }"), @"its values lie column by column (Fortran order): save numpy.ascontiguousarray(...) of it");
     assert_snapshot!(error("{'descr': '<f4', 'fortran_order': False, 'shape': (), }"), @"its shape is (): (rows, columns) is needed, or (columns,) for a single row");
+    assert_snapshot!(error("{'descr': '<f4', 'fortran_order': True, 'shape': (), }"), @"its shape is (): (rows, columns) is needed, or (columns,) for a single row");
     assert_snapshot!(error("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2, 1), }"), @"its shape is (1, 2, 1): (rows, columns) is needed, or (columns,) for a single row");
     assert_snapshot!(error("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2), }"), @"truncated: 16 bytes of values expected, 8 found: copy or write the file again");
     assert_snapshot!(error("{'descr': '<f4', 'fortran_order': False, 'shape': (9223372036854775807, 84), }"), @"truncated: 18446744073709551615 bytes of values expected, 0 found: copy or write the file again");
