@@ -96,6 +96,57 @@ impl Resampler {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    /// The weight of a source pixel in a sample, and that of all there would be without an end.
+    fn share(axis: Axis, sample: usize, pixel: i64) -> f64 {
+        let step = f64::from(axis.step);
+        let centre = f64::from(axis.origin) + (sample as f64 + 0.5) * step;
+        let weight = |pixel: i64| (1.0 - (pixel as f64 + 0.5 - centre).abs() / step.max(1.0)).max(0.0);
+        let around = centre as i64;
+        weight(pixel) / (around - 20..around + 20).map(weight).sum::<f64>()
+    }
+
+    fn axes() -> impl Strategy<Value = Axis> {
+        (1..12usize, 1..6usize, -6.0..6.0f32, 0.2..5.0f32).prop_map(|(source, samples, origin, step)| Axis {
+            source,
+            samples,
+            origin,
+            step,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_sample_is_the_weighted_mean_of_the_pixels_around_it(
+            across in axes(), down in axes(), pixels in prop::collection::vec(0.0..255.0f32, 144), margin in 0..3usize
+        ) {
+            let stride = across.samples + margin;
+            let mut out = vec![-1.0; margin + stride * down.samples];
+            let row = |y: usize, row: &mut [f32]| row.copy_from_slice(&pixels[12 * y..][..across.source]);
+            // Buffers are used again.
+            let mut resampler = Resampler::default();
+            let (other, mut forgotten) = (Axis { source: 9, samples: 7, origin: 1.0, step: 1.3 }, [0.0; 49]);
+            resampler.run(other, other, |_, row| row.fill(100.0), &mut forgotten, 0, 7);
+            resampler.run(across, down, row, &mut out, margin, stride);
+            for (at, value) in out.into_iter().enumerate() {
+                let Some((x, y)) = at.checked_sub(margin).map(|at| (at % stride, at / stride)) else {
+                    prop_assert_eq!(value, -1.0);
+                    continue;
+                };
+                if x >= across.samples {
+                    prop_assert_eq!(value, -1.0, "beside the picture");
+                    continue;
+                }
+                let mut expected = 0.0;
+                for (i, j) in (0..down.source).flat_map(|j| (0..across.source).map(move |i| (i, j))) {
+                    let weight = share(across, x, i as i64) * share(down, y, j as i64);
+                    expected += weight * f64::from(pixels[12 * j + i]);
+                }
+                prop_assert!((f64::from(value) - expected).abs() < 0.01, "{x} {y}: {value} {expected}");
+            }
+        }
+    }
 
     fn resample(source: &[f32], axis: Axis) -> Vec<f32> {
         let mut out = vec![9.0; axis.samples];

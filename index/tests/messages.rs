@@ -170,6 +170,7 @@ fn of_pictures_without_a_hand() {
         |result: Result<HandImage, grasp_index::HandImageError>| result.expect_err("no hand").to_string();
     assert_snapshot!(message(HandImage::from_segmented(20, 10, &[0; 200], 0)), @"no hand found: no pixel of the 20 x 10 picture belongs to a hand");
     assert_snapshot!(message(HandImage::from_segmented(20, 10, &[0; 199], 0)), @"a 20 x 10 picture needs 200 values, but grey holds 199");
+    assert_snapshot!(message(HandImage::from_mask(20, 10, &[9; 199], &[1; 200])), @"a 20 x 10 picture needs 200 values, but grey holds 199");
     assert_snapshot!(message(HandImage::from_mask(20, 10, &[9; 200], &[])), @"a 20 x 10 picture needs 200 values, but mask holds 0");
     assert_snapshot!(message(HandImage::from_segmented(20, 4, &[9; 80], 0)), @"the hand is 20 x 4 pixels; at least 8 x 8 are needed: move closer or use a larger picture");
 }

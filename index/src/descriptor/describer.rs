@@ -209,3 +209,37 @@ impl DescriptorParams {
         Ok(Describer::new(self)?.describe(hand))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tones of a hand of these two grey values, as many pixels of each.
+    fn tones_of(greys: [u8; 2], contrast: f32) -> [f32; 256] {
+        let pixels: Vec<u8> = (0..100).map(|at| greys[at % 2]).collect();
+        let hand = HandImage::from_mask(10, 10, &pixels, &[1; 100]).expect("a hand");
+        tones(&hand, Tone::Normalised { contrast })
+    }
+
+    #[test]
+    fn a_hand_is_stretched_to_its_contrast_but_noise_is_not() {
+        // The mean, the deviation, and how far at least a grey value counts as one deviation.
+        for (greys, mean, scale) in
+            [([80, 120], 100.0, 20.0), ([99, 101], 100.0, 4.0), ([199, 201], 200.0, 8.0), ([9, 10], 9.5, 1.0)]
+        {
+            let tones = tones_of(greys, 0.1);
+            for grey in greys {
+                let expected = 0.6 * (1.0 + 0.1 * (f32::from(grey) - mean) / scale);
+                assert!((tones[usize::from(grey)] - expected).abs() < 1e-6, "{greys:?}, {grey}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_crease_is_still_hand_and_a_highlight_no_second_one() {
+        let tones = tones_of([90, 110], 0.5);
+        for (grey, expected) in [(0, 0.12), (90, 0.3), (255, 1.08)] {
+            assert!((tones[grey] - expected).abs() < 1e-6, "{grey}: {}", tones[grey]);
+        }
+    }
+}

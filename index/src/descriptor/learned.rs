@@ -97,3 +97,55 @@ impl NetworkEstimate {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rotation::from_euler_deg;
+    use grasp_network::Architecture;
+
+    #[test]
+    fn no_more_hands_are_remembered_than_a_hand_and_its_mirror_image() {
+        let architecture = Architecture {
+            side: PLANES_SIDE as u32,
+            planes: 2,
+            convolutions: Vec::new(),
+            embedding: 2,
+            heads: 3,
+            masks: None,
+        };
+        let count = architecture.parameters().expect("a small network");
+        let network = Network::from_weights(architecture, vec![0.1; count]).expect("a network");
+        let mut learned = Learned::new(Arc::new(network));
+        let hand = |grey: u8| HandImage::from_mask(8, 9, &[grey; 72], &[1; 72]).expect("a hand");
+        for grey in [1, 2, 3, 1, 2] {
+            learned.describe(&hand(grey), 0.0, &mut [0.0; 2]);
+        }
+        let known: Vec<&HandImage> = learned.shown.iter().map(|(known, _)| known).collect();
+        assert_eq!(known, [&hand(2), &hand(1)]);
+    }
+
+    #[test]
+    fn heads_are_classes_the_mirrored_hand_stages_and_a_rotation() {
+        let rotation = from_euler_deg([20.0, -40.0, 130.0]);
+        let columns: Vec<f32> =
+            rotation.to_rotation_matrix().matrix().as_slice()[..6].iter().map(|v| *v as f32).collect();
+        let ln = |value: f64| libm::log(value) as f32 + 90.0;
+        let mut heads = [6.0, 2.0, 8.0, 1.0, 5.0, 2.0].map(ln).to_vec();
+        heads.extend(columns);
+        let near =
+            |found: &[f64], expected: &[f64]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5);
+        let said = NetworkEstimate::of_heads(&heads).expect("two classes");
+        assert!(said.classes.len() == 2 && near(&said.classes, &[0.75, 0.25]), "{said:?}");
+        // Of all three, the mirrored hand among them.
+        assert!(near(&[said.mirrored], &[0.5]), "{said:?}");
+        assert!(near(&said.stages, &[0.125, 0.625, 0.25]), "{said:?}");
+        assert!(said.rotation.expect("a rotation").angle_to(&rotation) < 1e-6);
+        // However sure it is, and whatever of.
+        heads[..6].copy_from_slice(&[-900.0, -900.0, 900.0, 0.0, 900.0, -900.0]);
+        let said = NetworkEstimate::of_heads(&heads).expect("two classes");
+        assert!(said.mirrored == 1.0 && said.stages == [0.0, 1.0, 0.0], "{said:?}");
+        assert!(said.classes.iter().all(|share| (0.0..=1.0).contains(share)), "{said:?}");
+        assert_eq!(NetworkEstimate::of_heads(&heads[..9]), None);
+    }
+}

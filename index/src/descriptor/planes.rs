@@ -266,6 +266,66 @@ mod tests {
         sums
     }
 
+    /// Area, centroid and second moments, x and y, of shares of pixels.
+    fn moments(shares: impl Iterator<Item = ([f64; 2], f64)> + Clone) -> (f64, [f64; 2], [[f64; 2]; 2]) {
+        let area: f64 = shares.clone().map(|(_, share)| share).sum();
+        let mean = |of: &dyn Fn([f64; 2]) -> f64| {
+            shares.clone().map(|(at, share)| share * of(at)).sum::<f64>() / area
+        };
+        let middle = [mean(&|at| at[0]), mean(&|at| at[1])];
+        let moment = |a: usize, b: usize| mean(&|at| (at[a] - middle[a]) * (at[b] - middle[b]));
+        (area, middle, [[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]])
+    }
+
+    /// An L with a long and a broad leg.
+    fn hand() -> HandImage {
+        let is_hand = |x: usize, y: usize| x < 14 || y >= 46;
+        let mask: Vec<u8> = (0..40 * 60).map(|at| u8::from(is_hand(at % 40, at / 40))).collect();
+        HandImage::from_mask(40, 60, &[100; 40 * 60], &mask).expect("an L is a hand")
+    }
+
+    proptest! {
+        /// A linear map takes the centroid to the centroid, and the second moments to `M C M^T`.
+        #[test]
+        fn a_hand_lies_in_the_square_where_its_placement_says(
+            turn in -3.2..3.2f64, stretch in 0.8..1.25f64, shear in -0.3..0.3f64, zoom in 0.7..0.95f64,
+            shift in prop::array::uniform2(-0.03..0.03f64)
+        ) {
+            let hand = hand();
+            let [[a, b], [c, d]] = Placement::turned(turn).map;
+            let map = [[stretch * a + shear * c, stretch * b + shear * d], [c, d]];
+            let mut out = vec![0.0; 2 * PLANES_SIDE * PLANES_SIDE];
+            planes(&hand, &Placement { map, zoom, shift }, &mut out);
+
+            let pixels = hand.mask().iter().enumerate();
+            let of_hand = pixels.map(|(at, &inside)| ([(at % 40) as f64, (at / 40) as f64], f64::from(inside)));
+            let mapped = of_hand.map(|([x, y], share)| (map.map(|[to_x, to_y]| to_x * x + to_y * y), share));
+            let ends = [0, 1].map(|axis| {
+                let inside = mapped.clone().filter(|(_, share)| *share > 0.0).map(|(at, _)| at[axis]);
+                inside.fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)])
+            });
+            let extent = ends.map(|[low, high]| high - low);
+            let scale = PLANES_SIDE as f64 * zoom / (1.08 * (extent[0].max(extent[1]) + 1.0));
+            let (area, middle, second) = moments(mapped);
+            let determinant = (map[0][0] * map[1][1] - map[0][1] * map[1][0]).abs();
+
+            let shares = out.chunks_exact(2).enumerate();
+            let (shown_area, shown_middle, shown_second) = moments(shares.map(|(at, pixel)| {
+                ([(at % PLANES_SIDE) as f64 + 0.5, (at / PLANES_SIDE) as f64 + 0.5], f64::from(pixel[1]))
+            }));
+            prop_assert!((shown_area / (area * determinant * scale * scale) - 1.0).abs() < 0.02);
+            for a in 0..2 {
+                let from_middle = (middle[a] - (ends[a][0] + ends[a][1]) / 2.0) * scale;
+                let expected = PLANES_SIDE as f64 * (0.5 + shift[a]) + from_middle;
+                prop_assert!((shown_middle[a] - expected).abs() < 0.1, "{shown_middle:?}, not {expected}");
+                for b in 0..2 {
+                    let expected = second[a][b] * scale * scale;
+                    prop_assert!((shown_second[a][b] - expected).abs() < 2.0, "{shown_second:?}, not {expected}");
+                }
+            }
+        }
+    }
+
     proptest! {
         #[test]
         fn what_is_sampled_within_and_beyond_a_hand_is_right_to_the_last_bit(

@@ -178,6 +178,21 @@ fn cells_come_finest_level_first() {
     assert_eq!((cells[0].level, cells[16].level, cells[20].level), (1, 2, 3));
     assert_eq!((cells[6].row, cells[6].column, cells[6].cells_a_side), (1, 2, 4));
     assert_eq!(cells[17].histogram, [68.0, 69.0, 70.0, 71.0]);
+    // What has no pyramid has no cells.
+    for none in [DescriptorParams::raw(84), DescriptorParams { levels: 0, ..params }] {
+        assert_eq!(none.cells(&descriptor).count(), 0, "{none:?}");
+    }
+}
+
+#[test]
+fn what_a_buffer_has_no_room_for_is_dropped_and_what_is_beyond_is_left_alone() {
+    let hand = block(32, 32, |x, y| 60 + x as u8 * 4 + y as u8);
+    let params = DescriptorParams::paper();
+    let (whole, mut describer) = (described(&params, &hand), Describer::new(&params).unwrap());
+    let (mut short, mut long) = ([9.0; 80], [9.0; 90]);
+    describer.describe_into(&hand, &mut short);
+    describer.describe_into(&hand, &mut long);
+    assert_eq!((&short[..], &long[..84], &long[84..]), (&whole[..80], &whole[..], &[9.0; 6][..]));
 }
 
 #[test]
@@ -235,6 +250,33 @@ fn parameters_out_of_range_are_rejected() {
     assert!(
         message(DescriptorParams { tone: Tone::Normalised { contrast: f32::NAN }, ..base }).contains("NaN")
     );
+}
+
+#[test]
+fn the_ends_of_the_ranges_are_parameters_and_nothing_beyond() {
+    let base = DescriptorParams::default();
+    let is_sound = |params: DescriptorParams| params.validate().is_ok();
+    for n in 0..40 {
+        assert_eq!(is_sound(DescriptorParams { bins: n, ..base }), (2..=32).contains(&n), "{n} bins");
+        assert_eq!(is_sound(DescriptorParams { levels: n, ..base }), (1..=6).contains(&n), "{n} levels");
+    }
+    for (side, expected) in [(7, false), (8, true), (1024, true), (1025, false)] {
+        for sampling in [Sampling::KeepAspect { side }, Sampling::Upright { side }] {
+            assert_eq!(is_sound(DescriptorParams { sampling, ..base }), expected, "{sampling:?}");
+        }
+    }
+    for (contrast, expected) in [(-0.01, false), (0.0, true), (1.0, true), (1.01, false)] {
+        let tone = Tone::Normalised { contrast };
+        assert_eq!(is_sound(DescriptorParams { tone, ..base }), expected, "{contrast}");
+    }
+    for (dim, is_vector, is_embedding) in
+        [(0, false, false), (1, true, true), (1024, true, true), (1025, true, false), (65_536, true, false)]
+    {
+        assert_eq!(is_sound(DescriptorParams::raw(dim)), is_vector, "{dim} values");
+        let kind = DescriptorKind::Learned { network: 1, dim };
+        assert_eq!(is_sound(DescriptorParams { kind, ..base }), is_embedding, "{dim} values of a network");
+    }
+    assert!(!is_sound(DescriptorParams::raw(65_537)));
 }
 
 #[test]

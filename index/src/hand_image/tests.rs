@@ -68,6 +68,12 @@ fn shrinking_keeps_the_aspect_and_the_grey() {
         hand.pixels().iter().map(|&p| f64::from(p)).sum::<f64>() / hand.pixels().len() as f64
     };
     assert!((mean(&hand) - mean(&block(0, 50, 0, 25))).abs() < 2.0);
+    // The longer side counts, whichever it is, and no side is so short that nothing is described.
+    for (side, size) in [(40, (25, 40)), (39, (24, 39)), (20, (13, 20)), (3, (5, 8))] {
+        let tall = block(0, 25, 0, 40).shrunk_to(side);
+        assert_eq!((tall.width(), tall.height()), size);
+        assert!(tall.mask().iter().all(|&inside| inside == 1));
+    }
     let small = block(0, 10, 0, 10);
     assert_eq!(small.shrunk_to(20), small);
 }
@@ -79,6 +85,7 @@ fn a_thumbnail_is_centred() {
     assert!(thumbnail[..4 * 20].iter().all(|&grey| grey == 0));
     assert!(thumbnail[16 * 20..].iter().all(|&grey| grey == 0));
     assert!(thumbnail[7 * 20..13 * 20].iter().all(|&grey| grey > 0));
+    assert_eq!([0, 1].map(|side| block(0, 40, 0, 20).thumbnail(side).len()), [0, 1]);
 }
 
 proptest! {
@@ -120,6 +127,50 @@ proptest! {
         prop_assert!((turn * 10.0 - (turn * 10.0).round()).abs() < 1e-9);
         prop_assert_eq!(turn, hand.rotated(0.0).upright_turn_deg());
     }
+
+    /// By definition, from the turned pixels themselves.
+    #[test]
+    fn an_upright_hand_is_longest_downward_and_has_its_longer_tail_there(hand in specks()) {
+        let places = turned_places(&hand, hand.upright_turn_deg());
+        let n = places.len() as f64;
+        let mean = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / n);
+        let moment = |across: i32, down: i32| {
+            let product = |[x, y]: &[f64; 2]| (x - mean[0]).powi(across) * (y - mean[1]).powi(down);
+            places.iter().map(product).sum::<f64>() / n
+        };
+        // The angle is rounded to tenths of a degree: each moment is off by its derivative's share.
+        let rounding = 2.0 * 0.05f64.to_radians();
+        prop_assert!(moment(1, 1).abs() <= rounding * (moment(0, 2) - moment(2, 0)).abs() + 1e-9);
+        prop_assert!(moment(0, 2) >= moment(2, 0) - 1e-9);
+        prop_assert!(moment(0, 3) >= -3.0 * rounding * moment(1, 2).abs() - 1e-9);
+    }
+
+    #[test]
+    fn an_arm_is_all_that_lies_some_breadths_behind_the_uppermost_pixel(
+        hand in specks(), turn_deg in -180.0..180.0f64, lengths in 0.2..1.5f64
+    ) {
+        let places = turned_places(&hand, turn_deg);
+        let ends = |axis: usize| {
+            places.iter().fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at[axis]), high.max(at[axis])])
+        };
+        let ([left, right], [top, _]) = (ends(0), ends(1));
+        let end = top + lengths * (right - left + 1.0);
+        prop_assume!(places.iter().all(|place| (place[1] - end).abs() > 1e-9));
+        let mut kept = hand.mask().to_vec();
+        let of_hand = kept.iter_mut().filter(|value| **value != 0);
+        of_hand.zip(&places).for_each(|(value, place)| *value = u8::from(place[1] < end));
+        let expected =
+            HandImage::crop_any_size(hand.width(), hand.height(), hand.pixels(), |at| kept[at] != 0);
+        prop_assert_eq!(hand.without_arm(turn_deg, lengths), expected.expect("the uppermost pixel is kept"));
+    }
+}
+
+/// Where the pixels of a hand lie, right and down, once it is turned clockwise, row by row.
+fn turned_places(hand: &HandImage, turn_deg: f64) -> Vec<[f64; 2]> {
+    let (sin, cos) = libm::sincos(turn_deg.to_radians());
+    let at = |at: usize| [(at % hand.width()) as f64, (at / hand.width()) as f64];
+    let inside = (0..hand.mask().len()).filter(|place| hand.mask()[*place] != 0);
+    inside.map(at).map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]).collect()
 }
 
 /// A hand that points up and to the right, thinner at its end.
@@ -159,6 +210,17 @@ fn the_thin_end_points_down_and_a_mirror_image_turns_the_other_way() {
     let upright = hand.rotated(hand.upright_turn_deg().to_radians());
     assert!(upright.height() > 2 * upright.width());
     assert!(around(upright.upright_turn_deg()) < 1.5, "{}", upright.upright_turn_deg());
+}
+
+/// Of a thin end that points all but straight up, on either side, rounding makes the same.
+#[test]
+fn a_half_turn_is_the_lower_end_of_the_range() {
+    for speck in [3, 7] {
+        let is_hand = |x: usize, y: usize| y >= 60 || (4..7).contains(&x) || (x, y) == (speck, 59);
+        let mask: Vec<u8> = (0..11 * 200).map(|at| u8::from(is_hand(at % 11, at / 11))).collect();
+        let hand = HandImage::from_mask(11, 200, &[90; 11 * 200], &mask).expect("a hand");
+        assert_eq!(hand.upright_turn_deg(), -180.0);
+    }
 }
 
 #[test]
