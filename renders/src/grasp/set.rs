@@ -260,6 +260,20 @@ mod tests {
         insta::assert_snapshot!(broken("cutkosky = 2", "cutkosky = 1"), @"grasp `small-diameter`: its name or its number is taken by another grasp");
         insta::assert_snapshot!(broken("\nplace = \"palm\"", "\nplace = \"tips\""), @r#"grasp `large-diameter`: place = "tips" needs between and nothing else"#);
         insta::assert_snapshot!(broken("up = [0.0, 1.0, 0.0]", "up = [0.0, 0.0, 0.0]"), @"grasp `large-diameter`: up has no direction: it needs three numbers that are not all 0");
+        insta::assert_snapshot!(broken("name = \"large-diameter\"", "name = \"\""), @"grasp ``: its name becomes a folder's: use a-z, 0-9 and -");
+        insta::assert_snapshot!(broken("closure = 0.25", "closure = 1.01"), @"grasp `large-diameter`: stage reach: closure must lie in 0..1 and away in 0..0.5 m");
+        insta::assert_snapshot!(broken("away = 0.020", "away = -0.01"), @"grasp `large-diameter`: stage close: closure must lie in 0..1 and away in 0..0.5 m");
+        insta::assert_snapshot!(broken("\ntouch = [\"thumb\", \"index\", \"middle\", \"ring\", \"little\"]", "\ntouch = []"), @"grasp `large-diameter`: touch names no digit");
+        insta::assert_snapshot!(broken("\n[grasp.object]", "\nfollow = [\"ring\"]\n[grasp.object]"), @"grasp `large-diameter`: follow names fingers after the index that are not in touch");
+        insta::assert_snapshot!(broken("anchor = [0.80, 0.00]", "anchor = [0.80, 2.01]"), @"grasp `large-diameter`: anchor is given in shares of the palm: -2 to 2");
+        insta::assert_snapshot!(broken("radius = [0.028, 0.046]", "radius = [0.0009, 0.046]"), @"grasp `large-diameter`: radius must be [smallest, largest] in metres, from 0.001 to 0.5; it is [0.0009, 0.046]");
+        insta::assert_snapshot!(broken("length = [0.12, 0.18]", "length = [0.12, 0.51]"), @"grasp `large-diameter`: length must be [smallest, largest] in metres, from 0.001 to 0.5; it is [0.12, 0.51]");
+        insta::assert_snapshot!(broken("\nbetween = [\"index\"]", "\nbetween = [\"thumb\"]"), @"grasp `pinch`: between names the fingers opposite to the thumb");
+        insta::assert_snapshot!(broken("\nbetween = [\"index\"]", "\nbetween = []"), @"grasp `pinch`: between names the fingers opposite to the thumb");
+        insta::assert_snapshot!(broken("centre = [0.119, -0.004, -0.158]", "centre = [0.119, -0.004, -0.51]"), @"grasp `large-diameter`: example: the object's centre lies within half a metre of the wrist");
+        insta::assert_snapshot!(broken("object = { radius = 0.037", "object = { radius = 0.51"), @"grasp `large-diameter`: example: the object's radius is 0.51; 0.001 to 0.5 m is supported");
+        let none = BUILTIN.split("\n[[grasp]]").next().expect("what comes first");
+        insta::assert_snapshot!(GraspSet::parse(&format!("grasp = []\n{none}")).expect_err("no grasp"), @"there is no [[grasp]] in the file");
         insta::assert_snapshot!(broken("name = \"large-diameter\"", "name = \"../up\""), @"grasp `../up`: its name becomes a folder's: use a-z, 0-9 and -");
     }
 }

@@ -38,7 +38,12 @@ impl File {
     /// The mean hand at rest, moved into a frame of the file's own; `told` gives the joints WebXR's
     /// axes.
     fn new(cell: f64, told: bool, into_file: &Matrix3<f64>) -> File {
-        let skeleton = Skeleton::new(&HandShape::mean());
+        File::of(&HandShape::mean(), cell, told, into_file)
+    }
+
+    /// The same of another hand.
+    fn of(shape: &HandShape, cell: f64, told: bool, into_file: &Matrix3<f64>) -> File {
+        let skeleton = Skeleton::new(shape);
         let chains = skeleton.chains(&REST);
         let mut nodes = vec![json!({"name": "armature", "children": (1..=26).collect::<Vec<_>>()})];
         let shift = V::new(0.3, -0.2, 1.0);
@@ -215,14 +220,31 @@ fn our_own_hand_comes_back_in_every_grasp() {
     }
 }
 
+/// A hand as long as the mean one whose palm, wrist and flesh are by `factor` broader and thicker.
+fn as_long_but(factor: f64) -> HandShape {
+    let mut shape = HandShape::mean();
+    for digit in &mut shape.digits {
+        (digit.breadth, digit.tip_breadth) = (digit.breadth * factor, digit.tip_breadth * factor);
+    }
+    let breadths = [&mut shape.palm_breadth, &mut shape.palm_thickness, &mut shape.wrist_breadth];
+    for measure in breadths.into_iter().chain([&mut shape.wrist_thickness]) {
+        *measure *= factor;
+    }
+    shape
+}
+
 #[test]
 fn the_hand_is_measured() {
-    let model = File::new(0.003, true, &elsewhere()).read().expect("a hand");
     let names = ["palm length", "palm breadth", "palm thickness", "wrist breadth", "wrist thickness"];
-    let mean = HandShape::mean();
-    for (i, (measured, true_value)) in model.shape().measures().iter().zip(mean.measures()).enumerate() {
-        let off = measured / true_value - 1.0;
-        assert!(off.abs() < 0.15, "{}: {measured} for {true_value}", names.get(i).unwrap_or(&"digits"));
+    // Where nothing was measured it would be as broad and as thick as a mean hand of its length.
+    for factor in [0.75, 1.0, 1.3] {
+        let own = as_long_but(factor);
+        let model = File::of(&own, 0.003, true, &elsewhere()).read().expect("a hand");
+        for (i, (measured, true_value)) in model.shape().measures().iter().zip(own.measures()).enumerate() {
+            let off = measured / true_value - 1.0;
+            let name = names.get(i).unwrap_or(&"digits");
+            assert!(off.abs() < 0.15, "{factor}, {name}: {measured} for {true_value}");
+        }
     }
 }
 
