@@ -1,5 +1,6 @@
 //! `grasp-query search` over several indexes: the answers of the one index that they make together.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -281,4 +282,34 @@ fn a_missing_segment_is_an_error_or_told() {
     let outcome = search(folder, &[PARTS[0], PARTS[1], "other.idx"], &[]);
     assert!(outcome.stderr.contains("index 2 (counted from 0) has other descriptors"), "{}", outcome.stderr);
     assert_eq!(Segments::new(Vec::new()).unwrap_err(), SegmentsError::None);
+}
+
+#[test]
+fn two_merges_do_not_write_segments_into_one_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("segments");
+    fs::create_dir(&out).unwrap();
+    done("grasp-builder", folder.path(), &["shard", "--shard", "1/1", "--out", "parts", "--step", "60"]);
+    let merge = |count: &str| {
+        let arguments = ["merge", "parts", "--segments", count, "--out-dir", "segments"];
+        run(program("grasp-builder").args(arguments).current_dir(folder.path()))
+    };
+    let names = || {
+        let names = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name());
+        names.filter_map(|name| name.into_string().ok()).collect::<BTreeSet<_>>()
+    };
+    // The other run is at work, on however many segments: no index of this one takes the place of
+    // the other's.
+    let lock = fs::File::create(out.join("..whole.part")).unwrap();
+    lock.lock().unwrap();
+    let before = names();
+    let refused = merge("2");
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("another `merge --segments` is writing into"), "{}", refused.stderr);
+    assert_eq!(names(), before);
+    // It was killed.
+    drop(lock);
+    let outcome = merge("3");
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    assert_eq!(names().into_iter().collect::<Vec<_>>(), ["1-of-3.idx", "2-of-3.idx", "3-of-3.idx"]);
 }

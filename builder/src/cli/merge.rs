@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
+use grasp_index::{AtomicFile, WriteError};
 use grasp_program::{Global, output_file};
 
 use super::report::print_report;
@@ -53,6 +54,19 @@ impl Drop for Whole {
     }
 }
 
+/// Locks the folder against other runs, until what is returned is dropped: the index in it is the
+/// same for all, and a run that ends removes it.
+fn alone(folder: &Path) -> anyhow::Result<AtomicFile> {
+    // No such file is ever put in place; a part of one that was killed is taken over.
+    AtomicFile::create(&folder.join(".whole")).map_err(|error| match error {
+        WriteError::Locked { .. } => anyhow!(
+            "another `merge --segments` is writing into {}: wait for it to end, or name another folder",
+            folder.display()
+        ),
+        other => other.into(),
+    })
+}
+
 impl Merge {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
@@ -66,11 +80,12 @@ impl Merge {
     fn run_segments(&self, count: u32, folder: &Path, global: &Global) -> anyhow::Result<()> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        let _alone = alone(folder)?;
         // Before the index takes their room.
         clear(folder);
         let path = folder.join(WHOLE);
         let report = merge(&self.parts, &path, global.progress())?;
-        // Only now is it this run's: before, it may be another's, or what another has left.
+        // Only now is it this run's: before, it may be what another has left.
         let whole = Whole(path);
         let segments = split(&whole.0, count, folder, global.progress())?;
         drop(whole);

@@ -102,6 +102,22 @@ impl IndexOptions {
         descriptor::by_name(name, self.network.as_deref())
     }
 
+    /// Warns, before any work, of buckets that take much room, for they do so by themselves: tens of
+    /// entries can make an index of gigabytes.
+    fn warn_of_empty_buckets(&self, tables: u32) {
+        const MUCH: f64 = 1e9;
+        let bytes = f64::from(tables) * f64::from(self.buckets) * 4.0;
+        if bytes >= MUCH {
+            tracing::warn!(
+                subject = env!("CARGO_PKG_NAME"),
+                "{tables} tables of {} buckets take {:.1} GB of the memory and of the file, however few the \
+                 entries are: about as many --buckets as entries are enough",
+                self.buckets,
+                bytes / 1e9
+            );
+        }
+    }
+
     fn recipe(
         &self,
         source: &Source,
@@ -111,6 +127,7 @@ impl IndexOptions {
     ) -> anyhow::Result<Recipe> {
         let hash = match (self.hash.as_str(), self.planes, self.tables) {
             ("random", Some(k), Some(t)) => {
+                self.warn_of_empty_buckets(t);
                 HashParams::Random(RandomParams::Fixed { k, t, buckets: self.buckets })
             }
             ("random", ..) => HashParams::Random(RandomParams::Auto),
