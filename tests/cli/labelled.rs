@@ -253,3 +253,32 @@ fn predictions_are_a_table_of_what_was_answered() {
         assert!((0.0..=1.0).contains(&row[column("probability")].parse().unwrap()), "{row:?}");
     }
 }
+
+#[test]
+fn a_picture_that_is_labelled_twice_is_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let labels = folder.path().join("labels.csv");
+    let picture = pictures().join("segmented/09-pinch.png");
+    let evaluate = |grasps: &[&str]| {
+        let rows = grasps.iter().map(|grasp| format!("{},segmented,{grasp}\n", picture.display()));
+        fs::write(&labels, format!("file,kind,grasp\n{}", rows.collect::<String>())).unwrap();
+        let arguments = ["evaluate", "--json", "--index"];
+        run(program("grasp-query").args(arguments).arg(small_index()).arg(&labels))
+    };
+    let warning = |outcome: &Outcome| {
+        outcome.stderr.matches("that a row before does, first line 3 that of line 2").count()
+    };
+    let once = evaluate(&["pinch"]);
+    assert_eq!((once.status, warning(&once)), (0, 0), "{}", once.stderr);
+
+    let same = evaluate(&["pinch", "pinch", "pinch"]);
+    assert_eq!((same.status, warning(&same)), (0, 1), "{}", same.stderr);
+    assert!(same.stderr.contains("2 rows label"), "{}", same.stderr);
+    assert_eq!(same.json_lines()[0]["n"], 3);
+
+    // One of two labels is wrong: which, nobody can know but the user.
+    let contradicting = evaluate(&["pinch", "lateral"]);
+    assert_eq!((contradicting.status, warning(&contradicting)), (2, 0), "{}", contradicting.stderr);
+    let report = &contradicting.json_lines()[0];
+    assert_eq!((&report["n"], &report["errors"][0]["line"]), (&1.into(), &3.into()), "{report}");
+}

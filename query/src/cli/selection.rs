@@ -1,5 +1,7 @@
 //! Which labelled pictures: the options that all subcommands over a table of labels share.
 
+mod repeated;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +12,8 @@ use crate::evaluate::labels::{self, Kind, Label, LabelFault, OTHER, Part, RowErr
 use crate::evaluate::{Outcome, folder_of, score};
 use grasp_program::Global;
 use grasp_recognise::Recogniser;
+use grasp_terminal::text::{counted, shown};
+use repeated::Repeated;
 
 /// A table and the rows of it that are meant.
 #[derive(Debug, clap::Args)]
@@ -74,6 +78,17 @@ impl Selection {
                 }),
                 Err(error) => broken.push(error),
             }
+        }
+        let (selected, contradicting, repeated) = repeated::check(selected);
+        broken.extend(contradicting);
+        broken.sort_by_key(|error| error.line);
+        if let Some(Repeated { line, of, count }) = repeated {
+            tracing::warn!(
+                subject = shown(&self.labels),
+                "{} a hand that a row before does, first line {line} that of line {of}: each counts as a \
+                 picture of its own",
+                counted(count, ["row labels", "rows label"])
+            );
         }
         if selected.is_empty() {
             let name = self.labels.display();

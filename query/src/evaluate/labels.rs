@@ -17,7 +17,7 @@ use grasp_recognise::Side;
 pub const OTHER: &str = "other";
 
 /// Whether a picture is segmented.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// A hand on black.
@@ -139,6 +139,14 @@ pub enum LabelFault {
         grasp: String,
         /// The index's classes.
         classes: String,
+    },
+    /// The same hand of the same picture is labelled otherwise before.
+    #[error("another {column} than line {line} has for the same hand: keep the one that is right")]
+    Contradicts {
+        /// What differs.
+        column: &'static str,
+        /// The line before.
+        line: u64,
     },
 }
 
