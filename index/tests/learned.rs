@@ -91,6 +91,29 @@ fn the_index_carries_its_network_and_describes_by_it() {
 }
 
 #[test]
+fn a_network_of_such_heads_says_what_it_takes_the_last_picture_for() {
+    let architecture = |heads| Architecture { heads, ..network(1).architecture().clone() };
+    let of_heads = |heads| {
+        let architecture = architecture(heads);
+        let weights = vec![0.01; architecture.parameters().expect("a small network")];
+        let network = Network::from_weights(architecture, weights).expect("a network");
+        DescriptorModel::learned(Arc::new(network)).expect("a network of the right input")
+    };
+    // Four classes, the mirrored hand, three stages and a rotation.
+    let model = of_heads(4 + 1 + 3 + 6);
+    let params = model.params();
+    assert!(params.is_learned() && !DescriptorParams::upright().is_learned());
+    assert_eq!((params.described_side(), DescriptorParams::upright().described_side()), (96, 48));
+    let mut describer = model.describer();
+    assert_eq!(describer.opinion(), None);
+    describer.describe(&hand(10));
+    assert_eq!(describer.opinion().map(|said| said.classes.len()), Some(4));
+    let mut other = of_heads(3).describer();
+    other.describe(&hand(10));
+    assert_eq!(other.opinion(), None);
+}
+
+#[test]
 fn a_turned_picture_has_about_the_same_descriptor() {
     let mut describer =
         DescriptorModel::learned(network(1)).expect("a network of the right input").describer();
