@@ -235,6 +235,16 @@ mod tests {
     }
 
     #[test]
+    fn what_has_no_lines_is_no_table_and_ends() {
+        let endless = Table::new(std::io::repeat(b'a'), None).unwrap_err().to_string();
+        assert_eq!(endless, "not a line of this table: a line has more than 1 MiB: is it a table?");
+        let text = format!("file\n{}\n", "a".repeat(3 << 20));
+        let mut table = Table::new(text.as_bytes(), None).unwrap();
+        assert!(table.advance().is_err());
+        assert_eq!(table.advance(), Ok(false));
+    }
+
+    #[test]
     fn lines_of_white_space_are_no_rows_and_are_counted() {
         let mut table = Table::new("file,grasp\n\n  \t\na,pinch\n \r\n  ".as_bytes(), None).unwrap();
         assert!(table.advance().unwrap());

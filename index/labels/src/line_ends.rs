@@ -1,6 +1,10 @@
-//! Tables of any system: `\r\n` is read as `\n`, so that lines are counted where they end.
+//! Tables of any system: `\r\n` is read as `\n`, so that lines are counted where they end; and lines
+//! that do not end are those of another file, or of a device.
 
 use std::io::{self, BufRead, BufReader, Read};
+
+/// The longest line in bytes: a reader of tables holds each of them.
+const LONGEST: usize = 1 << 20;
 
 /// A reader of the same bytes, but for each `\r` that a `\n` follows.
 #[derive(Debug)]
@@ -8,16 +12,22 @@ pub(crate) struct LineEnds<R> {
     inner: BufReader<R>,
     /// A `\r` has been read and not yet given.
     holds_cr: bool,
+    /// The bytes that have been given of a line that has not ended.
+    line: usize,
 }
 
 impl<R: Read> LineEnds<R> {
     pub(crate) fn new(inner: R) -> Self {
-        Self { inner: BufReader::new(inner), holds_cr: false }
+        Self { inner: BufReader::new(inner), holds_cr: false, line: 0 }
     }
 }
 
 impl<R: Read> Read for LineEnds<R> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.line > LONGEST {
+            let why = format!("a line has more than {} MiB: is it a table?", LONGEST >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, why));
+        }
         let mut given = 0;
         while given < into.len() {
             let bytes = self.inner.fill_buf()?;
@@ -40,6 +50,10 @@ impl<R: Read> Read for LineEnds<R> {
             self.holds_cr = plain == 0;
             self.inner.consume(plain.max(1));
         }
+        self.line = match into[..given].iter().rposition(|byte| *byte == b'\n') {
+            Some(end) => given - end - 1,
+            None => self.line + given,
+        };
         Ok(given)
     }
 }
@@ -57,6 +71,15 @@ mod tests {
             let most = self.1.min(into.len());
             self.0.read(&mut into[..most])
         }
+    }
+
+    #[test]
+    fn a_line_without_end_is_an_error_and_many_short_ones_are_none() {
+        let mut sink = io::sink();
+        let error = io::copy(&mut LineEnds::new(io::repeat(0)), &mut sink).unwrap_err();
+        assert_eq!(error.to_string(), "a line has more than 1 MiB: is it a table?");
+        let lines = "a line\r\n".repeat(1 << 18);
+        assert_eq!(io::copy(&mut LineEnds::new(lines.as_bytes()), &mut sink).unwrap(), 7 << 18);
     }
 
     proptest! {
