@@ -45,12 +45,17 @@ impl LabelledArguments {
         options: RecogniseOptions,
         global: &Global,
     ) -> anyhow::Result<Vec<Outcome>> {
+        self.check_masks(selected);
+        selected.score(&Recogniser::new(index, options), self.labelled_masks, global)
+    }
+
+    /// Warns where masks are asked for and there is none.
+    pub(super) fn check_masks(&self, selected: &Selected) {
         if self.labelled_masks && !selected.has_camera_masks() {
             tracing::warn!(
                 "--labelled-masks changes nothing: no camera picture has a mask in {}",
                 self.table()
             );
         }
-        selected.score(&Recogniser::new(index, options), self.labelled_masks, global)
     }
 }

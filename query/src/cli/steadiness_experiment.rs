@@ -57,6 +57,7 @@ impl SteadinessArguments {
                 [self.labelled.selection.path(), self.index.path().as_path()],
             )?;
         }
+        self.labelled.check_masks(&selected);
         let options = self.labelled.recognise.options()?;
         let hand_is_given = options.hand != HandChoice::Auto;
         let recognisers = Recognisers::new(&index, options, self.labelled.labelled_masks);

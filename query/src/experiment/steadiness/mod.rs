@@ -190,6 +190,9 @@ impl Steadiness {
 
     /// The figures as text.
     pub fn text(&self) -> String {
+        if self.all.n == 0 {
+            return errors_text(&self.errors);
+        }
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let or_none = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
         let mut text = format!(
