@@ -102,8 +102,8 @@ impl IndexOptions {
         descriptor::by_name(name, self.network.as_deref())
     }
 
-    /// Warns, before any work, of buckets that take much room, for they do so by themselves: tens of
-    /// entries can make an index of gigabytes.
+    /// Warns, before any work, of buckets that take much room, for they do so by themselves: tens
+    /// of entries can make an index of gigabytes.
     fn warn_of_empty_buckets(&self, tables: u32) {
         const MUCH: f64 = 1e9;
         let bytes = f64::from(tables) * f64::from(self.buckets) * 4.0;

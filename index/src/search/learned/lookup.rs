@@ -30,8 +30,8 @@ pub(crate) struct Rotated {
     quantised: QuantisedQuery,
 }
 
-/// Looks queries up in a learned hash: [`Self::rotate`] takes a query up, [`Self::rank`] chooses the
-/// buckets, [`Self::gather`] takes the best of what they hold.
+/// Looks queries up in a learned hash: [`Self::rotate`] takes a query up, [`Self::rank`] chooses
+/// the buckets, [`Self::gather`] takes the best of what they hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Lookup<'a> {
     hash: Learned<'a>,
