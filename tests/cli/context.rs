@@ -147,8 +147,10 @@ fn views_at_all_stages_make_the_experiment() {
     let mut table = String::from("file,kind,grasp,stage,hand,azimuth,elevation,roll\n");
     for stage in ["reach", "close", "grasp"] {
         for (file, grasp) in [("09-pinch.png", "pinch"), ("10-power-sphere.png", "power-sphere")] {
-            let path = pictures().join("segmented").join(file);
-            table += &format!("{},segmented,{grasp},{stage},right,0,0,0\n", path.display());
+            // One picture cannot be labelled with three stages.
+            let name = format!("{stage}-{file}");
+            std::fs::copy(pictures().join("segmented").join(file), folder.path().join(&name)).unwrap();
+            table += &format!("{name},segmented,{grasp},{stage},right,0,0,0\n");
         }
     }
     let sequence = |table: &str, arguments: &[&str]| {

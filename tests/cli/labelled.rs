@@ -225,6 +225,29 @@ fn changed_pictures_are_scored_beside_pictures_as_they_are() {
 }
 
 #[test]
+fn a_thorough_look_is_one_at_camera_pictures_in_several_forms() {
+    let look = |file: &str, arguments: &[&str]| {
+        let outcome = run(program("grasp-query")
+            .args(["recognise", "--json", "--index"])
+            .arg(small_index())
+            .args(arguments)
+            .arg(pictures().join(file)));
+        assert!(outcome.status < 2, "{}", outcome.stderr);
+        let record = outcome.json_lines()[0].clone();
+        ["classes", "orientation", "hand", "neighbours"].map(|key| record[key].clone())
+    };
+    let camera = "camera/10-power-sphere.jpg";
+    let [quick, thorough] = [&["--thorough"][..0], &["--thorough"]].map(|option| look(camera, option));
+    assert_ne!(quick[0], thorough[0], "other forms say the same to the last digit");
+    assert_eq!(quick[0][0]["grasp"], thorough[0][0]["grasp"]);
+    assert_eq!(thorough, look(camera, &["--thorough"]));
+    // The neighbours to look at are those of the picture as it is.
+    assert_eq!((&quick[2], &quick[3]), (&thorough[2], &thorough[3]));
+    let cut_out = "segmented/09-pinch.png";
+    assert_eq!(look(cut_out, &["--segmented"]), look(cut_out, &["--segmented", "--thorough"]));
+}
+
+#[test]
 fn predictions_are_a_table_of_what_was_answered() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("answers.csv");

@@ -55,6 +55,9 @@ const AT_ONCE: usize = 4;
 /// rolls : int, default 1
 ///     Turn each picture this many times, 1 to 360, evenly over the circle, and take the
 ///     turn whose neighbours are nearest.
+/// thorough : bool, default False
+///     Look at camera pictures mirrored, turned, in other light and enlarged as well, and
+///     join the answers: nine times the time, a few more of them right.
 ///
 /// Raises
 /// ------
@@ -92,7 +95,7 @@ impl Recogniser {
     #[new]
     #[pyo3(signature = (
         index, hand="auto", *, segment="scene", recall=0.95, exact=false, accept="calibrated", k=None,
-        rolls=1
+        rolls=1, thorough=false
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python names them")]
     fn new(
@@ -105,6 +108,7 @@ impl Recogniser {
         accept: &str,
         k: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = turns)] rolls: usize,
+        thorough: bool,
     ) -> PyResult<Self> {
         let k = k.map(neighbours).transpose()?;
         let given = PyDict::new(py);
@@ -115,6 +119,7 @@ impl Recogniser {
         given.set_item("exact", exact)?;
         given.set_item("k", k)?;
         given.set_item("rolls", rolls)?;
+        given.set_item("thorough", thorough)?;
         let is_possible = exact || ranges::RECALL.contains(&recall);
         if !is_possible {
             return Err(parameter(format!(
@@ -132,6 +137,7 @@ impl Recogniser {
                 other => return Err(unknown("hand", other, "\"auto\", \"left\" or \"right\"")),
             },
             rolls,
+            thorough,
             k,
             effort: if exact { Effort::Exact } else { Effort::Recall(recall) },
             vote: VoteOptions::default(),

@@ -12,7 +12,7 @@ use grasp_index::{
 use nalgebra::UnitQuaternion;
 
 use super::orientation::in_picture;
-use super::{RecogniseError, RecogniseOptions, Side, Timings};
+use super::{HandChoice, RecogniseError, RecogniseOptions, Side, Timings};
 use crate::scene::Prediction;
 
 /// A hand, a roll, and what the index says to them.
@@ -98,17 +98,18 @@ const MIRROR_PENALTY: f64 = 3.0;
 /// mostly level, and an upright hand is mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
 
-/// Tries every hand and roll of the options and returns the likeliest hypothesis: that whose
+/// Tries every roll of the options, of one hand or of both, and returns the likeliest hypothesis: that whose
 /// neighbours are nearest, where networks do not speak against it.
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
     prediction: Option<&Prediction>,
+    choice: HandChoice,
     options: &RecogniseOptions,
     timings: &mut Timings,
 ) -> Result<Hypothesis, RecogniseError> {
     let rolls = options.rolls.max(1);
-    let first = options.hand.sides().first().copied().unwrap_or_default();
+    let first = choice.sides().first().copied().unwrap_or_default();
     let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
     let search = SearchOptions { k, effort: options.effort };
     let mut best: [Option<(f64, Candidate)>; 2] = [None, None];
@@ -123,7 +124,7 @@ pub(super) fn best(
         // A network turns the picture itself.
         let turn = || (!is_learned).then(|| hand.rotated(turned_deg.to_radians()));
         let turned = timings.time(|t| &mut t.descriptor_ms, turn);
-        for &side in options.hand.sides() {
+        for &side in choice.sides() {
             // Turning and then flipping is flipping and then turning the other way: one turn serves
             // both hands.
             let roll_deg = if side == Side::Left { (360.0 - turned_deg) % 360.0 } else { turned_deg };
@@ -166,7 +167,7 @@ pub(super) fn best(
     vote.orientation.euler_deg = euler_deg(&rotation);
     vote.orientation.rotation = rotation;
     let Candidate { side, roll_deg, turned_deg, descriptor, found: Search { neighbours, cost }, .. } = best;
-    let tried = rolls * options.hand.sides().len();
+    let tried = rolls * choice.sides().len();
     Ok(Hypothesis { side, roll_deg, turned_deg, descriptor, neighbours, cost, vote, tried, rival })
 }
 

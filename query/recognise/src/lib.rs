@@ -13,6 +13,7 @@ mod belief;
 mod doubtful;
 mod error;
 mod evidence;
+mod form;
 mod hypothesis;
 #[cfg(feature = "landmarks")]
 mod mediapipe;
@@ -29,6 +30,7 @@ pub mod segment;
 pub mod sequence;
 mod side;
 mod source;
+mod thorough;
 mod timings;
 mod tracker;
 mod trust;
@@ -37,6 +39,7 @@ mod warning;
 pub use accept::Doubt;
 pub use error::{RecogniseError, SourceError};
 pub use evidence::Evidence;
+pub use form::Form;
 pub use hypothesis::Hypothesis;
 #[cfg(feature = "landmarks")]
 pub use mediapipe::{HandNetworks, HandNetworksError, NetworkFault};

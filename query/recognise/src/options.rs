@@ -21,6 +21,10 @@ pub struct RecogniseOptions {
     /// the index's descriptors want ([`grasp_index::DescriptorParams::turn_deg`]); 1 tries none
     /// besides.
     pub rolls: usize,
+    /// Whether a camera picture, in which scene networks find the hand, is also looked at mirrored,
+    /// turned, in other light and enlarged: nine times the work for an answer that depends less on
+    /// how the picture happens to be taken.
+    pub thorough: bool,
     /// How many neighbours vote; `None` takes the index's own number.
     pub k: Option<usize>,
     /// How hard to look for neighbours.
@@ -41,6 +45,7 @@ impl Default for RecogniseOptions {
         Self {
             hand: HandChoice::default(),
             rolls: DEFAULT_ROLLS,
+            thorough: false,
             k: None,
             effort: SearchOptions::default().effort,
             vote: VoteOptions::default(),

@@ -4,18 +4,22 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use grasp_index::{HandImage, Index};
+use nalgebra::UnitQuaternion;
 
 use crate::accept::Trusted;
 use crate::doubtful;
 use crate::error::RecogniseError;
 use crate::evidence::Evidence;
-use crate::hypothesis;
+use crate::form::Form;
+use crate::hypothesis::{self, Hypothesis};
 use crate::options::RecogniseOptions;
 use crate::picture::{self, DecodeWarning, Decoded};
 use crate::recognition::{Context, Recognition};
 use crate::scene::{Prediction, join_orientation};
 use crate::segment::Finder;
+use crate::side::HandChoice;
 use crate::source::{MaskSource, Prepared};
+use crate::thorough::{self, FORMS, Said};
 use crate::timings::{self, Timings};
 use crate::tracker::Tracker;
 use crate::trust::{Trust, temper};
@@ -85,20 +89,59 @@ impl<'a> Recogniser<'a> {
         prepared: Prepared,
         mut timings: Timings,
     ) -> Result<Recognition, RecogniseError> {
+        let mut looked = self.look(&prepared, self.options.hand, &mut timings)?;
+        if self.options.thorough && prepared.scene.is_some() {
+            let others = self.forms(&prepared, &mut timings);
+            let side = thorough::side_of_most(looked.best.side, &others);
+            if side != looked.best.side && self.options.hand == HandChoice::Auto {
+                looked = self.look(&prepared, side.into(), &mut timings)?;
+            }
+            looked.none = thorough::join(&others, &mut looked.best, looked.none);
+        }
+        Ok(self.decide(prepared, looked, timings))
+    }
+
+    /// What other forms of a picture say, where a hand is found in them.
+    fn forms(&self, prepared: &Prepared, timings: &mut Timings) -> Vec<Said> {
+        let said = |form: Form| {
+            let shown = || form.picture(&prepared.picture);
+            let changed = timings.time(
+                |t| &mut t.segmentation_ms,
+                || Prepared::new(shown(), false, &MaskSource::Camera, &self.options.segment),
+            );
+            let looked = self.look(&changed.ok()?, form.hand(self.options.hand), timings).ok()?;
+            Some(Said::new(form, &looked.best, looked.none))
+        };
+        FORMS.into_iter().filter_map(said).collect()
+    }
+
+    /// What neighbours and networks say of a hand, before it is decided how far to believe it.
+    fn look(
+        &self,
+        prepared: &Prepared,
+        hand: HandChoice,
+        timings: &mut Timings,
+    ) -> Result<Looked, RecogniseError> {
         let started = Instant::now();
         let hand_image = prepared.hand_image()?.shrunk_to(self.index.catalogue().descriptor.described_side());
         timings.descriptor_ms += timings::milliseconds(started);
-        let seen = timings.time(|t| &mut t.descriptor_ms, || self.prediction(&prepared, &hand_image));
-        let mut best =
-            hypothesis::best(self.index, &hand_image, seen.as_deref(), &self.options, &mut timings)?;
+        let seen = timings.time(|t| &mut t.descriptor_ms, || self.prediction(prepared, &hand_image, hand));
+        let seen_of = seen.as_deref();
+        let mut best = hypothesis::best(self.index, &hand_image, seen_of, hand, &self.options, timings)?;
         let side = best.side;
         // Equation 4 as printed is the neighbours' alone.
         let rotations = seen.as_deref().filter(|_| !self.options.vote.euler_mean);
         let rotations = rotations.map(|seen| seen.rotations(side).to_vec()).unwrap_or_default();
         join_orientation(&rotations, &mut best.vote.orientation);
-        let none = seen.map(|seen| seen.join(self.index, side, self.options.hand, &mut best.vote));
+        let none = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let none = none.filter(|_| prepared.scene.is_some());
+        Ok(Looked { hand_image, best, rotations, none })
+    }
+
+    /// How far what is said of a hand is believed, and what should make a reader doubt it.
+    fn decide(&self, prepared: Prepared, looked: Looked, timings: Timings) -> Recognition {
+        let Looked { hand_image, mut best, rotations, none } = looked;
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -141,23 +184,38 @@ impl<'a> Recogniser<'a> {
         let has_own_k = self.options.k.is_some_and(|k| k != calibration.k as usize);
         let is_measured = calibration.measured.is_some() && !has_own_k;
         found.warnings = doubtful::warnings(&found, is_measured && is_calibrated);
-        Ok(found)
+        found
     }
 
     /// What the scene networks see, beside what the descriptor does: in a camera picture, and of a
     /// hand that is cut out, if hands are to be recognised by networks at all.
-    fn prediction<'b>(&self, prepared: &'b Prepared, hand: &HandImage) -> Option<Cow<'b, Prediction>> {
+    fn prediction<'b>(
+        &self,
+        prepared: &'b Prepared,
+        image: &HandImage,
+        hand: HandChoice,
+    ) -> Option<Cow<'b, Prediction>> {
         if let Some(scene) = &prepared.scene {
             return Some(Cow::Borrowed(&scene.prediction));
         }
         if !self.index.catalogue().descriptor.is_learned() || self.options.segment.by == Finder::Skin {
             return None;
         }
-        let turn = hand.upright_turn_deg().to_radians();
-        let sides = self.options.hand.sides();
+        let turn = image.upright_turn_deg().to_radians();
+        let sides = hand.sides();
         let networks = &self.options.segment.networks;
         Prediction::of_cut_out(networks, &prepared.picture, &prepared.mask, turn, sides).map(Cow::Owned)
     }
+}
+
+/// What neighbours and networks say of a hand.
+struct Looked {
+    hand_image: HandImage,
+    best: Hypothesis,
+    /// How networks see the hand turned in the picture, by each of their looks.
+    rotations: Vec<UnitQuaternion<f64>>,
+    /// How likely the hand is in none of the grasps.
+    none: Option<f64>,
 }
 
 /// With what is odd about the picture first among what is to be doubted.

@@ -63,6 +63,7 @@ class Recogniser:
         accept: Literal["calibrated", "always"] = "calibrated",
         k: int | None = None,
         rolls: int = 1,
+        thorough: bool = False,
     ) -> Self: ...
     @property
     def index(self) -> Index: ...

@@ -37,6 +37,9 @@ pub struct PictureParameters {
     #[param(minimum = 1, maximum = 360)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
+    /// Look at a camera picture in eight more forms, mirrored, turned, in other light and enlarged.
+    #[serde(skip_serializing_if = "is_false")]
+    pub thorough: bool,
     /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.
     #[param(minimum = 1, maximum = 1000)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -196,6 +199,7 @@ impl PictureParameters {
             exact,
             hand: Some(options.hand),
             rolls: Some(options.rolls),
+            thorough: options.thorough,
             k: options.k,
             sigma: vote.sigma,
             sigma_scale: vote.sigma_scale,
@@ -241,6 +245,7 @@ impl PictureParameters {
             accept,
             hand: self.hand.unwrap_or(defaults.hand),
             rolls: count("rolls", self.rolls, &ranges::ROLLS)?.unwrap_or(defaults.rolls),
+            thorough: self.thorough,
             k: count("k", self.k, &NEIGHBOURS)?,
             effort: self.efforts().effort()?,
             vote: VoteOptions {
@@ -388,13 +393,14 @@ mod tests {
             effort in efforts(),
             hand in prop_oneof![Just(HandChoice::Auto), Just(HandChoice::Left), Just(HandChoice::Right)],
             rolls in ranges::ROLLS,
+            thorough: bool,
             k in proptest::option::of(NEIGHBOURS),
             sigma in proptest::option::of(1e-9f64..1e9),
             euler_mean: bool,
             accept in prop_oneof![Just(Accept::Always), Just(Accept::Calibrated), (1e-9f64..1e9).prop_map(Accept::Within)],
         ) {
             let vote = VoteOptions { sigma, euler_mean, ..VoteOptions::default() };
-            let options = RecogniseOptions { hand, rolls, k, effort, vote, accept, ..RecogniseOptions::default() };
+            let options = RecogniseOptions { hand, rolls, thorough, k, effort, vote, accept, ..RecogniseOptions::default() };
             let sent = serde_urlencoded::to_string(PictureParameters::from_options(&options)).unwrap();
             let found = serde_urlencoded::from_str::<PictureParameters>(&sent).unwrap().options().unwrap();
             prop_assert_eq!(format!("{found:?}"), format!("{options:?}"));

@@ -2,13 +2,10 @@
 //! answers the same. A few pictures, each in many forms, also say more surely which of two choices
 //! recognises better than as many pictures by themselves.
 
-mod change;
-
 use std::fmt::Write as _;
 use std::path::Path;
 
 use grasp_terminal::text::counted;
-use image::RgbImage;
 use serde::Serialize;
 
 use super::{csv_of, json_of, write_files};
@@ -17,12 +14,10 @@ use crate::evaluate::errors::median;
 use crate::evaluate::labels::{Label, OTHER, RowError};
 use crate::evaluate::report::{RowReport, errors_text};
 use crate::evaluate::{Guess, Miss, guess_of, labelled_picture};
-use change::Change;
 use grasp_answer::record::UNKNOWN;
 use grasp_index::Index;
-use grasp_recognise::picture::Picture;
-use grasp_recognise::segment::{Mask, SegmentParams};
-use grasp_recognise::{HandChoice, MaskSource, Prepared, RecogniseOptions, Recogniser, Side};
+use grasp_recognise::segment::SegmentParams;
+use grasp_recognise::{Form, MaskSource, Prepared, RecogniseOptions, Recogniser, Side};
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -87,12 +82,8 @@ pub struct Recognisers<'a> {
 impl<'a> Recognisers<'a> {
     /// By one index and some options.
     pub fn new(index: &'a Index, options: RecogniseOptions, labelled_masks: bool) -> Self {
-        let other = match options.hand {
-            HandChoice::Left => HandChoice::Right,
-            HandChoice::Right => HandChoice::Left,
-            HandChoice::Auto => HandChoice::Auto,
-        };
-        let mirrored = Recogniser::new(index, RecogniseOptions { hand: other, ..options.clone() });
+        let hand = Form::Mirrored.hand(options.hand);
+        let mirrored = Recogniser::new(index, RecogniseOptions { hand, ..options.clone() });
         let segment = options.segment.clone();
         Self { recogniser: Recogniser::new(index, options), mirrored, segment, labelled_masks }
     }
@@ -103,36 +94,34 @@ impl<'a> Recognisers<'a> {
     /// [`Miss`]: where its picture or its mask cannot be used. That no hand is found is an answer.
     pub fn answers(&self, folder: &Path, label: &Label) -> Result<Vec<Answer>, Miss> {
         let (decoded, source) = labelled_picture(folder, label, self.labelled_masks)?;
-        let picture = image_of(&decoded.picture);
-        let answer = |change: Change| {
-            let recogniser = if change == Change::Mirrored { &self.mirrored } else { &self.recogniser };
-            let picture = picture_of(&change.picture(&picture));
-            let source = changed_source(change, &source);
+        let answer = |form: Form| {
+            let recogniser = if form == Form::Mirrored { &self.mirrored } else { &self.recogniser };
+            let (picture, source) = (form.picture(&decoded.picture), source_of(form, &source));
             let prepared = Prepared::new(picture, decoded.is_jpeg, &source, &self.segment);
             match guess_of(recogniser, prepared) {
-                Ok(guess) => Ok(Answer::new(label, change, Some(&guess))),
-                Err(miss) if miss.is_rejection => Ok(Answer::new(label, change, None)),
+                Ok(guess) => Ok(Answer::new(label, form, Some(&guess))),
+                Err(miss) if miss.is_rejection => Ok(Answer::new(label, form, None)),
                 Err(miss) => Err(miss),
             }
         };
-        Change::ALL.into_iter().map(answer).collect()
+        Form::ALL.into_iter().map(answer).collect()
     }
 }
 
 impl Answer {
-    fn new(label: &Label, change: Change, guess: Option<&Guess>) -> Self {
+    fn new(label: &Label, form: Form, guess: Option<&Guess>) -> Self {
         let error = |guess: &Guess| {
-            let labelled = change.orientation(label.orientation.as_ref()?);
+            let labelled = form.orientation(label.orientation.as_ref()?);
             Some(labelled.angle_to(&guess.orientation).to_degrees())
         };
         Self {
             file: label.file.clone(),
-            change: change.name(),
+            change: form.name(),
             labelled: label.grasp.clone(),
             grasp: guess.map_or_else(|| UNKNOWN.to_owned(), |guess| guess.grasp.clone()),
             probability: guess.map_or(0.0, |guess| guess.probability),
             hand: guess.map(|guess| guess.hand),
-            labelled_hand: label.hand.map(|hand| change.hand(hand)),
+            labelled_hand: label.hand.map(|hand| form.side(hand)),
             orientation_error_deg: guess.and_then(error),
         }
     }
@@ -164,13 +153,12 @@ impl Steadiness {
             }
         }
         errors.sort_by_key(|error| error.line);
-        let rows = Change::ALL.iter().enumerate();
-        let changes =
-            rows.map(|(at, change)| ChangeRow::new(*change, at, &pictures, hand_is_given)).collect();
+        let rows = Form::ALL.iter().enumerate();
+        let changes = rows.map(|(at, form)| ChangeRow::new(*form, at, &pictures, hand_is_given)).collect();
         let rights: Vec<usize> =
             pictures.iter().map(|forms| forms.iter().filter(|form| form.is_right()).count()).collect();
         let count = |test: &dyn Fn(usize) -> bool| rights.iter().filter(|right| test(**right)).count();
-        let forms = Change::ALL.len();
+        let forms = Form::ALL.len();
         Self {
             labels,
             changes,
@@ -232,7 +220,7 @@ impl Steadiness {
 }
 
 impl ChangeRow {
-    fn new(change: Change, at: usize, pictures: &[Vec<Answer>], hand_is_given: bool) -> Self {
+    fn new(form: Form, at: usize, pictures: &[Vec<Answer>], hand_is_given: bool) -> Self {
         let answers = || pictures.iter().filter_map(|forms| forms.get(at));
         let share = |n: usize, of: usize| if of == 0 { 0.0 } else { n as f64 / of as f64 };
         let unchanged = pictures.iter().filter_map(|forms| forms.first());
@@ -241,7 +229,7 @@ impl ChangeRow {
         let hands_right = hands().filter(|answer| answer.hand == answer.labelled_hand).count();
         let hands = hands().count();
         Self {
-            change: change.name(),
+            change: form.name(),
             right: Share { n: pictures.len(), right: answers().filter(|answer| answer.is_right()).count() },
             same: share(same, pictures.len()),
             hand_right: (!hand_is_given && hands > 0).then(|| share(hands_right, hands)),
@@ -252,31 +240,11 @@ impl ChangeRow {
     }
 }
 
-fn image_of(picture: &Picture) -> RgbImage {
-    let bytes = picture.rgb().as_flattened().to_vec();
-    RgbImage::from_raw(picture.width() as u32, picture.height() as u32, bytes)
-        .expect("a picture has as many pixels as it says")
-}
-
-fn picture_of(image: &RgbImage) -> Picture {
-    let pixels = image.pixels().map(|pixel| pixel.0).collect();
-    Picture::new(image.width() as usize, image.height() as usize, pixels)
-        .expect("no change leaves a side of 0")
-}
-
-/// Where a changed picture's mask comes from.
-fn changed_source(change: Change, source: &MaskSource) -> MaskSource {
-    let changed = |mask: &Mask| {
-        let shown = |inside: &u8| [255 * *inside; 3];
-        let pixels = mask.pixels().iter().map(shown).collect();
-        let mask = Picture::new(mask.width(), mask.height(), pixels).expect("a mask has a side");
-        let grey = change.place(&image_of(&mask));
-        let values: Vec<u8> = grey.pixels().map(|pixel| pixel.0[0]).collect();
-        Mask::from_grey(grey.width() as usize, grey.height() as usize, &values)
-    };
+/// Where the mask of a picture in this form comes from.
+fn source_of(form: Form, source: &MaskSource) -> MaskSource {
     match source {
-        MaskSource::SegmentedAnd(mask) => MaskSource::SegmentedAnd(changed(mask)),
-        MaskSource::Given(mask) => MaskSource::Given(changed(mask)),
+        MaskSource::SegmentedAnd(mask) => MaskSource::SegmentedAnd(form.mask(mask)),
+        MaskSource::Given(mask) => MaskSource::Given(form.mask(mask)),
         other => other.clone(),
     }
 }

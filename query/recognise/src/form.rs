@@ -1,11 +1,13 @@
-//! Small changes of a picture that a person's answer does not change with.
+//! Forms of a picture that a person answers alike: changed a little.
 
 use grasp_index::{mirror_orientation, turned_orientation};
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use nalgebra::UnitQuaternion;
 
-use grasp_recognise::Side;
+use crate::picture::Picture;
+use crate::segment::Mask;
+use crate::side::{HandChoice, Side};
 
 /// How far a camera is held aslant, in degrees.
 const TURN_DEG: f64 = 8.0;
@@ -22,11 +24,11 @@ const LARGER: f64 = 1.2;
 /// The share of a picture that is cut off at one side.
 const CUT: f64 = 0.05;
 
-/// One of the changes.
+/// One of the forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Change {
-    /// None.
-    None,
+pub enum Form {
+    /// As it is.
+    AsItIs,
     /// Its mirror image, which shows the other hand.
     Mirrored,
     /// Turned clockwise.
@@ -55,10 +57,10 @@ pub(super) enum Change {
     CutAbove,
 }
 
-impl Change {
-    /// All of them, in the order of tables; the first is none.
-    pub(super) const ALL: [Self; 14] = [
-        Self::None,
+impl Form {
+    /// All of them, in the order of tables; the first is the picture as it is.
+    pub const ALL: [Self; 14] = [
+        Self::AsItIs,
         Self::Mirrored,
         Self::TurnedRight,
         Self::TurnedLeft,
@@ -75,9 +77,9 @@ impl Change {
     ];
 
     /// As tables name it.
-    pub(super) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
-            Self::None => "as it is",
+            Self::AsItIs => "as it is",
             Self::Mirrored => "mirrored",
             Self::TurnedRight => "turned right",
             Self::TurnedLeft => "turned left",
@@ -94,23 +96,61 @@ impl Change {
         }
     }
 
-    /// The hand that the changed picture shows.
-    pub(super) fn hand(self, side: Side) -> Side {
+    /// The hand that a picture of this form shows, of the hand in the picture as it is, and the
+    /// reverse.
+    pub fn side(self, side: Side) -> Side {
         if self == Self::Mirrored { side.other() } else { side }
     }
 
-    /// `camera_from_hand` in the changed picture.
-    pub(super) fn orientation(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-        match self {
-            Self::Mirrored => mirror_orientation(camera_from_hand),
-            Self::TurnedRight => turned_orientation(TURN_DEG, camera_from_hand),
-            Self::TurnedLeft => turned_orientation(-TURN_DEG, camera_from_hand),
-            _ => *camera_from_hand,
+    /// The same of a choice of hands.
+    pub fn hand(self, hand: HandChoice) -> HandChoice {
+        match (self, hand) {
+            (Self::Mirrored, HandChoice::Left) => HandChoice::Right,
+            (Self::Mirrored, HandChoice::Right) => HandChoice::Left,
+            _ => hand,
         }
     }
 
-    /// The changed picture.
-    pub(super) fn picture(self, picture: &RgbImage) -> RgbImage {
+    /// `camera_from_hand` in a picture of this form.
+    pub fn orientation(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        match self {
+            Self::Mirrored => mirror_orientation(camera_from_hand),
+            _ => turned_orientation(self.turn_deg(), camera_from_hand),
+        }
+    }
+
+    /// `camera_from_hand` in the picture as it is, where it is this one in a picture of this form.
+    pub fn orientation_as_it_is(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+        match self {
+            Self::Mirrored => mirror_orientation(camera_from_hand),
+            _ => turned_orientation(-self.turn_deg(), camera_from_hand),
+        }
+    }
+
+    /// How far pictures of this form are turned, clockwise.
+    fn turn_deg(self) -> f64 {
+        match self {
+            Self::TurnedRight => TURN_DEG,
+            Self::TurnedLeft => -TURN_DEG,
+            _ => 0.0,
+        }
+    }
+
+    /// The picture in this form.
+    pub fn picture(self, picture: &Picture) -> Picture {
+        picture_of(&self.changed(&image_of(picture)))
+    }
+
+    /// The mask of the picture in this form, of its mask as it is.
+    pub fn mask(self, mask: &Mask) -> Mask {
+        let pixels = mask.pixels().iter().flat_map(|inside| [255 * *inside; 3]).collect();
+        let image = image_from(mask.width(), mask.height(), pixels);
+        let placed = self.placed(&image);
+        let values: Vec<u8> = placed.pixels().map(|pixel| pixel.0[0]).collect();
+        Mask::from_grey(placed.width() as usize, placed.height() as usize, &values)
+    }
+
+    fn changed(self, picture: &RgbImage) -> RgbImage {
         let graded = |grade: &dyn Fn([f32; 3]) -> [f32; 3]| {
             let mut picture = picture.clone();
             for Rgb(rgb) in picture.pixels_mut() {
@@ -131,13 +171,12 @@ impl Change {
                 rgb.map(|value| grey + PALER * (value - grey))
             }),
             Self::Blurred => imageops::blur(picture, BLUR * picture.width().max(picture.height()) as f32),
-            _ => self.place(picture),
+            _ => self.placed(picture),
         }
     }
 
-    /// Where the changed picture has what lies in this one, with the colours as they were: what
-    /// becomes of a mask.
-    pub(super) fn place(self, picture: &RgbImage) -> RgbImage {
+    /// With everything where a picture of this form has it, in the colours as they were.
+    fn placed(self, picture: &RgbImage) -> RgbImage {
         let (width, height) = picture.dimensions();
         let without = |left: f64, above: f64, right: f64| {
             let [left, right] = [left, right].map(|share| (share * f64::from(width)) as u32);
@@ -158,6 +197,20 @@ impl Change {
             _ => picture.clone(),
         }
     }
+}
+
+fn image_of(picture: &Picture) -> RgbImage {
+    image_from(picture.width(), picture.height(), picture.rgb().as_flattened().to_vec())
+}
+
+fn image_from(width: usize, height: usize, bytes: Vec<u8>) -> RgbImage {
+    RgbImage::from_raw(width as u32, height as u32, bytes).expect("a picture has as many pixels as it says")
+}
+
+fn picture_of(image: &RgbImage) -> Picture {
+    let pixels = image.pixels().map(|pixel| pixel.0).collect();
+    Picture::new(image.width() as usize, image.height() as usize, pixels)
+        .expect("a picture of every form has sides")
 }
 
 /// A picture turned clockwise about its middle; beyond its border lies its mirror image, which has
@@ -190,30 +243,30 @@ mod tests {
     #[test]
     fn every_change_but_none_changes_a_picture_and_keeps_it_much_as_it_was() {
         let picture = shaded();
-        for change in Change::ALL {
-            let changed = change.picture(&picture);
-            assert_eq!(changed == picture, change == Change::None, "{}", change.name());
+        for form in Form::ALL {
+            let changed = form.changed(&picture);
+            assert_eq!(changed == picture, form == Form::AsItIs, "{}", form.name());
             let mean = |picture: &RgbImage| {
                 picture.as_raw().iter().map(|value| f64::from(*value)).sum::<f64>()
                     / picture.as_raw().len() as f64
             };
-            assert!((mean(&changed) - mean(&picture)).abs() < 20.0, "{}", change.name());
+            assert!((mean(&changed) - mean(&picture)).abs() < 20.0, "{}", form.name());
         }
-        let names: std::collections::BTreeSet<_> = Change::ALL.map(Change::name).into();
-        assert_eq!(names.len(), Change::ALL.len());
+        let names: std::collections::BTreeSet<_> = Form::ALL.map(Form::name).into();
+        assert_eq!(names.len(), Form::ALL.len());
     }
 
     #[test]
     fn a_mask_goes_where_its_picture_goes() {
         let picture = shaded();
-        for change in Change::ALL {
-            let (picture, mask) = (change.picture(&picture), change.place(&picture));
-            assert_eq!(picture.dimensions(), mask.dimensions(), "{}", change.name());
+        for form in Form::ALL {
+            let (changed, mask) = (form.changed(&picture), form.placed(&picture));
+            assert_eq!(changed.dimensions(), mask.dimensions(), "{}", form.name());
         }
         // What was right of the middle lies below it after a turn clockwise.
         let mut mask = RgbImage::new(101, 101);
         mask.put_pixel(90, 50, Rgb([255; 3]));
-        let changed = Change::TurnedRight.place(&mask);
+        let changed = Form::TurnedRight.placed(&mask);
         let brightest = changed.enumerate_pixels().max_by_key(|(.., pixel)| pixel.0[0]);
         let (x, y, _) = brightest.unwrap();
         let (sin, cos) = libm::sincos(TURN_DEG.to_radians());
@@ -224,7 +277,7 @@ mod tests {
     #[test]
     fn a_picture_that_is_turned_there_and_back_is_as_it_was_but_for_its_border() {
         let picture = shaded();
-        let back = Change::TurnedLeft.place(&Change::TurnedRight.place(&picture));
+        let back = Form::TurnedLeft.placed(&Form::TurnedRight.placed(&picture));
         for (x, y, pixel) in picture.enumerate_pixels() {
             if (30..210).contains(&x) && (30..130).contains(&y) {
                 let apart = pixel.0.iter().zip(back.get_pixel(x, y).0).take(2).map(|(a, b)| a.abs_diff(b));
@@ -235,9 +288,9 @@ mod tests {
 
     #[test]
     fn a_picture_of_one_pixel_is_changed_like_any_other() {
-        for change in Change::ALL {
-            let changed = change.picture(&RgbImage::from_pixel(1, 1, Rgb([9, 9, 9])));
-            assert_eq!(changed.dimensions(), (1, 1), "{}", change.name());
+        for form in Form::ALL {
+            let changed = form.changed(&RgbImage::from_pixel(1, 1, Rgb([9, 9, 9])));
+            assert_eq!(changed.dimensions(), (1, 1), "{}", form.name());
         }
     }
 }

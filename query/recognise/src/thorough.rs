@@ -1,0 +1,160 @@
+//! A picture looked at in several forms ([`Form`]), and what all of them say together.
+
+use grasp_index::{ClassScore, NETWORK_STAGES, euler_deg, mean_rotation};
+use nalgebra::UnitQuaternion;
+
+use crate::form::Form;
+use crate::hypothesis::Hypothesis;
+use crate::side::Side;
+
+/// The forms beside the picture as it is. Each costs as much time as that.
+pub(crate) const FORMS: [Form; 8] = [
+    Form::Mirrored,
+    Form::TurnedRight,
+    Form::TurnedLeft,
+    Form::Darker,
+    Form::Brighter,
+    Form::Warmer,
+    Form::Colder,
+    Form::Enlarged,
+];
+
+/// The least probability that is taken seriously.
+const LEAST: f64 = 1e-4;
+/// How far an orientation may lie from that of the picture as it is to count: of a hand that is
+/// once seen from before and once from behind, the mean is nobody's.
+const NEAR_DEG: f64 = 40.0;
+
+/// What one form of a picture says, of the hand as it is.
+#[derive(Debug)]
+pub(crate) struct Said {
+    side: Side,
+    /// By class number.
+    classes: Vec<(u16, f64)>,
+    stages: Option<[f64; NETWORK_STAGES.len()]>,
+    rotation: UnitQuaternion<f64>,
+    none: Option<f64>,
+}
+
+impl Said {
+    /// By the likeliest hypothesis about a picture of this form.
+    pub(crate) fn new(form: Form, best: &Hypothesis, none: Option<f64>) -> Self {
+        Self {
+            side: form.side(best.side),
+            classes: best.vote.classes.iter().map(|class| (class.class, class.probability)).collect(),
+            stages: best.vote.stages,
+            rotation: form.orientation_as_it_is(&best.vote.orientation.rotation),
+            none,
+        }
+    }
+}
+
+/// The hand that most forms show, `own` among them, which goes first where as many show either.
+pub(crate) fn side_of_most(own: Side, others: &[Said]) -> Side {
+    let against = others.iter().filter(|said| said.side != own).count();
+    if 2 * against > others.len() + 1 { own.other() } else { own }
+}
+
+/// Joins what other forms say of a hand with what is said of the picture as it is: the geometric
+/// mean of the classes' probabilities, normalised, the mean of those of the stages, and the mean of
+/// the rotations near it of the same hand. Returns how likely the hand is in none of the grasps.
+pub(crate) fn join(others: &[Said], best: &mut Hypothesis, none: Option<f64>) -> Option<f64> {
+    join_classes(others, &mut best.vote.classes);
+    if let Some(stages) = &mut best.vote.stages {
+        let said: Vec<_> = others.iter().filter_map(|said| said.stages).collect();
+        for (at, stage) in stages.iter_mut().enumerate() {
+            *stage = (*stage + said.iter().map(|said| said[at]).sum::<f64>()) / (said.len() + 1) as f64;
+        }
+    }
+    let orientation = &mut best.vote.orientation;
+    orientation.rotation = joined_rotation(others, best.side, orientation.rotation);
+    orientation.euler_deg = euler_deg(&orientation.rotation);
+    let nones = || others.iter().filter_map(|said| said.none);
+    none.map(|none| (none + nones().sum::<f64>()) / (nones().count() + 1) as f64)
+}
+
+fn join_classes(others: &[Said], classes: &mut [ClassScore]) {
+    for class in &mut *classes {
+        let said = others.iter().map(|said| {
+            let own = said.classes.iter().find(|(number, _)| *number == class.class);
+            own.map_or(LEAST, |(_, probability)| probability.max(LEAST))
+        });
+        let logs = libm::log(class.probability.max(LEAST)) + said.map(libm::log).sum::<f64>();
+        class.probability = libm::exp(logs / (others.len() + 1) as f64);
+    }
+    let total: f64 = classes.iter().map(|class| class.probability).sum();
+    classes.iter_mut().for_each(|class| class.probability /= total);
+    classes.sort_by_key(|class| class.class);
+    classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+}
+
+fn joined_rotation(others: &[Said], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let is_near = |said: &&Said| said.side == side && said.rotation.angle_to(&own) < NEAR_DEG.to_radians();
+    let near = others.iter().filter(is_near).map(|said| (said.rotation, 1.0));
+    let all: Vec<_> = std::iter::once((own, 1.0)).chain(near).collect();
+    mean_rotation(&all).unwrap_or(own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn about_z(degrees: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians())
+    }
+
+    fn said(side: Side, probabilities: [f64; 3], degrees: f64) -> Said {
+        let classes = (0u16..).zip(probabilities).collect();
+        Said { side, classes, stages: None, rotation: about_z(degrees), none: None }
+    }
+
+    fn scores(probabilities: [f64; 3]) -> Vec<ClassScore> {
+        let score = |(class, probability): (u16, f64)| ClassScore {
+            class,
+            name: String::new(),
+            cutkosky: 0,
+            probability,
+            share: 0.0,
+        };
+        (0u16..).zip(probabilities).map(score).collect()
+    }
+
+    #[test]
+    fn classes_are_those_that_all_forms_find_likely() {
+        let mut classes = scores([0.6, 0.4, 0.0]);
+        join_classes(&[], &mut classes);
+        assert_eq!(classes.iter().map(|class| class.class).collect::<Vec<_>>(), [0, 1, 2]);
+        assert!((classes[0].probability - 0.6).abs() < 1e-3);
+        // Two forms of three find the second likelier, and one of them excludes the first.
+        let others = [[0.4, 0.5, 0.1], [0.0, 0.5, 0.5]].map(|classes| said(Side::Right, classes, 0.0));
+        join_classes(&others, &mut classes);
+        assert_eq!(classes[0].class, 1);
+        assert!((classes.iter().map(|class| class.probability).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(classes.iter().all(|class| class.probability > 0.0), "{classes:?}");
+    }
+
+    #[test]
+    fn a_hand_is_the_one_that_most_forms_show_and_turned_as_those_near_say() {
+        let [left, right] = [Side::Left, Side::Right].map(|side| said(side, [1.0, 0.0, 0.0], 20.0));
+        assert_eq!(side_of_most(Side::Right, &[]), Side::Right);
+        assert_eq!(side_of_most(Side::Left, std::slice::from_ref(&right)), Side::Left);
+        let others = [right, said(Side::Right, [1.0, 0.0, 0.0], 100.0), left];
+        assert_eq!(side_of_most(Side::Left, &others[..2]), Side::Right);
+        assert_eq!(side_of_most(Side::Left, &others), Side::Left);
+        // One is near and of the same hand, one is far off, one is of the other hand.
+        let joined = joined_rotation(&others, Side::Right, about_z(10.0));
+        assert!(joined.angle_to(&about_z(15.0)) < 1e-9, "{joined}");
+    }
+
+    #[test]
+    fn what_is_said_of_a_form_is_about_the_picture_as_it_is() {
+        let rotation = UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1);
+        for form in Form::ALL {
+            let there = form.orientation(&rotation);
+            assert!(form.orientation_as_it_is(&there).angle_to(&rotation) < 1e-9, "{}", form.name());
+            assert_eq!(form.side(form.side(Side::Left)), Side::Left, "{}", form.name());
+            assert_eq!(form.hand(Side::Left.into()), form.side(Side::Left).into(), "{}", form.name());
+        }
+        assert!(!FORMS.contains(&Form::AsItIs));
+    }
+}
