@@ -82,6 +82,10 @@ pub(crate) struct Options {
     /// neighbours are nearest.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(*ranges::ROLLS.start() as i64..=*ranges::ROLLS.end() as i64))]
     rolls: u32,
+    /// Look at each picture in eight more forms, mirrored, turned, in other light and enlarged, and
+    /// join the answers: for pictures that come seldom.
+    #[arg(long, value_name = "BOOL", action = ArgAction::Set, value_parser = BoolishValueParser::new(), num_args = 0..=1, require_equals = true, default_value = "false", default_missing_value = "true")]
+    thorough: bool,
     /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose
     /// says it: one picture does not.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_depth)]
@@ -213,6 +217,7 @@ impl Options {
                 Hand::Right => HandChoice::Right,
             },
             rolls: self.rolls as usize,
+            thorough: self.thorough,
             k: Some(self.k as usize).filter(|k| *k > 0),
             effort: if self.exact { Effort::Exact } else { Effort::Recall(self.recall) },
             accept: match self.accept {
@@ -250,6 +255,7 @@ impl Options {
             ("accept", choice(self.accept.to_possible_value())),
             ("k", ParameterValue::Integer(self.k.into())),
             ("rolls", ParameterValue::Integer(self.rolls.into())),
+            ("thorough", ParameterValue::Boolean(self.thorough)),
             ("depth", ParameterValue::Double(self.depth)),
             ("rectified", choice(self.rectified.to_possible_value())),
             ("robot", text(&self.robot)),

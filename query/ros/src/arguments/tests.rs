@@ -17,10 +17,13 @@ fn value(arguments: &Arguments, name: &str) -> String {
 
 #[test]
 fn parameters_are_options_and_options_win() {
-    let arguments = read("--ros-args -p hand:=left -p recall:=1 -p exact:=true -p index:='x.idx'").unwrap();
+    let arguments =
+        read("--ros-args -p hand:=left -p recall:=1 -p exact:=true -p thorough:=true -p index:='x.idx'")
+            .unwrap();
     assert_eq!(value(&arguments, "hand"), r#"String("left")"#);
     assert_eq!(value(&arguments, "recall"), "Double(1.0)");
     assert_eq!(value(&arguments, "exact"), "Boolean(true)");
+    assert!(arguments.options.recognition().thorough);
     assert_eq!(arguments.options.index(), Some("x.idx".into()));
     let arguments = read("--hand right --exact --ros-args -p hand:=left -- --recall 0.5").unwrap();
     assert_eq!(value(&arguments, "hand"), r#"String("right")"#);
