@@ -31,8 +31,8 @@ mod signals;
 mod simulate;
 #[cfg(feature = "simulate")]
 mod simulated_hand;
-#[cfg(feature = "serve")]
 mod steadiness_experiment;
+#[cfg(feature = "serve")]
 mod token;
 mod watch;
 
