@@ -57,7 +57,7 @@ const AT_ONCE: usize = 4;
 ///     turn whose neighbours are nearest.
 /// thorough : bool, default False
 ///     Look at camera pictures mirrored, turned, in other light and enlarged as well, and
-///     join the answers: nine times the time, a few more of them right.
+///     join the answers: ten times the time, a few more of them right.
 ///
 /// Raises
 /// ------

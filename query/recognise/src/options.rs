@@ -22,7 +22,7 @@ pub struct RecogniseOptions {
     /// besides.
     pub rolls: usize,
     /// Whether a camera picture, in which scene networks find the hand, is also looked at mirrored,
-    /// turned, in other light and enlarged: nine times the work for an answer that depends less on
+    /// turned, in other light and enlarged: ten times the work for an answer that depends less on
     /// how the picture happens to be taken.
     pub thorough: bool,
     /// How many neighbours vote; `None` takes the index's own number.

@@ -27,7 +27,7 @@ pub(super) struct RecogniseArguments {
     #[arg(long, value_enum, default_value_t = HandArgument::Auto)]
     hand: HandArgument,
     /// Look at camera pictures mirrored, turned, in other light and enlarged as well, and join the
-    /// answers: nine times the time, a few more of them right, fewer that hang on how a picture
+    /// answers: ten times the time, a few more of them right, fewer that hang on how a picture
     /// happens to be taken.
     #[arg(long)]
     thorough: bool,
