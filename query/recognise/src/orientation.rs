@@ -1,6 +1,6 @@
 //! The rotation `camera_from_hand` as four numbers and in words.
 
-use grasp_index::{mirror_orientation, turned_orientation};
+use grasp_index::{mean_rotation, mirror_orientation, turned_orientation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::Side;
@@ -21,6 +21,30 @@ pub(crate) fn in_picture(side: Side, roll_deg: f64, seen: &UnitQuaternion<f64>) 
         Side::Right => level,
         Side::Left => mirror_orientation(&level),
     }
+}
+
+/// How far from an orientation another one may lie to count beside it: of a hand that is once seen
+/// from before and once from behind, the mean is nobody's. Chosen on pictures of two hands
+/// (docs/trials.md).
+const NEAR_DEG: f64 = 40.0;
+
+/// The mean of a rotation and of those of the others that lie near it, where `share` says how much
+/// so many of them count together, 0 to 1.
+pub(crate) fn mean_with_near(
+    own: UnitQuaternion<f64>,
+    others: impl IntoIterator<Item = UnitQuaternion<f64>>,
+    share: impl Fn(usize) -> f64,
+) -> UnitQuaternion<f64> {
+    let is_near = |other: &UnitQuaternion<f64>| other.angle_to(&own) < NEAR_DEG.to_radians();
+    let near: Vec<_> = others.into_iter().filter(is_near).collect();
+    if near.is_empty() {
+        return own;
+    }
+    let share = share(near.len());
+    let each = share / near.len() as f64;
+    let near = near.into_iter().map(|rotation| (rotation, each));
+    let all: Vec<_> = std::iter::once((own, 1.0 - share)).chain(near).collect();
+    mean_rotation(&all).unwrap_or(own)
 }
 
 /// Which side of the hand the camera sees, such as `the thumb side`.

@@ -1,10 +1,11 @@
 //! A picture looked at in several forms ([`Form`]), and what all of them say together.
 
-use grasp_index::{ClassScore, NETWORK_STAGES, euler_deg, mean_rotation};
+use grasp_index::{ClassScore, NETWORK_STAGES, euler_deg};
 use nalgebra::UnitQuaternion;
 
 use crate::form::Form;
 use crate::hypothesis::Hypothesis;
+use crate::orientation::mean_with_near;
 use crate::side::Side;
 
 /// The forms beside the picture as it is. Each costs as much time as that.
@@ -21,9 +22,6 @@ pub(crate) const FORMS: [Form; 8] = [
 
 /// The least probability that is taken seriously.
 const LEAST: f64 = 1e-4;
-/// How far an orientation may lie from that of the picture as it is to count: of a hand that is
-/// once seen from before and once from behind, the mean is nobody's.
-const NEAR_DEG: f64 = 40.0;
 
 /// What one form of a picture says, of the hand as it is.
 #[derive(Debug)]
@@ -89,10 +87,8 @@ fn join_classes(others: &[Said], classes: &mut [ClassScore]) {
 }
 
 fn joined_rotation(others: &[Said], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    let is_near = |said: &&Said| said.side == side && said.rotation.angle_to(&own) < NEAR_DEG.to_radians();
-    let near = others.iter().filter(is_near).map(|said| (said.rotation, 1.0));
-    let all: Vec<_> = std::iter::once((own, 1.0)).chain(near).collect();
-    mean_rotation(&all).unwrap_or(own)
+    let same_hand = others.iter().filter(|said| said.side == side).map(|said| said.rotation);
+    mean_with_near(own, same_hand, |near| near as f64 / (near + 1) as f64)
 }
 
 #[cfg(test)]

@@ -1,21 +1,20 @@
 //! What the networks of scenes say, together with what the neighbours say.
 
-use grasp_index::{Index, OrientationEstimate, Vote, euler_deg, mean_rotation};
+use grasp_index::{Index, OrientationEstimate, Vote, euler_deg};
 use nalgebra::UnitQuaternion;
 
 use super::prediction::Powers;
 use super::{Opening, Prediction};
 use crate::networks::GRASP;
+use crate::orientation::mean_with_near;
 use crate::side::{HandChoice, Side};
 
 /// The least probability that is taken seriously: neither is so sure.
 const LEAST: f64 = 1e-3;
 
-/// How much of an orientation is what networks see of it, and how far from that of the vote it may
-/// lie to count: of a hand that one sees from before and the other from behind, the mean is
-/// nobody's. Chosen on pictures of two hands (docs/trials.md).
+/// How much of an orientation is what networks see of it. Chosen on pictures of two hands
+/// (docs/trials.md).
 const SEEN: f64 = 0.4;
-const NEAR_DEG: f64 = 40.0;
 
 impl Prediction {
     /// Weighs the neighbours' classes and stages by what the networks make of hand and object.
@@ -61,15 +60,7 @@ pub(crate) fn join_orientation(seen: &[UnitQuaternion<f64>], orientation: &mut O
 
 /// The mean of a rotation and of those that are seen near it.
 fn joined_rotation(own: UnitQuaternion<f64>, seen: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
-    let is_near = |seen: &&UnitQuaternion<f64>| seen.angle_to(&own) < NEAR_DEG.to_radians();
-    let near: Vec<_> = seen.iter().filter(is_near).collect();
-    if near.is_empty() {
-        return own;
-    }
-    let each = SEEN / near.len() as f64;
-    let near = near.into_iter().map(|rotation| (*rotation, each));
-    let all: Vec<_> = std::iter::once((own, 1.0 - SEEN)).chain(near).collect();
-    mean_rotation(&all).unwrap_or(own)
+    mean_with_near(own, seen.iter().copied(), |_| SEEN)
 }
 
 /// The probability of each stage by neighbours and networks.
