@@ -92,13 +92,13 @@ pub enum Source {
     /// A camera.
     Camera(Camera),
     /// Pictures and streams of pictures in files, one file behind the other; `-` is standard input.
-    Streams(Streams),
+    Streams(Box<Streams>),
 }
 
 impl Source {
     /// The frames of these files, `-` being standard input.
     pub fn streams(files: Vec<PathBuf>) -> Self {
-        Self::Streams(Streams { files: files.into_iter(), current: None })
+        Self::Streams(Box::new(Streams { files: files.into_iter(), current: None }))
     }
 
     /// Whether a file can be opened, and is none that only a decoder of videos reads. What is no
