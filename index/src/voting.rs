@@ -80,8 +80,7 @@ impl Index {
                 share,
             })
             .collect();
-        // Stable: equals stay in the order of their numbers.
-        classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        ClassScore::rank(&mut classes);
         classes
     }
 

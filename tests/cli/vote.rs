@@ -130,6 +130,10 @@ fn known_hands_are_told_from_things() {
     assert_eq!((figures["known"].as_u64(), figures["others"].as_u64()), (Some(6), Some(4)), "{figures}");
     assert_eq!(figures["curves"][0]["measure"], "nearest");
     assert!(figures["curves"][0]["area"].as_f64().unwrap() > 0.9, "{figures}");
+    // Nothing tempers what is stated where masks are given.
+    let [probability, stated] = [&figures["curves"][1], &figures["curves"][3]];
+    assert_eq!((&probability["measure"], &stated["measure"]), (&"probability".into(), &"stated".into()));
+    assert_eq!((&probability["area"], &probability["points"]), (&stated["area"], &stated["points"]));
     let results = folder.path().join("results");
     let written: Value = serde_json::from_slice(&fs::read(results.join("unknown.json")).unwrap()).unwrap();
     assert_eq!(&written, figures);

@@ -11,9 +11,13 @@ pub const GREY: RGBColor = RGBColor(0x88, 0x88, 0x88);
 pub const FAINT: RGBColor = RGBColor(0x55, 0x55, 0x55);
 /// Other words.
 pub const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-/// Three curves.
-pub const COLOURS: [RGBColor; 3] =
-    [RGBColor(0x00, 0x72, 0xb2), RGBColor(0xd5, 0x5e, 0x00), RGBColor(0x00, 0x9e, 0x73)];
+/// Four curves, which colour-blind people tell apart as well (Okabe and Ito 2008).
+pub const COLOURS: [RGBColor; 4] = [
+    RGBColor(0x00, 0x72, 0xb2),
+    RGBColor(0xd5, 0x5e, 0x00),
+    RGBColor(0x00, 0x9e, 0x73),
+    RGBColor(0xcc, 0x79, 0xa7),
+];
 /// The lines behind the data.
 pub(crate) const PALE: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 

@@ -93,3 +93,10 @@ pub struct ClassScore {
     /// mean.
     pub share: f64,
 }
+
+impl ClassScore {
+    /// Puts the most probable class first, equals in the order of their numbers.
+    pub fn rank(classes: &mut [Self]) {
+        classes.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.class.cmp(&b.class)));
+    }
+}

@@ -1,6 +1,6 @@
 //! What else is known of a hand than its picture: frames before it, the object that it holds.
 
-use grasp_index::{Neighbour, euler_deg};
+use grasp_index::{ClassScore, Neighbour, euler_deg};
 
 use super::{Doubt, Recogniser, Recognition};
 use crate::doubtful;
@@ -84,9 +84,7 @@ fn rank(found: &mut Recognition, probabilities: &[f64]) {
     for score in classes.iter_mut() {
         score.probability = probabilities.get(usize::from(score.class)).copied().unwrap_or(0.0);
     }
-    // Stable, from the classes' numbers on: equals stay in that order.
-    classes.sort_by_key(|score| score.class);
-    classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    ClassScore::rank(classes);
 }
 
 #[cfg(test)]

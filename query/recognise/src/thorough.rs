@@ -82,8 +82,7 @@ fn join_classes(others: &[Said], classes: &mut [ClassScore]) {
     }
     let total: f64 = classes.iter().map(|class| class.probability).sum();
     classes.iter_mut().for_each(|class| class.probability /= total);
-    classes.sort_by_key(|class| class.class);
-    classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    ClassScore::rank(classes);
 }
 
 fn joined_rotation(others: &[Said], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {

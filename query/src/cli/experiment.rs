@@ -314,8 +314,8 @@ impl UnknownArguments {
         // What is measured must not have been decided before; what the limits make of it, by all
         // that the program goes by.
         let measured = score(&RecogniseOptions { accept: Accept::Always, temper: false, ..options.clone() })?;
-        let decided = limits.map(|limits| Ok::<_, anyhow::Error>((limits, score(&options)?))).transpose()?;
-        let mut unknown = Unknown::new(self.labelled.table(), &measured, &selected.broken, decided);
+        let stated = score(&options)?;
+        let mut unknown = Unknown::new(self.labelled.table(), &measured, &selected.broken, &stated, limits);
         if let (Some(path), Some(others)) = (&self.others, &others) {
             unknown.errors.extend(RowReport::of_table(path, &others.broken));
         }

@@ -1,6 +1,6 @@
 //! What the networks of scenes say, together with what the neighbours say.
 
-use grasp_index::{Index, OrientationEstimate, Vote, euler_deg};
+use grasp_index::{ClassScore, Index, OrientationEstimate, Vote, euler_deg};
 use nalgebra::UnitQuaternion;
 
 use super::prediction::Powers;
@@ -45,8 +45,7 @@ impl Prediction {
         }
         let total: f64 = joined.iter().sum();
         vote.classes.iter_mut().zip(joined).for_each(|(score, value)| score.probability = value / total);
-        vote.classes.sort_by_key(|score| score.class);
-        vote.classes.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        ClassScore::rank(&mut vote.classes);
         none
     }
 }

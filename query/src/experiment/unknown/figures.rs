@@ -78,7 +78,8 @@ pub struct AtLimits {
 /// What a measure tells, at every limit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
-    /// `nearest`, `probability` or `trust`.
+    /// `nearest`, `probability` (as neighbours and networks say it), `trust`, or `stated` (the
+    /// probability that an answer states, tempered by trust).
     pub measure: &'static str,
     /// The area under the curve: 0.5 tells nothing, 1 tells all. Null without known hands or
     /// others.
@@ -100,14 +101,15 @@ pub struct Point {
 
 impl Unknown {
     /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
-    /// not be read. The outcomes must not have been told from one another yet; `decided` are
-    /// limits, where there are any, and the outcomes of the same pictures, in the same order, told
-    /// by them.
+    /// not be read. `outcomes` are before any limit and before trust tempers a probability; `stated`
+    /// are those of the same pictures, in the same order, as the program states them, by these
+    /// limits, where it has any.
     pub fn new(
         labels: String,
         outcomes: &[Outcome],
         broken: &[RowError],
-        decided: Option<(Limits, Vec<Outcome>)>,
+        stated: &[Outcome],
+        limits: Option<Limits>,
     ) -> Self {
         let errors = Report::new(Vec::new(), outcomes, broken, false).errors;
         let (others, known): (Vec<&Outcome>, Vec<&Outcome>) =
@@ -115,21 +117,24 @@ impl Unknown {
         let no_hand =
             others.iter().filter(|o| o.result.as_ref().is_err_and(|miss| miss.is_rejection)).count();
         let right = known.iter().filter(|outcome| outcome.is_right()).count();
-        let [known, others] =
-            [known, others].map(|all| all.iter().filter_map(|o| o.result.as_ref().ok()).collect::<Vec<_>>());
-        let curve = |measure, value: &dyn Fn(&Guess) -> f64, sign: f64| {
-            let values = |guesses: &[&Guess]| guesses.iter().map(|guess| sign * value(guess)).collect();
-            Curve::new(measure, values(&known), values(&others), sign)
+        let curve = |measure, of: &[Outcome], value: &dyn Fn(&Guess) -> f64, sign: f64| {
+            let values = |is_other| {
+                let group = of.iter().filter(|outcome| (outcome.label.grasp == OTHER) == is_other);
+                group.filter_map(|one| one.result.as_ref().ok()).map(|guess| sign * value(guess)).collect()
+            };
+            Curve::new(measure, values(false), values(true), sign)
         };
         let curves = vec![
-            curve("nearest", &|guess| guess.nearest, 1.0),
-            curve("probability", &|guess| guess.probability, -1.0),
-            curve("trust", &|guess| guess.trust.unwrap_or(1.0), -1.0),
+            curve("nearest", outcomes, &|guess| guess.nearest, 1.0),
+            curve("probability", outcomes, &|guess| guess.probability, -1.0),
+            curve("trust", outcomes, &|guess| guess.trust.unwrap_or(1.0), -1.0),
+            curve("stated", stated, &|guess| guess.probability, -1.0),
         ];
-        let at_limits = decided.map(|(Limits { farthest, least_probability, least_trust }, decided)| {
+        let [known, others] = [known, others].map(|all| all.iter().filter(|one| one.result.is_ok()).count());
+        let at_limits = limits.map(|Limits { farthest, least_probability, least_trust }| {
             let lost = |of: &dyn Fn(&Outcome) -> bool| {
-                let found = outcomes.iter().zip(&decided).filter(|(one, _)| one.result.is_ok() && of(one));
-                let lost: Vec<bool> = found.map(|(_, decided)| decided.is_unknown()).collect();
+                let found = outcomes.iter().zip(stated).filter(|(one, _)| one.result.is_ok() && of(one));
+                let lost: Vec<bool> = found.map(|(_, stated)| stated.is_unknown()).collect();
                 lost.iter().filter(|is_lost| **is_lost).count() as f64 / lost.len().max(1) as f64
             };
             let is_other = |outcome: &Outcome| outcome.label.grasp == OTHER;
@@ -142,7 +147,7 @@ impl Unknown {
                 others_told: lost(&is_other),
             }
         });
-        Self { labels, known: known.len(), right, others: others.len(), no_hand, at_limits, curves, errors }
+        Self { labels, known, right, others, no_hand, at_limits, curves, errors }
     }
 
     /// The figures for a person.
