@@ -9,10 +9,10 @@
 //!    orientation ([`DescriptorParams`]), or what a network makes of the hand, which then lies in
 //!    the index ([`DescriptorModel`]).
 //! 3. [`Index::search`]: the k nearest descriptors of the index, by locality-sensitive hashing. The
-//!    hash says which of its buckets are the most promising; what the first of them hold are the
-//!    candidates; their distances are measured, and the k nearest kept. [`Effort`] says how much of
-//!    what is nearest shall be found: how many buckets do that, the index has measured
-//!    ([`Measured`]).
+//!    hash says which of its buckets are the most promising. Of the entries in the first of them,
+//!    short codes are compared; the distances of the best few are measured, and the k nearest kept.
+//!    [`Effort`] says how much of what is nearest shall be found: how many buckets do that, the
+//!    index has measured ([`Measured`]).
 //! 4. [`Index::vote`]: the class and the orientation, from the labels of those neighbours, each
 //!    weighed by its distance; [`Calibration`] makes probabilities of the weights.
 //!

@@ -1,10 +1,11 @@
-//! From a hand image to a descriptor: a pyramid of histograms of gradient orientation (the paper's
-//! Section IV).
+//! From a hand image to a descriptor, of one of two kinds, which [`DescriptorParams`] names:
 //!
-//! Two steps, one file each: [`gradient`] turns the picture into orientation (Equation 1),
-//! [`pyramid`] counts it over `4^(L-l)` cells a level `l`. [`DescriptorParams`] says how both are
-//! done; it is recorded in the index, because descriptors made with different parameters cannot be
-//! compared.
+//! - the embedding of a network, the default: [`planes`] makes its input, [`learned`] runs it;
+//! - the paper's pyramid of histograms of gradient orientation (Section IV): [`gradient`] turns the
+//!   picture into orientation (Equation 1), [`pyramid`] counts it over `4^(L-l)` cells a level `l`.
+//!
+//! [`Describer`] computes either. The parameters are recorded in the index, because descriptors
+//! made with different ones cannot be compared.
 
 mod cells;
 mod describer;

@@ -25,7 +25,7 @@ impl HashInfo {
         self.with_entry_blocks(0)
     }
 
-    /// With so many blocks of entries, where it has blocks.
+    /// The same hash with `entry_blocks` blocks of entries; a random hash has none.
     pub(crate) fn with_entry_blocks(self, entry_blocks: u32) -> Self {
         match self {
             Self::Learned(hash) => Self::Learned(LearnedHash { entry_blocks, ..hash }),
@@ -165,7 +165,7 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Takes from the chosen buckets the entries that may be among the `k` nearest: the candidates.
+    /// Takes from the chosen buckets the entries that may be among the `k` nearest: the shortlist.
     pub(crate) fn gather(&mut self, simd: Simd, k: usize) {
         match self {
             Self::Random(lookup) => lookup.gather(),
@@ -184,16 +184,16 @@ impl<'a> Lookup<'a> {
     /// How many entries they hold, each counted once.
     pub(crate) fn held(&self) -> u32 {
         match self {
-            Self::Random(lookup) => lookup.candidates().len() as u32,
+            Self::Random(lookup) => lookup.shortlist().len() as u32,
             Self::Learned(lookup) => lookup.held(),
         }
     }
 
     /// The entries whose distance is to be measured.
-    pub(crate) fn candidates(&self) -> &[u32] {
+    pub(crate) fn shortlist(&self) -> &[u32] {
         match self {
-            Self::Random(lookup) => lookup.candidates(),
-            Self::Learned(lookup) => lookup.candidates(),
+            Self::Random(lookup) => lookup.shortlist(),
+            Self::Learned(lookup) => lookup.shortlist(),
         }
     }
 

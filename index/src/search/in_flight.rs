@@ -51,7 +51,7 @@ impl<'a> InFlight<'a> {
         loop {
             lookup.rank(simd, probes);
             lookup.gather(simd, k);
-            if lookup.candidates().len() >= wanted || probes >= most {
+            if lookup.shortlist().len() >= wanted || probes >= most {
                 break;
             }
             // Small buckets, or a large k: more of them are cheaper than all entries.
@@ -63,15 +63,15 @@ impl<'a> InFlight<'a> {
             buckets: lookup.buckets() as u32,
             candidates: held,
             share_of_database: f64::from(held) / stored.entries.max(1) as f64,
-            reranked: if stored.are_kept() { lookup.candidates().len() as u32 } else { 0 },
+            reranked: if stored.are_kept() { lookup.shortlist().len() as u32 } else { 0 },
             ..SearchCost::default()
         };
-        if lookup.candidates().len() < wanted
+        if lookup.shortlist().len() < wanted
             && let Some(all) = exhaustive(stored, &[], query, k, SearchCost { fell_back: true, ..cost })
         {
             return all;
         }
-        stored.prefetch(lookup.candidates());
+        stored.prefetch(lookup.shortlist());
         self.rerank(stored, simd, query, k);
         Search { neighbours: self.nearest.neighbours().collect(), cost }
     }
@@ -82,7 +82,7 @@ impl<'a> InFlight<'a> {
         let Self { lookup, nearest, row } = self;
         nearest.reset(k);
         if stored.are_kept() {
-            stored.measure(simd, query, lookup.candidates(), row, nearest);
+            stored.measure(simd, query, lookup.shortlist(), row, nearest);
         } else {
             lookup.estimate(stored.entries, nearest);
         }

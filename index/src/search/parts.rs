@@ -50,7 +50,7 @@ impl<'a> Parts<'a> {
     /// Measures those, and keeps the k nearest; returns how many were measured.
     pub fn rerank(&mut self, query: &[f32], k: usize) -> usize {
         self.nearest.reset(k);
-        let candidates = self.lookup.candidates();
+        let candidates = self.lookup.shortlist();
         self.stored.measure(self.simd, query, candidates, &mut self.row, &mut self.nearest);
         candidates.len()
     }

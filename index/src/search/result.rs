@@ -9,10 +9,10 @@ pub struct SearchCost {
     pub tables: u32,
     /// Buckets that were looked into, over all tables.
     pub buckets: u32,
-    /// Entries that the buckets held, each counted once: all distances that were measured, unless
-    /// `exact`.
+    /// Entries in those buckets, each counted once. With a fitted hash their codes were compared,
+    /// with a random one their distances measured; 0 where the search was exact from the start.
     pub candidates: u32,
-    /// The share of the index whose distance was measured, 0 to 1.
+    /// The same as a share of the index, 0 to 1.
     pub share_of_database: f64,
     /// Every entry was measured: the neighbours are the true ones.
     pub exact: bool,

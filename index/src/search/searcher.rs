@@ -84,7 +84,7 @@ impl<'a> Searcher<'a> {
         in_flight.lookup.gather(self.simd, options.k);
         let (keep, keys) = in_flight.lookup.keys().unzip();
         let keys = keys.unwrap_or_default();
-        in_flight.rerank(self.stored, self.simd, query, in_flight.lookup.candidates().len());
+        in_flight.rerank(self.stored, self.simd, query, in_flight.lookup.shortlist().len());
         let keyed = |near: Neighbour| (keys.get(&near.id).copied().unwrap_or_default(), near);
         let candidates = in_flight.nearest.neighbours().map(keyed).collect();
         Ok(Some(Shortlist { probes, most_probes: in_flight.lookup.most_probes(), keep, candidates }))
@@ -125,11 +125,11 @@ impl<'a> Searcher<'a> {
             if let Some(at) = turn.checked_sub(1).filter(|&at| at < queries.len()) {
                 let lookup = &mut self.in_flight[at % STAGES].lookup;
                 lookup.gather(simd, k);
-                stored.prefetch(lookup.candidates());
+                stored.prefetch(lookup.shortlist());
             }
             if let Some((at, query)) = turn.checked_sub(2).and_then(|at| Some((at, *queries.get(at)?))) {
                 let in_flight = &mut self.in_flight[at % STAGES];
-                if in_flight.lookup.candidates().len() < k.min(stored.entries) {
+                if in_flight.lookup.shortlist().len() < k.min(stored.entries) {
                     let more = in_flight.search(stored, simd, query, k, probes.saturating_mul(2));
                     append(more.neighbours.into_iter(), k, found);
                 } else {
@@ -202,7 +202,7 @@ impl<'a> Searcher<'a> {
         lookup.probe(self.simd, query, probes);
         lookup.for_each_part(will_need);
         lookup.gather(self.simd, k);
-        for &id in lookup.candidates() {
+        for &id in lookup.shortlist() {
             will_need(self.stored.part(id));
         }
     }

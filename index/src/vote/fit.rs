@@ -132,7 +132,7 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     values.get((share * values.len().saturating_sub(1) as f64).round() as usize).copied()
 }
 
-/// The best floor and power for one number of neighbours and one width, and the likelihood that
+/// The best floor and power for one number of neighbours and one width, and the log-likelihood that
 /// they reach.
 fn fit(examples: &[&Example], classes: usize, sigma: f64, k: usize, scale: f64) -> (f64, Calibration) {
     let shares: Vec<(usize, Vec<f64>)> = examples
@@ -150,18 +150,18 @@ fn fit(examples: &[&Example], classes: usize, sigma: f64, k: usize, scale: f64) 
         let power = best_power(&logs);
         let calibration =
             Calibration { k: k as u32, sigma_scale: scale, floor, power, ..Calibration::default() };
-        (likelihood(&logs, power).0, calibration)
+        (log_likelihood(&logs, power).0, calibration)
     };
     let fits = FLOORS.iter().map(of_floor);
     fits.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((f64::NEG_INFINITY, Calibration::default()))
 }
 
-/// The likelihood is concave in the power: its slope crosses 0 once at most.
+/// The log-likelihood is concave in the power: its slope crosses 0 once at most.
 fn best_power(logs: &[(f64, Vec<f64>)]) -> f64 {
     let [mut low, mut high] = POWERS.map(libm::log);
     for _ in 0..HALVINGS {
         let middle = (low + high) / 2.0;
-        let (_, slope) = likelihood(logs, libm::exp(middle));
+        let (_, slope) = log_likelihood(logs, libm::exp(middle));
         *(if slope > 0.0 { &mut low } else { &mut high }) = middle;
     }
     libm::exp((low + high) / 2.0)
@@ -169,8 +169,8 @@ fn best_power(logs: &[(f64, Vec<f64>)]) -> f64 {
 
 /// The sum of `power * log of the labelled class - log of the sum over all classes`, and its slope
 /// in the power.
-fn likelihood(logs: &[(f64, Vec<f64>)], power: f64) -> (f64, f64) {
-    logs.iter().fold((0.0, 0.0), |(likelihood, slope), (labelled, logs)| {
+fn log_likelihood(logs: &[(f64, Vec<f64>)], power: f64) -> (f64, f64) {
+    logs.iter().fold((0.0, 0.0), |(sum_of_logs, slope), (labelled, logs)| {
         let greatest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (mut sum, mut mean) = (0.0, 0.0);
         for log in logs {
@@ -178,7 +178,7 @@ fn likelihood(logs: &[(f64, Vec<f64>)], power: f64) -> (f64, f64) {
             sum += weight;
             mean += weight * log;
         }
-        (likelihood + power * (labelled - greatest) - libm::log(sum), slope + labelled - mean / sum)
+        (sum_of_logs + power * (labelled - greatest) - libm::log(sum), slope + labelled - mean / sum)
     })
 }
 
@@ -236,7 +236,7 @@ mod tests {
             .map(|row| (libm::log(row[0]), row.iter().map(|share| libm::log(*share)).collect()))
             .collect();
         let (best, step) = (best_power(&logs), 1.02);
-        let at = |power| likelihood(&logs, power).0;
+        let at = |power| log_likelihood(&logs, power).0;
         assert!(at(best) >= at(best * step) && at(best) >= at(best / step), "{best}");
     }
 

@@ -298,7 +298,7 @@ pub struct SearchRecord {
     pub tables: u32,
     /// Buckets that were looked into.
     pub buckets: u32,
-    /// Entries whose distance was measured.
+    /// Entries that were looked at: those in the buckets.
     pub candidates: u32,
     /// The same as a share of the index, 0..=1.
     pub share_of_database: f64,

@@ -113,7 +113,7 @@ impl Metrics {
         registry.register("request_seconds", "From a request's head to its answer, by path", seconds);
         registry.register("step_seconds", "How long the steps of a recognition took", self.steps.clone());
         let candidates = self.candidates.clone();
-        registry.register("candidates", "Entries whose distance a picture's search measured", candidates);
+        registry.register("candidates", "Entries that a picture's search looked at", candidates);
         for (name, help, value) in [
             ("index_generation", "The index that is served, counted from 1", now.generation),
             ("index_entries", "Entries of the index that is served", now.entries),

@@ -110,7 +110,7 @@ impl<'a> Lookup<'a> {
     }
 
     /// The entries that were kept.
-    pub(crate) fn candidates(&self) -> &[u32] {
+    pub(crate) fn shortlist(&self) -> &[u32] {
         &self.candidates
     }
 

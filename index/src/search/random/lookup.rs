@@ -95,7 +95,7 @@ impl<'a> Lookup<'a> {
     }
 
     /// The entries that the buckets hold, each once.
-    pub(crate) fn candidates(&self) -> &[u32] {
+    pub(crate) fn shortlist(&self) -> &[u32] {
         self.candidates.ids()
     }
 }
@@ -123,7 +123,7 @@ mod tests {
             lookup.locate(&[1.0]);
             lookup.rank(1);
             lookup.gather();
-            lookup.candidates().to_vec()
+            lookup.shortlist().to_vec()
         };
         assert_eq!(gathered(&[(0, 5)]), [0]);
         assert_eq!(gathered(&[(0, 5), (70, 8)]), [0, 70, 77]);

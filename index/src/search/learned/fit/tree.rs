@@ -1,7 +1,7 @@
 //! The tree of hyperplanes.
 //!
 //! Each plane is perpendicular to the direction in which the entries that reach it vary most, and
-//! cuts them at the widest gap in their middle third.
+//! cuts them at the widest gap between their 35th and 65th percentiles.
 
 use rayon::prelude::*;
 
