@@ -57,7 +57,7 @@ pub(crate) fn warnings(found: &Recognition, is_calibrated: bool) -> Vec<Warning>
     let spread_deg = evidence.spread_deg;
     warn(spread_deg > DISAGREE_DEG, Warning::NeighboursDisagree { spread_deg });
     warn(evidence.other_hand.is_some_and(|farther| farther < AS_NEAR), Warning::HandAmbiguous);
-    if let Some(probability) = found.none {
+    if let Some(probability) = found.no_grasp {
         warn(probability > MAYBE_NONE, Warning::NoneOfTheGrasps { probability });
     }
     warn(!is_calibrated, Warning::IndexNotCalibrated);

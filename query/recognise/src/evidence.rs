@@ -40,7 +40,8 @@ pub struct SceneEvidence {
 impl SceneEvidence {
     fn of(scene: &Scene, skin: &Mask, side: Side) -> Self {
         let grasps = scene.prediction.probabilities(side);
-        let sure = grasps.iter().rev().skip(1).copied().fold(0.0, f64::max);
+        let (_no_grasp, grasps) = grasps.split_last().expect("the last is no grasp");
+        let sure = grasps.iter().copied().fold(0.0, f64::max);
         Self { side: scene.prediction.right_odds.abs(), agrees: scene.found.agreement(skin), sure }
     }
 }

@@ -78,7 +78,7 @@ impl Candidate {
     fn unlikeliness(&self, tried_deg: f64, prediction: Option<&Prediction>) -> f64 {
         let tilt = tried_deg.min(360.0 - tried_deg) / 180.0;
         let mirrored = self.opinion.as_ref().map(|opinion| opinion.mirrored);
-        let other = prediction.map(|prediction| prediction.is_other_hand(self.side));
+        let other = prediction.map(|prediction| prediction.probability_of_other_hand(self.side));
         let mirrored =
             [mirrored, other].map(|probability| 1.0 + MIRROR_PENALTY * probability.unwrap_or_default());
         mean_distance(&self.found.neighbours) * (1.0 + TILT_PENALTY * tilt) * mirrored[0] * mirrored[1]

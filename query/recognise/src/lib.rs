@@ -9,11 +9,10 @@
 //! and `landmarks` finds hands by MediaPipe's networks, which the user has as files.
 
 mod accept;
-mod belief;
+mod context;
 mod doubtful;
 mod error;
 mod evidence;
-mod form;
 mod hypothesis;
 #[cfg(feature = "landmarks")]
 mod mediapipe;
@@ -34,12 +33,12 @@ mod thorough;
 mod timings;
 mod tracker;
 mod trust;
+mod variant;
 mod warning;
 
 pub use accept::Doubt;
 pub use error::{RecogniseError, SourceError};
 pub use evidence::Evidence;
-pub use form::Form;
 pub use hypothesis::Hypothesis;
 #[cfg(feature = "landmarks")]
 pub use mediapipe::{HandNetworks, HandNetworksError, NetworkFault};
@@ -51,4 +50,5 @@ pub use source::{MaskSource, Prepared};
 pub use timings::Timings;
 pub use tracker::Tracker;
 pub use trust::{Logistic, Term, Trust, logistic, temper};
+pub use variant::Variant;
 pub use warning::Warning;

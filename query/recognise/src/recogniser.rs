@@ -10,7 +10,6 @@ use crate::accept::Trusted;
 use crate::doubtful;
 use crate::error::RecogniseError;
 use crate::evidence::Evidence;
-use crate::form::Form;
 use crate::hypothesis::{self, Hypothesis};
 use crate::options::RecogniseOptions;
 use crate::picture::{self, DecodeWarning, Decoded};
@@ -19,10 +18,11 @@ use crate::scene::{Prediction, join_orientation};
 use crate::segment::Finder;
 use crate::side::HandChoice;
 use crate::source::{MaskSource, Prepared};
-use crate::thorough::{self, FORMS, Said};
+use crate::thorough::{self, VARIANTS, VariantAnswer};
 use crate::timings::{self, Timings};
 use crate::tracker::Tracker;
 use crate::trust::{Trust, temper};
+use crate::variant::Variant;
 use crate::warning::Warning;
 
 /// Recognises pictures by one index. It can be shared between threads.
@@ -91,28 +91,28 @@ impl<'a> Recogniser<'a> {
     ) -> Result<Recognition, RecogniseError> {
         let mut looked = self.look(&prepared, self.options.hand, &mut timings)?;
         if self.options.thorough && prepared.scene.is_some() {
-            let others = self.forms(&prepared, &mut timings);
+            let others = self.variants(&prepared, &mut timings);
             let side = thorough::side_of_most(looked.best.side, &others);
             if side != looked.best.side && self.options.hand == HandChoice::Auto {
                 looked = self.look(&prepared, side.into(), &mut timings)?;
             }
-            looked.none = thorough::join(&others, &mut looked.best, looked.none);
+            looked.no_grasp = thorough::join(&others, &mut looked.best, looked.no_grasp);
         }
         Ok(self.decide(prepared, looked, timings))
     }
 
-    /// What other forms of a picture say, where a hand is found in them.
-    fn forms(&self, prepared: &Prepared, timings: &mut Timings) -> Vec<Said> {
-        let said = |form: Form| {
-            let shown = || form.picture(&prepared.picture);
+    /// What other variants of a picture say, where a hand is found in them.
+    fn variants(&self, prepared: &Prepared, timings: &mut Timings) -> Vec<VariantAnswer> {
+        let said = |variant: Variant| {
+            let shown = || variant.picture(&prepared.picture);
             let changed = timings.time(
                 |t| &mut t.segmentation_ms,
                 || Prepared::new(shown(), false, &MaskSource::Camera, &self.options.segment),
             );
-            let looked = self.look(&changed.ok()?, form.hand(self.options.hand), timings).ok()?;
-            Some(Said::new(form, &looked.best, looked.none))
+            let looked = self.look(&changed.ok()?, variant.hand(self.options.hand), timings).ok()?;
+            Some(VariantAnswer::new(variant, &looked.best, looked.no_grasp))
         };
-        FORMS.into_iter().filter_map(said).collect()
+        VARIANTS.into_iter().filter_map(said).collect()
     }
 
     /// What neighbours and networks say of a hand, before it is decided how far to believe it.
@@ -133,15 +133,15 @@ impl<'a> Recogniser<'a> {
         let rotations = seen.as_deref().filter(|_| !self.options.vote.euler_mean);
         let rotations = rotations.map(|seen| seen.rotations(side).to_vec()).unwrap_or_default();
         join_orientation(&rotations, &mut best.vote.orientation);
-        let none = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
+        let no_grasp = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
-        let none = none.filter(|_| prepared.scene.is_some());
-        Ok(Looked { hand_image, best, rotations, none })
+        let no_grasp = no_grasp.filter(|_| prepared.scene.is_some());
+        Ok(Looked { hand_image, best, rotations, no_grasp })
     }
 
     /// How far what is said of a hand is believed, and what should make a reader doubt it.
     fn decide(&self, prepared: Prepared, looked: Looked, timings: Timings) -> Recognition {
-        let Looked { hand_image, mut best, rotations, none } = looked;
+        let Looked { hand_image, mut best, rotations, no_grasp } = looked;
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -160,7 +160,7 @@ impl<'a> Recogniser<'a> {
             }
         }
         let doubt = self.options.accept.doubt(self.index, &best, trusted, &self.options.vote);
-        let is_none = none.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
+        let is_none = no_grasp.and_then(|probability| self.options.accept.none_of_the_grasps(probability));
         // Such a hand often looks like no class in particular. A prior or the frames before may
         // settle that doubt, but not this one: it goes first.
         let doubt = doubt.filter(|doubt| !doubt.is_unsure()).or(is_none).or(doubt);
@@ -170,7 +170,7 @@ impl<'a> Recogniser<'a> {
             hand_image,
             best,
             evidence,
-            none,
+            no_grasp,
             trust,
             tempering,
             seen: rotations,
@@ -215,7 +215,7 @@ struct Looked {
     /// How networks see the hand turned in the picture, by each of their looks.
     rotations: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps.
-    none: Option<f64>,
+    no_grasp: Option<f64>,
 }
 
 /// With what is odd about the picture first among what is to be doubted.

@@ -42,7 +42,7 @@ pub struct Recognition {
     pub(crate) seen: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps, by all that is seen, 0..=1; `None` where no
     /// scene network has found it.
-    pub none: Option<f64>,
+    pub no_grasp: Option<f64>,
     /// What should make a reader doubt the answer.
     pub warnings: Vec<Warning>,
     /// Why the class is unknown, where it is.

@@ -1,62 +1,63 @@
-//! A picture looked at in several forms ([`Form`]), and what all of them say together.
+//! Test-time augmentation: a picture looked at in several variants ([`Variant`]), and what all of
+//! them say together.
 
 use grasp_index::{ClassScore, NETWORK_STAGES, euler_deg};
 use nalgebra::UnitQuaternion;
 
-use crate::form::Form;
 use crate::hypothesis::Hypothesis;
 use crate::orientation::mean_with_near;
 use crate::side::Side;
+use crate::variant::Variant;
 
-/// The forms beside the picture as it is. Each costs as much time as that.
-pub(crate) const FORMS: [Form; 8] = [
-    Form::Mirrored,
-    Form::TurnedRight,
-    Form::TurnedLeft,
-    Form::Darker,
-    Form::Brighter,
-    Form::Warmer,
-    Form::Colder,
-    Form::Enlarged,
+/// The variants beside the picture as it is. Each costs as much time as that.
+pub(crate) const VARIANTS: [Variant; 8] = [
+    Variant::Mirrored,
+    Variant::TurnedRight,
+    Variant::TurnedLeft,
+    Variant::Darker,
+    Variant::Brighter,
+    Variant::Warmer,
+    Variant::Colder,
+    Variant::Enlarged,
 ];
 
 /// The least probability that is taken seriously.
 const LEAST: f64 = 1e-4;
 
-/// What one form of a picture says, of the hand as it is.
+/// What one variant of a picture says, of the hand as it is.
 #[derive(Debug)]
-pub(crate) struct Said {
+pub(crate) struct VariantAnswer {
     side: Side,
     /// By class number.
     classes: Vec<(u16, f64)>,
     stages: Option<[f64; NETWORK_STAGES.len()]>,
     rotation: UnitQuaternion<f64>,
-    none: Option<f64>,
+    no_grasp: Option<f64>,
 }
 
-impl Said {
-    /// By the likeliest hypothesis about a picture of this form.
-    pub(crate) fn new(form: Form, best: &Hypothesis, none: Option<f64>) -> Self {
+impl VariantAnswer {
+    /// By the likeliest hypothesis about a picture of this variant.
+    pub(crate) fn new(variant: Variant, best: &Hypothesis, no_grasp: Option<f64>) -> Self {
         Self {
-            side: form.side(best.side),
+            side: variant.side(best.side),
             classes: best.vote.classes.iter().map(|class| (class.class, class.probability)).collect(),
             stages: best.vote.stages,
-            rotation: form.orientation_as_it_is(&best.vote.orientation.rotation),
-            none,
+            rotation: variant.orientation_as_it_is(&best.vote.orientation.rotation),
+            no_grasp,
         }
     }
 }
 
-/// The hand that most forms show, `own` among them, which goes first where as many show either.
-pub(crate) fn side_of_most(own: Side, others: &[Said]) -> Side {
+/// The hand that most variants show, `own` among them, which goes first where as many show either.
+pub(crate) fn side_of_most(own: Side, others: &[VariantAnswer]) -> Side {
     let against = others.iter().filter(|said| said.side != own).count();
     if 2 * against > others.len() + 1 { own.other() } else { own }
 }
 
-/// Joins what other forms say of a hand with what is said of the picture as it is: the geometric
+/// Joins what other variants say of a hand with what is said of the picture as it is: the geometric
 /// mean of the classes' probabilities, normalised, the mean of those of the stages, and the mean of
 /// the rotations near it of the same hand. Returns how likely the hand is in none of the grasps.
-pub(crate) fn join(others: &[Said], best: &mut Hypothesis, none: Option<f64>) -> Option<f64> {
+pub(crate) fn join(others: &[VariantAnswer], best: &mut Hypothesis, no_grasp: Option<f64>) -> Option<f64> {
     join_classes(others, &mut best.vote.classes);
     if let Some(stages) = &mut best.vote.stages {
         let said: Vec<_> = others.iter().filter_map(|said| said.stages).collect();
@@ -67,11 +68,11 @@ pub(crate) fn join(others: &[Said], best: &mut Hypothesis, none: Option<f64>) ->
     let orientation = &mut best.vote.orientation;
     orientation.rotation = joined_rotation(others, best.side, orientation.rotation);
     orientation.euler_deg = euler_deg(&orientation.rotation);
-    let nones = || others.iter().filter_map(|said| said.none);
-    none.map(|none| (none + nones().sum::<f64>()) / (nones().count() + 1) as f64)
+    let predicted = || others.iter().filter_map(|said| said.no_grasp);
+    no_grasp.map(|no_grasp| (no_grasp + predicted().sum::<f64>()) / (predicted().count() + 1) as f64)
 }
 
-fn join_classes(others: &[Said], classes: &mut [ClassScore]) {
+fn join_classes(others: &[VariantAnswer], classes: &mut [ClassScore]) {
     for class in &mut *classes {
         let said = others.iter().map(|said| {
             let own = said.classes.iter().find(|(number, _)| *number == class.class);
@@ -85,7 +86,7 @@ fn join_classes(others: &[Said], classes: &mut [ClassScore]) {
     ClassScore::rank(classes);
 }
 
-fn joined_rotation(others: &[Said], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+fn joined_rotation(others: &[VariantAnswer], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let same_hand = others.iter().filter(|said| said.side == side).map(|said| said.rotation);
     mean_with_near(own, same_hand, |near| near as f64 / (near + 1) as f64)
 }
@@ -98,9 +99,9 @@ mod tests {
         UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians())
     }
 
-    fn said(side: Side, probabilities: [f64; 3], degrees: f64) -> Said {
+    fn said(side: Side, probabilities: [f64; 3], degrees: f64) -> VariantAnswer {
         let classes = (0u16..).zip(probabilities).collect();
-        Said { side, classes, stages: None, rotation: about_z(degrees), none: None }
+        VariantAnswer { side, classes, stages: None, rotation: about_z(degrees), no_grasp: None }
     }
 
     fn scores(probabilities: [f64; 3]) -> Vec<ClassScore> {
@@ -120,7 +121,7 @@ mod tests {
         join_classes(&[], &mut classes);
         assert_eq!(classes.iter().map(|class| class.class).collect::<Vec<_>>(), [0, 1, 2]);
         assert!((classes[0].probability - 0.6).abs() < 1e-3);
-        // Two forms of three find the second likelier, and one of them excludes the first.
+        // Two variants of three find the second likelier, and one of them excludes the first.
         let others = [[0.4, 0.5, 0.1], [0.0, 0.5, 0.5]].map(|classes| said(Side::Right, classes, 0.0));
         join_classes(&others, &mut classes);
         assert_eq!(classes[0].class, 1);
@@ -144,12 +145,17 @@ mod tests {
     #[test]
     fn what_is_said_of_a_form_is_about_the_picture_as_it_is() {
         let rotation = UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1);
-        for form in Form::ALL {
-            let there = form.orientation(&rotation);
-            assert!(form.orientation_as_it_is(&there).angle_to(&rotation) < 1e-9, "{}", form.name());
-            assert_eq!(form.side(form.side(Side::Left)), Side::Left, "{}", form.name());
-            assert_eq!(form.hand(Side::Left.into()), form.side(Side::Left).into(), "{}", form.name());
+        for variant in Variant::ALL {
+            let there = variant.orientation(&rotation);
+            assert!(variant.orientation_as_it_is(&there).angle_to(&rotation) < 1e-9, "{}", variant.name());
+            assert_eq!(variant.side(variant.side(Side::Left)), Side::Left, "{}", variant.name());
+            assert_eq!(
+                variant.hand(Side::Left.into()),
+                variant.side(Side::Left).into(),
+                "{}",
+                variant.name()
+            );
         }
-        assert!(!FORMS.contains(&Form::AsItIs));
+        assert!(!VARIANTS.contains(&Variant::AsItIs));
     }
 }

@@ -1,5 +1,5 @@
 //! How steady answers are: each labelled picture as it is, and changed so little that a person
-//! answers the same. A few pictures, each in many forms, also say more surely which of two choices
+//! answers the same. A few pictures, each in many variants, also say more surely which of two choices
 //! recognises better than as many pictures by themselves.
 
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ use crate::evaluate::{Guess, Miss, guess_of, labelled_picture};
 use grasp_answer::record::UNKNOWN;
 use grasp_index::Index;
 use grasp_recognise::segment::SegmentParams;
-use grasp_recognise::{Form, MaskSource, Prepared, RecogniseOptions, Recogniser, Side};
+use grasp_recognise::{MaskSource, Prepared, RecogniseOptions, Recogniser, Side, Variant};
 
 /// The figures. JSON keys are an interface: they may be added to, never renamed.
 #[derive(Clone, Debug, Serialize)]
@@ -28,7 +28,7 @@ pub struct Steadiness {
     pub changes: Vec<ChangeRow>,
     /// All of them together, the unchanged pictures included.
     pub all: Share,
-    /// Pictures that are classed rightly in every form, in some, and in none.
+    /// Pictures that are classed rightly in every variant, in some, and in none.
     pub always: usize,
     /// In some.
     pub sometimes: usize,
@@ -69,7 +69,7 @@ pub struct Answer {
     orientation_error_deg: Option<f64>,
 }
 
-/// What recognises pictures in all their forms.
+/// What recognises pictures in all their variants.
 #[derive(Debug)]
 pub struct Recognisers<'a> {
     recogniser: Recogniser<'a>,
@@ -82,46 +82,46 @@ pub struct Recognisers<'a> {
 impl<'a> Recognisers<'a> {
     /// By one index and some options.
     pub fn new(index: &'a Index, options: RecogniseOptions, labelled_masks: bool) -> Self {
-        let hand = Form::Mirrored.hand(options.hand);
+        let hand = Variant::Mirrored.hand(options.hand);
         let mirrored = Recogniser::new(index, RecogniseOptions { hand, ..options.clone() });
         let segment = options.segment.clone();
         Self { recogniser: Recogniser::new(index, options), mirrored, segment, labelled_masks }
     }
 
-    /// What one label's picture is taken for in every form, in the order of the changes.
+    /// What one label's picture is taken for in every variant, in the order of the changes.
     ///
     /// # Errors
     /// [`Miss`]: where its picture or its mask cannot be used. That no hand is found is an answer.
     pub fn answers(&self, folder: &Path, label: &Label) -> Result<Vec<Answer>, Miss> {
         let (decoded, source) = labelled_picture(folder, label, self.labelled_masks)?;
-        let answer = |form: Form| {
-            let recogniser = if form == Form::Mirrored { &self.mirrored } else { &self.recogniser };
-            let (picture, source) = (form.picture(&decoded.picture), source_of(form, &source));
+        let answer = |variant: Variant| {
+            let recogniser = if variant == Variant::Mirrored { &self.mirrored } else { &self.recogniser };
+            let (picture, source) = (variant.picture(&decoded.picture), source_of(variant, &source));
             let prepared = Prepared::new(picture, decoded.is_jpeg, &source, &self.segment);
             match guess_of(recogniser, prepared) {
-                Ok(guess) => Ok(Answer::new(label, form, Some(&guess))),
-                Err(miss) if miss.is_rejection => Ok(Answer::new(label, form, None)),
+                Ok(guess) => Ok(Answer::new(label, variant, Some(&guess))),
+                Err(miss) if miss.is_rejection => Ok(Answer::new(label, variant, None)),
                 Err(miss) => Err(miss),
             }
         };
-        Form::ALL.into_iter().map(answer).collect()
+        Variant::ALL.into_iter().map(answer).collect()
     }
 }
 
 impl Answer {
-    fn new(label: &Label, form: Form, guess: Option<&Guess>) -> Self {
+    fn new(label: &Label, variant: Variant, guess: Option<&Guess>) -> Self {
         let error = |guess: &Guess| {
-            let labelled = form.orientation(label.orientation.as_ref()?);
+            let labelled = variant.orientation(label.orientation.as_ref()?);
             Some(labelled.angle_to(&guess.orientation).to_degrees())
         };
         Self {
             file: label.file.clone(),
-            change: form.name(),
+            change: variant.name(),
             labelled: label.grasp.clone(),
             grasp: guess.map_or_else(|| UNKNOWN.to_owned(), |guess| guess.grasp.clone()),
             probability: guess.map_or(0.0, |guess| guess.probability),
             hand: guess.map(|guess| guess.hand),
-            labelled_hand: label.hand.map(|hand| form.side(hand)),
+            labelled_hand: label.hand.map(|hand| variant.side(hand)),
             orientation_error_deg: guess.and_then(error),
         }
     }
@@ -132,7 +132,7 @@ impl Answer {
 }
 
 impl Steadiness {
-    /// Sums up what pictures in all their forms were taken for; each item is a label and its
+    /// Sums up what pictures in all their variants were taken for; each item is a label and its
     /// answers. Pictures in none of the classes are left out.
     pub fn new(
         labels: String,
@@ -153,18 +153,21 @@ impl Steadiness {
             }
         }
         errors.sort_by_key(|error| error.line);
-        let rows = Form::ALL.iter().enumerate();
-        let changes = rows.map(|(at, form)| ChangeRow::new(*form, at, &pictures, hand_is_given)).collect();
-        let rights: Vec<usize> =
-            pictures.iter().map(|forms| forms.iter().filter(|form| form.is_right()).count()).collect();
+        let rows = Variant::ALL.iter().enumerate();
+        let changes =
+            rows.map(|(at, variant)| ChangeRow::new(*variant, at, &pictures, hand_is_given)).collect();
+        let rights: Vec<usize> = pictures
+            .iter()
+            .map(|variants| variants.iter().filter(|variant| variant.is_right()).count())
+            .collect();
         let count = |test: &dyn Fn(usize) -> bool| rights.iter().filter(|right| test(**right)).count();
-        let forms = Form::ALL.len();
+        let variants = Variant::ALL.len();
         Self {
             labels,
             changes,
-            all: Share { n: forms * rights.len(), right: rights.iter().sum() },
-            always: count(&|right| right == forms),
-            sometimes: count(&|right| (1..forms).contains(&right)),
+            all: Share { n: variants * rights.len(), right: rights.iter().sum() },
+            always: count(&|right| right == variants),
+            sometimes: count(&|right| (1..variants).contains(&right)),
             never: count(&|right| right == 0),
             errors,
             answers: pictures.into_iter().flatten().collect(),
@@ -196,7 +199,7 @@ impl Steadiness {
         }
         let _ = writeln!(
             text,
-            "{:<14}{:>9}\n{}: {} right in every form, {} in some, {} in none",
+            "{:<14}{:>9}\n{}: {} right in every variant, {} in some, {} in none",
             "all",
             percent(self.all.top1()),
             counted(self.always + self.sometimes + self.never, ["picture", "pictures"]),
@@ -220,16 +223,16 @@ impl Steadiness {
 }
 
 impl ChangeRow {
-    fn new(form: Form, at: usize, pictures: &[Vec<Answer>], hand_is_given: bool) -> Self {
-        let answers = || pictures.iter().filter_map(|forms| forms.get(at));
+    fn new(variant: Variant, at: usize, pictures: &[Vec<Answer>], hand_is_given: bool) -> Self {
+        let answers = || pictures.iter().filter_map(|variants| variants.get(at));
         let share = |n: usize, of: usize| if of == 0 { 0.0 } else { n as f64 / of as f64 };
-        let unchanged = pictures.iter().filter_map(|forms| forms.first());
+        let unchanged = pictures.iter().filter_map(|variants| variants.first());
         let same = answers().zip(unchanged).filter(|(answer, before)| answer.grasp == before.grasp).count();
         let hands = || answers().filter(|answer| answer.labelled_hand.is_some() && answer.hand.is_some());
         let hands_right = hands().filter(|answer| answer.hand == answer.labelled_hand).count();
         let hands = hands().count();
         Self {
-            change: form.name(),
+            change: variant.name(),
             right: Share { n: pictures.len(), right: answers().filter(|answer| answer.is_right()).count() },
             same: share(same, pictures.len()),
             hand_right: (!hand_is_given && hands > 0).then(|| share(hands_right, hands)),
@@ -240,11 +243,11 @@ impl ChangeRow {
     }
 }
 
-/// Where the mask of a picture in this form comes from.
-fn source_of(form: Form, source: &MaskSource) -> MaskSource {
+/// Where the mask of a picture in this variant comes from.
+fn source_of(variant: Variant, source: &MaskSource) -> MaskSource {
     match source {
-        MaskSource::SegmentedAnd(mask) => MaskSource::SegmentedAnd(form.mask(mask)),
-        MaskSource::Given(mask) => MaskSource::Given(form.mask(mask)),
+        MaskSource::SegmentedAnd(mask) => MaskSource::SegmentedAnd(variant.mask(mask)),
+        MaskSource::Given(mask) => MaskSource::Given(variant.mask(mask)),
         other => other.clone(),
     }
 }

@@ -1,4 +1,5 @@
-//! What the networks of scenes say, together with what the neighbours say.
+//! What the networks of scenes say, together with what the neighbours say: a logarithmic opinion
+//! pool, the product of both's probabilities, each to a power.
 
 use grasp_index::{ClassScore, Index, OrientationEstimate, Vote, euler_deg};
 use nalgebra::UnitQuaternion;
@@ -25,7 +26,7 @@ impl Prediction {
             HandChoice::Auto => self.probabilities_of_likelier(side),
             HandChoice::Left | HandChoice::Right => self.probabilities(side),
         };
-        let (none, grasps) = probabilities.split_last().expect("none is always there");
+        let (no_grasp, grasps) = probabilities.split_last().expect("the last is no grasp");
         let known: f64 = grasps.iter().sum();
         let of_name = |name: &str| {
             let at = self.grasps.iter().position(|grasp| grasp == name);
@@ -34,7 +35,7 @@ impl Prediction {
         let name = |class: u16| index.catalogue().classes.get(usize::from(class)).map(|c| c.name.as_str());
         let by_scene = |class: u16| name(class).map_or(0.0, of_name);
         let both = vote.classes.iter().map(|score| (score.probability, by_scene(score.class)));
-        let (mut joined, none) = joined(&both.collect::<Vec<_>>(), *none, self.powers);
+        let (mut joined, no_grasp) = joined(&both.collect::<Vec<_>>(), *no_grasp, self.powers);
         if let Some(stages) = &mut vote.stages {
             *stages = joined_stages(stages, &self.stages(side));
             let open = self.powers.opening * (1.0 - stages[GRASP]);
@@ -46,7 +47,7 @@ impl Prediction {
         let total: f64 = joined.iter().sum();
         vote.classes.iter_mut().zip(joined).for_each(|(score, value)| score.probability = value / total);
         ClassScore::rank(&mut vote.classes);
-        none
+        no_grasp
     }
 }
 
@@ -73,16 +74,16 @@ fn joined_stages<const N: usize>(neighbours: &[f64; N], networks: &[f64; N]) -> 
 /// The probability of each class, if it is one of them, and that of none: from the neighbours' and
 /// the networks' probabilities of the classes, and the networks' of none, of which the neighbours
 /// know nothing: to them it is as likely as any class.
-fn joined(classes: &[(f64, f64)], none: f64, powers: Powers) -> (Vec<f64>, f64) {
+fn joined(classes: &[(f64, f64)], no_grasp: f64, powers: Powers) -> (Vec<f64>, f64) {
     let power = |value: f64, power: f64| libm::pow(value.max(LEAST), power);
     let both = classes.iter().map(|&(n, s)| power(n, powers.neighbours) * power(s, powers.networks));
     let mut joined: Vec<f64> = both.collect();
     let total: f64 = joined.iter().sum();
     let even = libm::pow(1.0 / classes.len().max(1) as f64, powers.neighbours);
-    let of_none = even * power(none, powers.networks);
-    let of_some = total * libm::pow(1.0 - none, powers.networks);
+    let of_no_grasp = even * power(no_grasp, powers.networks);
+    let of_grasps = total * libm::pow(1.0 - no_grasp, powers.networks);
     joined.iter_mut().for_each(|value| *value /= total);
-    (joined, of_none / (of_none + of_some))
+    (joined, of_no_grasp / (of_no_grasp + of_grasps))
 }
 
 #[cfg(test)]
@@ -106,11 +107,11 @@ mod tests {
 
     #[test]
     fn both_are_multiplied() {
-        let (classes, none) = joined(&[(0.7, 0.2), (0.2, 0.7), (0.1, 0.1)], 0.05, POWERS);
+        let (classes, no_grasp) = joined(&[(0.7, 0.2), (0.2, 0.7), (0.1, 0.1)], 0.05, POWERS);
         assert!((classes.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // The networks count for more.
         assert!(classes[1] > classes[0] && classes[0] > classes[2], "{classes:?}");
-        assert!(none < 0.05, "{none}");
+        assert!(no_grasp < 0.05, "{no_grasp}");
     }
 
     #[test]
@@ -122,8 +123,9 @@ mod tests {
 
     #[test]
     fn none_is_likely_where_networks_say_so_and_neighbours_do_not_contradict() {
-        let of =
-            |neighbours: [f64; 3], none: f64| joined(&neighbours.map(|n| (n, 1.0 / 3.0)), none, POWERS).1;
+        let of = |neighbours: [f64; 3], no_grasp: f64| {
+            joined(&neighbours.map(|n| (n, 1.0 / 3.0)), no_grasp, POWERS).1
+        };
         let (sure, unsure) = ([0.98, 0.01, 0.01], [1.0 / 3.0; 3]);
         // To neighbours that know nothing it is one class of four.
         let even = of(unsure, 0.25);

@@ -17,10 +17,10 @@ mod joints;
 mod landmarks;
 mod look;
 mod masks;
-mod name;
 mod opening;
 mod patch;
 mod prediction;
+mod seen;
 mod square;
 
 #[cfg(feature = "landmarks")]
@@ -28,7 +28,7 @@ pub use find::find_by_joints;
 pub use find::{Detection, find, find_at, follow};
 pub(crate) use join::join_orientation;
 pub use landmarks::{Joints, LandmarkUnit, Landmarks, LandmarksError};
-pub use name::Scene;
 pub use opening::Opening;
 pub use prediction::Prediction;
+pub use seen::Scene;
 pub use square::{Map, Square};

@@ -117,7 +117,7 @@ impl Prediction {
     }
 
     /// The probability that the hand is the other one than `side`.
-    pub(crate) fn is_other_hand(&self, side: Side) -> f64 {
+    pub(crate) fn probability_of_other_hand(&self, side: Side) -> f64 {
         let right = self.right_odds + self.arm_odds;
         1.0 / (1.0 + libm::exp(if side == Side::Right { right } else { -right }))
     }
@@ -355,7 +355,10 @@ mod tests {
     #[test]
     fn an_arm_settles_which_hand_it_is_where_networks_do_not_know_and_not_where_they_do() {
         let right = |right_odds: f64| Prediction { arm_odds: 3.0, ..of_odds(right_odds) };
-        assert!(right(0.0).is_other_hand(Side::Right) < 0.2 && right(0.0).is_other_hand(Side::Left) > 0.8);
-        assert!(right(-6.0).is_other_hand(Side::Right) > 0.8);
+        assert!(
+            right(0.0).probability_of_other_hand(Side::Right) < 0.2
+                && right(0.0).probability_of_other_hand(Side::Left) > 0.8
+        );
+        assert!(right(-6.0).probability_of_other_hand(Side::Right) > 0.8);
     }
 }

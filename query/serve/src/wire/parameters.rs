@@ -37,7 +37,7 @@ pub struct PictureParameters {
     #[param(minimum = 1, maximum = 360)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
-    /// Look at a camera picture in eight more forms, mirrored, turned, in other light and enlarged.
+    /// Look at a camera picture in eight more variants, mirrored, turned, in other light and enlarged.
     #[serde(skip_serializing_if = "is_false")]
     pub thorough: bool,
     /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.

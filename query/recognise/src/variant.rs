@@ -1,4 +1,5 @@
-//! Forms of a picture that a person answers alike: changed a little.
+//! Variants of a picture that a person answers alike: changed a little. `--thorough` joins what is
+//! said of them (test-time augmentation), and `experiment steadiness` compares it.
 
 use grasp_index::{mirror_orientation, turned_orientation};
 use image::imageops::{self, FilterType};
@@ -24,9 +25,9 @@ const LARGER: f64 = 1.2;
 /// The share of a picture that is cut off at one side.
 const CUT: f64 = 0.05;
 
-/// One of the forms.
+/// One of the variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum Variant {
     /// As it is.
     AsItIs,
     /// Its mirror image, which shows the other hand.
@@ -57,7 +58,7 @@ pub enum Form {
     CutAbove,
 }
 
-impl Form {
+impl Variant {
     /// All of them, in the order of tables; the first is the picture as it is.
     pub const ALL: [Self; 14] = [
         Self::AsItIs,
@@ -96,7 +97,7 @@ impl Form {
         }
     }
 
-    /// The hand that a picture of this form shows, of the hand in the picture as it is, and the
+    /// The hand that a picture of this variant shows, of the hand in the picture as it is, and the
     /// reverse.
     pub fn side(self, side: Side) -> Side {
         if self == Self::Mirrored { side.other() } else { side }
@@ -111,7 +112,7 @@ impl Form {
         }
     }
 
-    /// `camera_from_hand` in a picture of this form.
+    /// `camera_from_hand` in a picture of this variant.
     pub fn orientation(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         match self {
             Self::Mirrored => mirror_orientation(camera_from_hand),
@@ -119,7 +120,7 @@ impl Form {
         }
     }
 
-    /// `camera_from_hand` in the picture as it is, where it is this one in a picture of this form.
+    /// `camera_from_hand` in the picture as it is, where it is this one in a picture of this variant.
     pub fn orientation_as_it_is(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         match self {
             Self::Mirrored => mirror_orientation(camera_from_hand),
@@ -127,7 +128,7 @@ impl Form {
         }
     }
 
-    /// How far pictures of this form are turned, clockwise.
+    /// How far pictures of this variant are turned, clockwise.
     fn turn_deg(self) -> f64 {
         match self {
             Self::TurnedRight => TURN_DEG,
@@ -136,12 +137,12 @@ impl Form {
         }
     }
 
-    /// The picture in this form.
+    /// The picture in this variant.
     pub fn picture(self, picture: &Picture) -> Picture {
         picture_of(&self.changed(&image_of(picture)))
     }
 
-    /// The mask of the picture in this form, of its mask as it is.
+    /// The mask of the picture in this variant, of its mask as it is.
     pub fn mask(self, mask: &Mask) -> Mask {
         let pixels = mask.pixels().iter().flat_map(|inside| [255 * *inside; 3]).collect();
         let image = image_from(mask.width(), mask.height(), pixels);
@@ -175,7 +176,7 @@ impl Form {
         }
     }
 
-    /// With everything where a picture of this form has it, in the colours as they were.
+    /// With everything where a picture of this variant has it, in the colours as they were.
     fn placed(self, picture: &RgbImage) -> RgbImage {
         let (width, height) = picture.dimensions();
         let without = |left: f64, above: f64, right: f64| {
@@ -210,7 +211,7 @@ fn image_from(width: usize, height: usize, bytes: Vec<u8>) -> RgbImage {
 fn picture_of(image: &RgbImage) -> Picture {
     let pixels = image.pixels().map(|pixel| pixel.0).collect();
     Picture::new(image.width() as usize, image.height() as usize, pixels)
-        .expect("a picture of every form has sides")
+        .expect("a picture of every variant has sides")
 }
 
 /// A picture turned clockwise about its middle; beyond its border lies its mirror image, which has
@@ -243,30 +244,30 @@ mod tests {
     #[test]
     fn every_change_but_none_changes_a_picture_and_keeps_it_much_as_it_was() {
         let picture = shaded();
-        for form in Form::ALL {
-            let changed = form.changed(&picture);
-            assert_eq!(changed == picture, form == Form::AsItIs, "{}", form.name());
+        for variant in Variant::ALL {
+            let changed = variant.changed(&picture);
+            assert_eq!(changed == picture, variant == Variant::AsItIs, "{}", variant.name());
             let mean = |picture: &RgbImage| {
                 picture.as_raw().iter().map(|value| f64::from(*value)).sum::<f64>()
                     / picture.as_raw().len() as f64
             };
-            assert!((mean(&changed) - mean(&picture)).abs() < 20.0, "{}", form.name());
+            assert!((mean(&changed) - mean(&picture)).abs() < 20.0, "{}", variant.name());
         }
-        let names: std::collections::BTreeSet<_> = Form::ALL.map(Form::name).into();
-        assert_eq!(names.len(), Form::ALL.len());
+        let names: std::collections::BTreeSet<_> = Variant::ALL.map(Variant::name).into();
+        assert_eq!(names.len(), Variant::ALL.len());
     }
 
     #[test]
     fn a_mask_goes_where_its_picture_goes() {
         let picture = shaded();
-        for form in Form::ALL {
-            let (changed, mask) = (form.changed(&picture), form.placed(&picture));
-            assert_eq!(changed.dimensions(), mask.dimensions(), "{}", form.name());
+        for variant in Variant::ALL {
+            let (changed, mask) = (variant.changed(&picture), variant.placed(&picture));
+            assert_eq!(changed.dimensions(), mask.dimensions(), "{}", variant.name());
         }
         // What was right of the middle lies below it after a turn clockwise.
         let mut mask = RgbImage::new(101, 101);
         mask.put_pixel(90, 50, Rgb([255; 3]));
-        let changed = Form::TurnedRight.placed(&mask);
+        let changed = Variant::TurnedRight.placed(&mask);
         let brightest = changed.enumerate_pixels().max_by_key(|(.., pixel)| pixel.0[0]);
         let (x, y, _) = brightest.unwrap();
         let (sin, cos) = libm::sincos(TURN_DEG.to_radians());
@@ -277,7 +278,7 @@ mod tests {
     #[test]
     fn a_picture_that_is_turned_there_and_back_is_as_it_was_but_for_its_border() {
         let picture = shaded();
-        let back = Form::TurnedLeft.placed(&Form::TurnedRight.placed(&picture));
+        let back = Variant::TurnedLeft.placed(&Variant::TurnedRight.placed(&picture));
         for (x, y, pixel) in picture.enumerate_pixels() {
             if (30..210).contains(&x) && (30..130).contains(&y) {
                 let apart = pixel.0.iter().zip(back.get_pixel(x, y).0).take(2).map(|(a, b)| a.abs_diff(b));
@@ -288,9 +289,9 @@ mod tests {
 
     #[test]
     fn a_picture_of_one_pixel_is_changed_like_any_other() {
-        for form in Form::ALL {
-            let changed = form.changed(&RgbImage::from_pixel(1, 1, Rgb([9, 9, 9])));
-            assert_eq!(changed.dimensions(), (1, 1), "{}", form.name());
+        for variant in Variant::ALL {
+            let changed = variant.changed(&RgbImage::from_pixel(1, 1, Rgb([9, 9, 9])));
+            assert_eq!(changed.dimensions(), (1, 1), "{}", variant.name());
         }
     }
 }

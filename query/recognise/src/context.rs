@@ -1,4 +1,4 @@
-//! What else is known of a hand than its picture: frames before it, the object that it holds.
+//! Applies what is known of a hand besides its picture: earlier frames, or the object that it holds.
 
 use grasp_index::{ClassScore, Neighbour, euler_deg};
 

@@ -1,4 +1,4 @@
-//! The hand of a camera picture, and what it does.
+//! [`Scene`]: all that the networks see in a camera picture.
 
 use super::arm;
 use super::find::Detection;
