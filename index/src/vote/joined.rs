@@ -9,8 +9,8 @@ const LOOKS: f64 = 1.5;
 /// any do on both development hands.
 const NEIGHBOURS: f64 = 0.5;
 const OPINIONS: f64 = 1.0;
-/// The least probability that is taken seriously.
-const LEAST: f64 = 1e-3;
+/// Probabilities below this count as this: one look that rules a class out must not decide alone.
+const PROBABILITY_FLOOR: f64 = 1e-3;
 
 /// What is joined.
 pub(crate) struct Joined {
@@ -36,7 +36,7 @@ impl Joined {
 
     /// Adds a look: what its neighbours say, and its opinion.
     pub(crate) fn add(&mut self, neighbours: &[f64], opinion: Option<&[f64]>) {
-        let log = |probability: &f64| libm::log(probability.max(LEAST));
+        let log = |probability: &f64| libm::log(probability.max(PROBABILITY_FLOOR));
         self.looks += 1;
         for (class, probability) in neighbours.iter().enumerate().take(self.neighbours.len()) {
             self.neighbours[class] += probability;

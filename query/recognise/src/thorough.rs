@@ -21,8 +21,8 @@ pub(crate) const VARIANTS: [Variant; 8] = [
     Variant::Enlarged,
 ];
 
-/// The least probability that is taken seriously.
-const LEAST: f64 = 1e-4;
+/// Probabilities below this count as this: one variant that rules a class out must not decide alone.
+const PROBABILITY_FLOOR: f64 = 1e-4;
 
 /// What one variant of a picture says, of the hand as it is.
 #[derive(Debug)]
@@ -76,9 +76,9 @@ fn join_classes(others: &[VariantAnswer], classes: &mut [ClassScore]) {
     for class in &mut *classes {
         let said = others.iter().map(|said| {
             let own = said.classes.iter().find(|(number, _)| *number == class.class);
-            own.map_or(LEAST, |(_, probability)| probability.max(LEAST))
+            own.map_or(PROBABILITY_FLOOR, |(_, probability)| probability.max(PROBABILITY_FLOOR))
         });
-        let logs = libm::log(class.probability.max(LEAST)) + said.map(libm::log).sum::<f64>();
+        let logs = libm::log(class.probability.max(PROBABILITY_FLOOR)) + said.map(libm::log).sum::<f64>();
         class.probability = libm::exp(logs / (others.len() + 1) as f64);
     }
     let total: f64 = classes.iter().map(|class| class.probability).sum();

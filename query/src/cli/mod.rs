@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand, and what several share in files of their own.
+//! The command line: one file or folder a subcommand, and what several share in files of their own.
 
 mod answering;
 mod effort;
@@ -10,17 +10,13 @@ mod labelled;
 #[cfg(feature = "serve")]
 mod listen;
 mod name_or_file;
-mod opening_experiment;
 mod options;
 mod outputs;
 mod pictures;
 #[cfg(feature = "serve")]
 mod quiz;
 mod recognise;
-mod report;
 mod robot;
-#[cfg(feature = "simulate")]
-mod robot_experiment;
 mod search;
 mod selection;
 #[cfg(feature = "serve")]
@@ -31,7 +27,6 @@ mod signals;
 mod simulate;
 #[cfg(feature = "simulate")]
 mod simulated_hand;
-mod steadiness_experiment;
 #[cfg(feature = "serve")]
 mod token;
 mod watch;

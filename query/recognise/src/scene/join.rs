@@ -10,8 +10,8 @@ use crate::networks::GRASP;
 use crate::orientation::mean_with_near;
 use crate::side::{HandChoice, Side};
 
-/// The least probability that is taken seriously: neither is so sure.
-const LEAST: f64 = 1e-3;
+/// Probabilities below this count as this: neither side is so sure.
+const PROBABILITY_FLOOR: f64 = 1e-3;
 
 /// How much of an orientation is what networks see of it. Chosen on pictures of two hands
 /// (docs/trials.md).
@@ -30,7 +30,7 @@ impl Prediction {
         let known: f64 = grasps.iter().sum();
         let of_name = |name: &str| {
             let at = self.grasps.iter().position(|grasp| grasp == name);
-            at.map_or(1.0 / grasps.len() as f64, |at| grasps[at] / known.max(LEAST))
+            at.map_or(1.0 / grasps.len() as f64, |at| grasps[at] / known.max(PROBABILITY_FLOOR))
         };
         let name = |class: u16| index.catalogue().classes.get(usize::from(class)).map(|c| c.name.as_str());
         let by_scene = |class: u16| name(class).map_or(0.0, of_name);
@@ -65,8 +65,9 @@ fn joined_rotation(own: UnitQuaternion<f64>, seen: &[UnitQuaternion<f64>]) -> Un
 
 /// The probability of each stage by neighbours and networks.
 fn joined_stages<const N: usize>(neighbours: &[f64; N], networks: &[f64; N]) -> [f64; N] {
-    let both: [f64; N] =
-        std::array::from_fn(|stage| neighbours[stage].max(LEAST) * networks[stage].max(LEAST));
+    let both: [f64; N] = std::array::from_fn(|stage| {
+        neighbours[stage].max(PROBABILITY_FLOOR) * networks[stage].max(PROBABILITY_FLOOR)
+    });
     let total: f64 = both.iter().sum();
     both.map(|value| value / total)
 }
@@ -75,7 +76,7 @@ fn joined_stages<const N: usize>(neighbours: &[f64; N], networks: &[f64; N]) -> 
 /// the networks' probabilities of the classes, and the networks' of none, of which the neighbours
 /// know nothing: to them it is as likely as any class.
 fn joined(classes: &[(f64, f64)], no_grasp: f64, powers: Powers) -> (Vec<f64>, f64) {
-    let power = |value: f64, power: f64| libm::pow(value.max(LEAST), power);
+    let power = |value: f64, power: f64| libm::pow(value.max(PROBABILITY_FLOOR), power);
     let both = classes.iter().map(|&(n, s)| power(n, powers.neighbours) * power(s, powers.networks));
     let mut joined: Vec<f64> = both.collect();
     let total: f64 = joined.iter().sum();

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::figures::print;
-use super::index_file::IndexFile;
-use super::labelled::LabelledArguments;
-use super::simulated_hand::SimulatedHand;
+use crate::cli::figures::print;
+use crate::cli::index_file::IndexFile;
+use crate::cli::labelled::LabelledArguments;
+use crate::cli::simulated_hand::SimulatedHand;
 use crate::experiment::imitation::Imitation;
 use crate::experiment::robustness::{Progress, Robustness, Sweep};
 use grasp_program::Global;

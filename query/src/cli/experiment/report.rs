@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::figures::print;
-use super::index_file::IndexFile;
-use super::labelled::LabelledArguments;
-use super::outputs::check_file;
+use crate::cli::figures::print;
+use crate::cli::index_file::IndexFile;
+use crate::cli::labelled::LabelledArguments;
+use crate::cli::outputs::check_file;
 use crate::experiment::report::{Findings, Source};
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_program::{Global, output_file};

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use rayon::prelude::*;
 
-use super::figures::print;
-use super::index_file::IndexFile;
-use super::labelled::LabelledArguments;
-use super::outputs::make_folder;
+use crate::cli::figures::print;
+use crate::cli::index_file::IndexFile;
+use crate::cli::labelled::LabelledArguments;
+use crate::cli::outputs::make_folder;
 use crate::evaluate::labels::Label;
 use crate::experiment::steadiness::{Recognisers, Steadiness};
 use grasp_program::Global;

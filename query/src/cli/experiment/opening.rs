@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::bail;
 use tracing::error;
 
-use super::figures::print;
-use super::index_file::IndexFile;
-use super::outputs::check_file;
-use super::selection::{Selected, Selection, without_folders};
+use crate::cli::figures::print;
+use crate::cli::index_file::IndexFile;
+use crate::cli::outputs::check_file;
+use crate::cli::selection::{Selected, Selection, without_folders};
 use crate::evaluate::Outcome;
 use crate::evaluate::labels::{Kind, Label};
 use crate::experiment::opening::{Fitted, Sample};
