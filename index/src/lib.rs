@@ -92,7 +92,7 @@ pub use file::corruption::Corruption;
 pub use file::error::{FileChanged, OpenError};
 pub use file::fault::guard_against_truncation;
 pub use file::input::{BuildError, EntryFault, IndexParams, NewEntry, Summary};
-pub use file::kept::{KeptFields, Originals};
+pub use file::kept::KeptFields;
 pub use file::sections::{ElementType, Section, SectionKind};
 pub use file::verify::{Problem, Verification};
 pub use file::write::IndexWriter;
@@ -114,7 +114,7 @@ pub use search::queries::{NOISE, moved_along};
 pub use search::random::RandomHash;
 pub use search::searcher::Searcher;
 
-pub use search::{Effort, Neighbour, Search, SearchCost, SearchError, SearchOptions, Shortlist};
+pub use search::{Effort, Neighbour, Originals, Search, SearchCost, SearchError, SearchOptions, Shortlist};
 pub use segments::{Segments, SegmentsError, SegmentsSearcher};
 pub use vote::{
     Calibrated, Calibration, ClassScore, Doubt, Look, OrientationEstimate, Reliability, ReliabilityBin,

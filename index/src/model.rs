@@ -2,9 +2,9 @@
 //! worth.
 
 use crate::phase::Phase;
+use crate::search::Originals;
 use crate::search::build::{BuiltHash, HashParams, build};
 use crate::search::queries::{HeldOut, NOISE};
-use crate::search::stored::Kept;
 use crate::search::{Neighbour, Rows, Source};
 use crate::vote::{
     Calibration, Example, MOST_VOTERS, Sigma, calibrate, measure_sigma, noise_of_the_farthest,
@@ -15,7 +15,7 @@ use crate::vote::{
 pub(crate) struct ModelParams<'a> {
     pub(crate) hash: HashParams,
     /// In what form a search will have the descriptors to measure distances by.
-    pub(crate) kept: Kept,
+    pub(crate) originals: Originals,
     /// The class of each descriptor; nothing where that is not known.
     pub(crate) labels: &'a [u16],
     /// How many classes there are.
@@ -53,7 +53,7 @@ impl Model {
         let noise = if params.held_out_classes.is_empty() { [0.0; 2] } else { NOISE };
         let outside = HeldOut { rows: held_out, noise };
         let mean = sigma.mean_distance;
-        let search = build(source, params.kept, outside, params.hash, mean, params.seed, progress)?;
+        let search = build(source, params.originals, outside, params.hash, mean, params.seed, progress)?;
         let mut model = Self { sigma, calibration: params.calibration, search };
         if !params.held_out_classes.is_empty() {
             progress(Phase::Calibrate, 0.0)?;

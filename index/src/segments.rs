@@ -2,8 +2,8 @@
 
 use crate::file::catalogue::Catalogue;
 use crate::file::error::FileChanged;
-use crate::file::kept::Originals;
 use crate::index::Index;
+use crate::search::Originals;
 use crate::search::searcher::{Searcher, reserve};
 use crate::search::stored::{Several, Stored, Values};
 use crate::search::{Neighbour, ReadAhead, Search, SearchCost, SearchError, SearchOptions};

@@ -1,8 +1,9 @@
 //! The catalogue: all that is known about an index besides its arrays.
 
-use super::kept::{KeptFields, Originals};
+use super::kept::KeptFields;
 use super::sections::Section;
 use crate::descriptor::DescriptorParams;
+use crate::search::Originals;
 use crate::search::effort::Measured;
 use crate::search::hash::HashInfo;
 use crate::vote::{Calibration, Sigma};

@@ -1,8 +1,8 @@
 //! What the sections hold, each as what it is.
 
-use super::kept::Originals;
 use super::open::Opened;
 use super::sections::{ElementType, SectionKind};
+use crate::search::Originals;
 use crate::search::blocks::Blocks;
 use crate::search::learned::LearnedHash;
 use crate::search::stored::Values;

@@ -2,9 +2,10 @@
 
 use super::atomic::WriteError;
 use super::catalogue::ClassInfo;
-use super::kept::{KeptFields, Originals};
+use super::kept::KeptFields;
 use crate::descriptor::{DescriptorParams, ParamsError};
 use crate::rotation::turned_orientation;
+use crate::search::Originals;
 use crate::search::build::HashParams;
 use crate::search::distance::LARGEST_VALUE;
 use crate::search::effort::Measured;

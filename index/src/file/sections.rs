@@ -1,7 +1,7 @@
 //! The sections: which there are, and what they hold.
 
-use super::kept::Originals;
 use crate::descriptor::{DescriptorKind, DescriptorParams};
+use crate::search::Originals;
 
 /// Where a section lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

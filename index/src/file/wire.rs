@@ -7,9 +7,10 @@
 //! version; any other change is a new form beside the old one, and a new version.
 
 use super::catalogue::{Catalogue, ClassInfo};
-use super::kept::{KeptFields, Originals};
+use super::kept::KeptFields;
 use super::sections::{ElementType, Section, SectionKind};
 use crate::descriptor::{DescriptorKind, DescriptorParams, Sampling, Tone};
+use crate::search::Originals;
 use crate::search::blocks::CodeBits;
 use crate::search::effort::{EPS_GRID, EffortPoint, Measured};
 use crate::search::hash::HashInfo;

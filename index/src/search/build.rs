@@ -7,12 +7,13 @@ use super::learned::fit::{Fitted, fit};
 use super::measure::measure;
 use super::nearest::Neighbour;
 use super::options::SearchOptions;
+use super::originals::Originals;
 use super::queries::{HeldOut, QUERIES_OF_THE_VOTE, moved};
 use super::random::tables::Tables;
 use super::random::{self, Entries, Random, RandomHash, RandomHyperplanes, tune};
 use super::rows::{Rows, Source};
 use super::simd::Simd;
-use super::stored::{Kept, Stored};
+use super::stored::Stored;
 use crate::phase::Phase;
 use rayon::prelude::*;
 
@@ -48,7 +49,7 @@ pub enum RandomParams {
 #[derive(Debug)]
 pub(crate) struct BuiltHash {
     pub(crate) hash: OwnedHash,
-    kept: Kept,
+    originals: Originals,
     pub(crate) measured: Measured,
 }
 
@@ -63,7 +64,7 @@ pub(crate) enum OwnedHash {
 /// the share of it that is done, and stops the work by returning an error.
 pub(crate) fn build<E: Send>(
     source: Source<'_>,
-    kept: Kept,
+    originals: Originals,
     held_out: HeldOut<'_>,
     params: HashParams,
     sigma: f64,
@@ -75,7 +76,7 @@ pub(crate) fn build<E: Send>(
     let hash = match params {
         HashParams::Learned => {
             let progress = |share| progress(Phase::Tables, share);
-            OwnedHash::Learned(fit(rows, kept != Kept::Nothing, Simd::best(), &progress)?)
+            OwnedHash::Learned(fit(rows, originals != Originals::None, Simd::best(), &progress)?)
         }
         HashParams::Random(params) => {
             let size = match params {
@@ -94,10 +95,10 @@ pub(crate) fn build<E: Send>(
         }
     };
     progress(Phase::Measure, 0.0)?;
-    let stored = Stored::of(rows, kept);
+    let stored = Stored::of(rows, originals);
     let progress = |share| progress(Phase::Measure, share);
     let measured = measure(source, stored, held_out, &hash.as_hash(rows), sigma, seed, &progress)?;
-    Ok(BuiltHash { hash, kept, measured })
+    Ok(BuiltHash { hash, originals, measured })
 }
 
 impl OwnedHash {
@@ -135,7 +136,7 @@ impl BuiltHash {
         let hash = self.hash.as_hash(rows);
         let enough = self.measured.enough(SearchOptions::default().effort);
         let probes = enough.or(self.measured.curve.last()).map_or(1, |point| point.probes);
-        let stored = Stored::of(rows, self.kept);
+        let stored = Stored::of(rows, self.originals);
         let queries = moved(held_out, QUERIES_OF_THE_VOTE, noise, sigma, seed, 3);
         let find = |in_flight: &mut InFlight<'_>, (row, vector): (u32, Vec<f32>)| {
             (row, in_flight.search(stored, Simd::best(), &vector, k, probes).neighbours)

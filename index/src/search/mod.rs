@@ -27,6 +27,7 @@ pub(crate) mod learned;
 mod measure;
 mod nearest;
 mod options;
+mod originals;
 #[cfg(feature = "parts")]
 pub(crate) mod parts;
 pub(crate) mod queries;
@@ -42,6 +43,7 @@ pub(crate) mod stored;
 pub(crate) use hash::Hash;
 pub use nearest::Neighbour;
 pub use options::{Effort, SearchError, SearchOptions};
+pub use originals::Originals;
 pub(crate) use read_ahead::ReadAhead;
 pub use result::{Search, SearchCost, Shortlist};
 pub(crate) use rows::{Rows, Source};

@@ -1,6 +1,7 @@
 //! The descriptors that an index keeps, by which distances are measured.
 
 use super::nearest::Nearest;
+use super::originals::Originals;
 use super::rows::Rows;
 use super::simd::{self, Simd};
 use half::f16;
@@ -14,17 +15,6 @@ pub(crate) struct Stored<'a> {
     pub(crate) dim: usize,
     pub(crate) entries: usize,
     pub(crate) values: Values<'a>,
-}
-
-/// In what form an index keeps its descriptors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kept {
-    /// As they were made.
-    Whole,
-    /// Rounded to half the bits.
-    Halves,
-    /// Not at all.
-    Nothing,
 }
 
 /// Rows of values.
@@ -60,11 +50,11 @@ impl<'a> From<Rows<'a>> for Stored<'a> {
 
 impl<'a> Stored<'a> {
     /// Rows as an index will keep them.
-    pub(crate) fn of(rows: Rows<'a>, kept: Kept) -> Self {
-        let values = match kept {
-            Kept::Whole => Values::F32(rows.values),
-            Kept::Halves => Values::ToBeHalved(rows.values),
-            Kept::Nothing => Values::None,
+    pub(crate) fn of(rows: Rows<'a>, originals: Originals) -> Self {
+        let values = match originals {
+            Originals::F32 => Values::F32(rows.values),
+            Originals::F16 => Values::ToBeHalved(rows.values),
+            Originals::None => Values::None,
         };
         Self { values, ..rows.into() }
     }

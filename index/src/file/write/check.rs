@@ -2,8 +2,8 @@
 
 use crate::descriptor::{DescriptorKind, DescriptorModel, DescriptorParams, ParamsError};
 use crate::file::input::{BuildError, EntryFault, IndexParams, NewEntry};
-use crate::file::kept::Originals;
 use crate::file::layout::MOST_NAMES;
+use crate::search::Originals;
 use crate::search::build::{HashParams, RandomParams};
 use crate::search::distance::LARGEST_VALUE;
 use crate::search::random::MAX_PLANES;

@@ -16,13 +16,12 @@ use super::atomic::{AtomicFile, WriteError};
 use super::catalogue::Catalogue;
 use super::header::{self, Header};
 use super::input::{BuildError, IndexParams, NewEntry, Summary};
-use super::kept::Originals;
 use super::sections::{ElementType, Section, SectionKind};
 use super::wire;
 use crate::model::{Model, ModelParams};
 use crate::phase::Phase;
+use crate::search::Originals;
 use crate::search::build::{HashParams, RandomParams};
-use crate::search::stored::Kept;
 use crate::search::{Rows, Source};
 use check::{check_entry, check_held_out, check_params, pixels};
 use columns::Columns;
@@ -213,11 +212,7 @@ impl IndexWriter {
         check_count(params, rows.len())?;
         let model_params = ModelParams {
             hash: params.hash,
-            kept: match params.originals {
-                Originals::F32 => Kept::Whole,
-                Originals::F16 => Kept::Halves,
-                Originals::None => Kept::Nothing,
-            },
+            originals: params.originals,
             labels: &columns.labels,
             classes: params.classes.len(),
             hand_shapes: params.hand_shapes.len(),

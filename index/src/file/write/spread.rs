@@ -2,7 +2,7 @@
 //! differences round to nothing, and every entry would be as near as every other.
 
 use crate::file::input::BuildError;
-use crate::file::kept::Originals;
+use crate::search::Originals;
 use half::f16;
 
 /// Of differences that are a ten-millionth of this, which is as little as an f32 tells apart, the
