@@ -1,13 +1,13 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
 //! The index holds right hands. A left hand's picture is flipped; all are turned as the index's
-//! descriptors want it (upright, in one of the presets `standard` and `wide`), and besides by as
+//! descriptors want it (upright, in the presets `standard` and `wide`), and besides by as
 //! many angles as are to be tried. The hypothesis whose neighbours are nearest, where networks do
 //! not speak against it, is the answer, and its orientation is turned and flipped back.
 
 use grasp_index::{
     Describer, HandImage, Index, Look, Neighbour, NetworkEstimate, Search, SearchCost, SearchOptions, Vote,
-    euler_deg,
+    VoteOptions, euler_deg,
 };
 use nalgebra::UnitQuaternion;
 
@@ -98,8 +98,8 @@ const MIRROR_PENALTY: f64 = 3.0;
 /// mostly level, and an upright hand is mostly found to be one.
 const TILT_PENALTY: f64 = 0.2;
 
-/// Tries every roll of the options, of one hand or of both, and returns the likeliest hypothesis: that whose
-/// neighbours are nearest, where networks do not speak against it.
+/// Tries every roll of the options, of one hand or of both, and returns the likeliest hypothesis:
+/// that whose neighbours are nearest, where networks do not speak against it.
 pub(super) fn best(
     index: &Index,
     hand: &HandImage,
@@ -108,61 +108,14 @@ pub(super) fn best(
     options: &RecogniseOptions,
     timings: &mut Timings,
 ) -> Result<Hypothesis, RecogniseError> {
-    let rolls = options.rolls.max(1);
-    let first = choice.sides().first().copied().unwrap_or_default();
-    let k = options.k.unwrap_or(index.catalogue().calibration.k as usize).max(1);
+    let k = options.k.unwrap_or(index.search_options().k).max(1);
     let search = SearchOptions { k, effort: options.effort };
-    let mut best: [Option<(f64, Candidate)>; 2] = [None, None];
-    let mut describer = index.describer();
     let flipped = hand.mirrored();
-    let hand_of = |side| if side == Side::Left { &flipped } else { hand };
-    let is_learned = index.catalogue().descriptor.is_learned();
-    let upright = timings.time(|t| &mut t.descriptor_ms, || index.catalogue().descriptor.turn_deg(hand));
-    for turn in 0..rolls {
-        let tried = turn as f64 / rolls as f64 * 360.0;
-        let turned_deg = (upright + tried).rem_euclid(360.0);
-        // A network turns the picture itself.
-        let turn = || (!is_learned).then(|| hand.rotated(turned_deg.to_radians()));
-        let turned = timings.time(|t| &mut t.descriptor_ms, turn);
-        for &side in choice.sides() {
-            // Turning and then flipping is flipping and then turning the other way: one turn serves
-            // both hands.
-            let roll_deg = if side == Side::Left { (360.0 - turned_deg) % 360.0 } else { turned_deg };
-            let descriptor = timings.time(
-                |t| &mut t.descriptor_ms,
-                || match &turned {
-                    None => describer.describe_turned(hand_of(side), roll_deg, hand),
-                    Some(turned) => {
-                        describer.describe_turned(hand_of(side), roll_deg, &of_side(side, turned.clone()))
-                    }
-                },
-            );
-            let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, &search))?;
-            let opinion = describer.opinion().cloned();
-            let candidate = Candidate { side, roll_deg, turned_deg, descriptor, found, opinion };
-            let distance = candidate.unlikeliness(tried, prediction);
-            let [of_first, of_other] = &mut best;
-            let so_far = if side == first { of_first } else { of_other };
-            if so_far.as_ref().is_none_or(|(least, _)| distance < *least) {
-                *so_far = Some((distance, candidate));
-            }
-        }
-    }
-    let (best, rival) = match best {
-        // The first hand wins a tie.
-        [Some((a, first)), Some((b, other))] => {
-            let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
-            // Both at the same place, at no distance, are as likely.
-            (best, Some(if far > near { far / near.max(f64::MIN_POSITIVE) - 1.0 } else { 0.0 }))
-        }
-        [Some((_, only)), None] | [None, Some((_, only))] => (only, None),
-        [None, None] => return Err(RecogniseError::NoHand),
-    };
-    let mut vote = if is_learned {
-        look_again(index, hand_of(best.side), options, (&search, &mut describer), timings, &best)?
-    } else {
-        timings.time(|t| &mut t.vote_ms, || index.vote(&best.found.neighbours, &options.vote))
-    };
+    let mut tries = Tries { index, hand, flipped: &flipped, search, describer: index.describer(), timings };
+    let rolls = options.rolls.max(1);
+    let nearest = tries.nearest_of_sides(choice.sides(), rolls, prediction)?;
+    let (best, rival) = likelier(nearest).ok_or(RecogniseError::NoHand)?;
+    let mut vote = tries.vote(&best, &options.vote)?;
     let rotation = in_picture(best.side, best.roll_deg, &vote.orientation.rotation);
     vote.orientation.euler_deg = euler_deg(&rotation);
     vote.orientation.rotation = rotation;
@@ -171,33 +124,113 @@ pub(super) fn best(
     Ok(Hypothesis { side, roll_deg, turned_deg, descriptor, neighbours, cost, vote, tried, rival })
 }
 
-/// Looks at the hand of the answer, flipped where it is a left one, from beside: a learned
-/// descriptor is one that a small turn changes otherwise than it changes the hand. The vote is that
-/// of all looks.
-fn look_again(
-    index: &Index,
-    hand: &HandImage,
-    options: &RecogniseOptions,
-    (search, describer): (&SearchOptions, &mut Describer),
-    timings: &mut Timings,
-    best: &Candidate,
-) -> Result<Vote, RecogniseError> {
-    let mut others = Vec::with_capacity(LOOKS_DEG.len());
-    for beside in LOOKS_DEG {
-        // A network turns the picture itself.
-        let describe = || describer.describe_turned(hand, best.roll_deg + beside, hand);
-        let descriptor = timings.time(|t| &mut t.descriptor_ms, describe);
-        let found = timings.time(|t| &mut t.search_ms, || index.search(&descriptor, search))?;
-        others.push((found.neighbours, describer.opinion().cloned(), beside));
+/// A candidate and how unlikely it is.
+type Scored = (f64, Candidate);
+
+/// The likelier of two hands, of which the first wins a tie, and how much unlikelier the other is.
+fn likelier(nearest: [Option<Scored>; 2]) -> Option<(Candidate, Option<f64>)> {
+    match nearest {
+        [Some((a, first)), Some((b, other))] => {
+            let ((near, best), far) = if b < a { ((b, other), a) } else { ((a, first), b) };
+            // Both at the same place, at no distance, are as likely.
+            Some((best, Some(if far > near { far / near.max(f64::MIN_POSITIVE) - 1.0 } else { 0.0 })))
+        }
+        [Some((_, only)), None] | [None, Some((_, only))] => Some((only, None)),
+        [None, None] => None,
     }
-    let own = Look { neighbours: &best.found.neighbours, opinion: best.opinion.as_ref(), turn_deg: 0.0 };
-    let others = others.iter().map(|(neighbours, opinion, turn_deg)| Look {
-        neighbours,
-        opinion: opinion.as_ref(),
-        turn_deg: *turn_deg,
-    });
-    let looks: Vec<Look> = std::iter::once(own).chain(others).collect();
-    Ok(timings.time(|t| &mut t.vote_ms, || index.vote_of_looks(&looks, &options.vote)))
+}
+
+/// What all hypotheses about one picture are tried with.
+struct Tries<'a> {
+    index: &'a Index,
+    hand: &'a HandImage,
+    /// The same, flipped: a left hand as a right one.
+    flipped: &'a HandImage,
+    search: SearchOptions,
+    describer: Describer,
+    timings: &'a mut Timings,
+}
+
+impl<'a> Tries<'a> {
+    fn hand_of(&self, side: Side) -> &'a HandImage {
+        match side {
+            Side::Right => self.hand,
+            Side::Left => self.flipped,
+        }
+    }
+
+    /// The least unlikely of the rolls of each of these hands, in their order.
+    fn nearest_of_sides(
+        &mut self,
+        sides: &[Side],
+        rolls: usize,
+        prediction: Option<&Prediction>,
+    ) -> Result<[Option<Scored>; 2], RecogniseError> {
+        let descriptor = &self.index.catalogue().descriptor;
+        let upright_deg = self.timings.time(|t| &mut t.descriptor_ms, || descriptor.turn_deg(self.hand));
+        let mut nearest = [None, None];
+        for roll in 0..rolls {
+            let beside_deg = roll as f64 / rolls as f64 * 360.0;
+            let turned_deg = (upright_deg + beside_deg).rem_euclid(360.0);
+            // A network turns the picture itself.
+            let turn = || (!descriptor.is_learned()).then(|| self.hand.rotated(turned_deg.to_radians()));
+            let turned = self.timings.time(|t| &mut t.descriptor_ms, turn);
+            for (&side, nearest) in sides.iter().zip(&mut nearest) {
+                let candidate = self.candidate(side, turned_deg, turned.as_ref())?;
+                let unlikeliness = candidate.unlikeliness(beside_deg, prediction);
+                if nearest.as_ref().is_none_or(|(least, _)| unlikeliness < *least) {
+                    *nearest = Some((unlikeliness, candidate));
+                }
+            }
+        }
+        Ok(nearest)
+    }
+
+    /// One hand in the picture turned by `turned_deg`; `turned` is that picture, where it was made.
+    fn candidate(
+        &mut self,
+        side: Side,
+        turned_deg: f64,
+        turned: Option<&HandImage>,
+    ) -> Result<Candidate, RecogniseError> {
+        // Turning and then flipping is flipping and then turning the other way: one turn serves
+        // both hands.
+        let roll_deg = if side == Side::Left { (360.0 - turned_deg) % 360.0 } else { turned_deg };
+        let hand = self.hand_of(side);
+        let describe = || match turned {
+            None => self.describer.describe_turned(hand, roll_deg, self.hand),
+            Some(turned) => self.describer.describe_turned(hand, roll_deg, &of_side(side, turned.clone())),
+        };
+        let descriptor = self.timings.time(|t| &mut t.descriptor_ms, describe);
+        let found =
+            self.timings.time(|t| &mut t.search_ms, || self.index.search(&descriptor, &self.search))?;
+        let opinion = self.describer.opinion().cloned();
+        Ok(Candidate { side, roll_deg, turned_deg, descriptor, found, opinion })
+    }
+
+    /// The vote on the hand of the answer. A learned descriptor is one that a small turn changes
+    /// otherwise than it changes the hand: it looks again from beside, and all looks vote.
+    fn vote(&mut self, best: &Candidate, options: &VoteOptions) -> Result<Vote, RecogniseError> {
+        let hand = self.hand_of(best.side);
+        let beside = if self.index.catalogue().descriptor.is_learned() { LOOKS_DEG.as_slice() } else { &[] };
+        let mut others = Vec::with_capacity(beside.len());
+        for &turn_deg in beside {
+            // A network turns the picture itself.
+            let describe = || self.describer.describe_turned(hand, best.roll_deg + turn_deg, hand);
+            let descriptor = self.timings.time(|t| &mut t.descriptor_ms, describe);
+            let found =
+                self.timings.time(|t| &mut t.search_ms, || self.index.search(&descriptor, &self.search))?;
+            others.push((found.neighbours, self.describer.opinion().cloned(), turn_deg));
+        }
+        let own = Look { neighbours: &best.found.neighbours, opinion: best.opinion.as_ref(), turn_deg: 0.0 };
+        let others = others.iter().map(|(neighbours, opinion, turn_deg)| Look {
+            neighbours,
+            opinion: opinion.as_ref(),
+            turn_deg: *turn_deg,
+        });
+        let looks: Vec<Look> = std::iter::once(own).chain(others).collect();
+        Ok(self.timings.time(|t| &mut t.vote_ms, || self.index.vote_of_looks(&looks, options)))
+    }
 }
 
 fn mean_distance(neighbours: &[Neighbour]) -> f64 {
