@@ -8,6 +8,7 @@ use crate::prior;
 use crate::recognition::Context;
 use crate::scene::join_orientation;
 use crate::sequence::{Belief, Filter, Turn};
+use crate::thorough;
 
 impl Recogniser<'_> {
     /// What a picture alone says.
@@ -44,6 +45,7 @@ impl Recogniser<'_> {
                 let mut orientation = self.index.vote(&of_first, &self.options.vote).orientation;
                 orientation.rotation = found.best.in_picture(&orientation.rotation);
                 join_orientation(&found.seen, &mut orientation);
+                thorough::join_orientation(&found.seen_in_variants, &mut orientation);
                 doubtful::point_out_disagreement(&mut found.warnings, orientation.spread_deg);
                 found.best.vote.orientation = orientation;
             }

@@ -91,28 +91,46 @@ impl<'a> Recogniser<'a> {
     ) -> Result<Recognition, RecogniseError> {
         let mut looked = self.look(&prepared, self.options.hand, &mut timings)?;
         if self.options.thorough && prepared.scene.is_some() {
-            let others = self.variants(&prepared, &mut timings);
-            let side = thorough::side_of_most(looked.best.side, &others);
-            if side != looked.best.side && self.options.hand == HandChoice::Auto {
-                looked = self.look(&prepared, side.into(), &mut timings)?;
-            }
-            looked.no_grasp = thorough::join(&others, &mut looked.best, looked.no_grasp);
+            looked = self.look_at_variants(&prepared, looked, &mut timings)?;
         }
         Ok(self.decide(prepared, looked, timings))
     }
 
-    /// What other variants of a picture say, where a hand is found in them.
-    fn variants(&self, prepared: &Prepared, timings: &mut Timings) -> Vec<VariantAnswer> {
-        let said = |variant: Variant| {
-            let shown = || variant.picture(&prepared.picture);
-            let changed = timings.time(
-                |t| &mut t.segmentation_ms,
-                || Prepared::new(shown(), false, &MaskSource::Camera, &self.options.segment),
-            );
-            let looked = self.look(&changed.ok()?, variant.hand(self.options.hand), timings).ok()?;
-            Some(VariantAnswer::new(variant, &looked.best, looked.no_grasp))
-        };
-        VARIANTS.into_iter().filter_map(said).collect()
+    /// Joins what variants of the picture say with what is said of it as it is.
+    fn look_at_variants(
+        &self,
+        prepared: &Prepared,
+        mut looked: Looked,
+        timings: &mut Timings,
+    ) -> Result<Looked, RecogniseError> {
+        let others: Vec<VariantAnswer> =
+            VARIANTS.into_iter().filter_map(|variant| self.variant(prepared, variant, timings)).collect();
+        let side = thorough::side_of_most(looked.best.side, &others);
+        if side != looked.best.side && self.options.hand == HandChoice::Auto {
+            let tried = looked.best.tried;
+            looked = self.look_at_side(prepared, side.into(), self.options.hand, timings)?;
+            // The variants are for one hand, the picture as it is for the other.
+            looked.best.rival = Some(0.0);
+            looked.best.tried += tried;
+        }
+        looked.no_grasp = thorough::join(&others, &mut looked.best.vote, looked.no_grasp);
+        // Equation 4 as printed is the neighbours' alone.
+        if !self.options.vote.euler_mean {
+            looked.by_variants = thorough::rotations(&others, looked.best.side);
+            thorough::join_orientation(&looked.by_variants, &mut looked.best.vote.orientation);
+        }
+        Ok(looked)
+    }
+
+    /// What a variant of a picture says, where the same hand is found in it.
+    fn variant(&self, prepared: &Prepared, variant: Variant, timings: &mut Timings) -> Option<VariantAnswer> {
+        let shown = || Prepared::of_camera(variant.picture(&prepared.picture), &self.options.segment);
+        let shown = timings.time(|t| &mut t.segmentation_ms, shown).ok()?;
+        if !thorough::is_same_hand(&variant.mask(&prepared.mask), &shown.mask) {
+            return None;
+        }
+        let looked = self.look(&shown, variant.hand(self.options.hand), timings).ok()?;
+        Some(VariantAnswer::new(variant, &looked.best, looked.no_grasp))
     }
 
     /// What neighbours and networks say of a hand, before it is decided how far to believe it.
@@ -120,6 +138,17 @@ impl<'a> Recogniser<'a> {
         &self,
         prepared: &Prepared,
         hand: HandChoice,
+        timings: &mut Timings,
+    ) -> Result<Looked, RecogniseError> {
+        self.look_at_side(prepared, hand, hand, timings)
+    }
+
+    /// The same, where one hand is looked at, although both were `asked` for.
+    fn look_at_side(
+        &self,
+        prepared: &Prepared,
+        hand: HandChoice,
+        asked: HandChoice,
         timings: &mut Timings,
     ) -> Result<Looked, RecogniseError> {
         let started = Instant::now();
@@ -133,15 +162,15 @@ impl<'a> Recogniser<'a> {
         let rotations = seen.as_deref().filter(|_| !self.options.vote.euler_mean);
         let rotations = rotations.map(|seen| seen.rotations(side).to_vec()).unwrap_or_default();
         join_orientation(&rotations, &mut best.vote.orientation);
-        let no_grasp = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
+        let no_grasp = seen.map(|seen| seen.join(self.index, side, asked, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let no_grasp = no_grasp.filter(|_| prepared.scene.is_some());
-        Ok(Looked { hand_image, best, rotations, no_grasp })
+        Ok(Looked { hand_image, best, rotations, by_variants: Vec::new(), no_grasp })
     }
 
     /// How far what is said of a hand is believed, and what should make a reader doubt it.
     fn decide(&self, prepared: Prepared, looked: Looked, timings: Timings) -> Recognition {
-        let Looked { hand_image, mut best, rotations, no_grasp } = looked;
+        let Looked { hand_image, mut best, rotations, by_variants, no_grasp } = looked;
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -174,6 +203,7 @@ impl<'a> Recogniser<'a> {
             trust,
             tempering,
             seen: rotations,
+            seen_in_variants: by_variants,
             warnings,
             doubt,
             context: Context::Nothing,
@@ -214,6 +244,8 @@ struct Looked {
     best: Hypothesis,
     /// How networks see the hand turned in the picture, by each of their looks.
     rotations: Vec<UnitQuaternion<f64>>,
+    /// How it is turned by other variants of the picture.
+    by_variants: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps.
     no_grasp: Option<f64>,
 }

@@ -40,6 +40,8 @@ pub struct Recognition {
     /// How networks see the hand turned in the picture, by each of their looks; empty where none
     /// looks, or the orientation is the neighbours' alone.
     pub(crate) seen: Vec<UnitQuaternion<f64>>,
+    /// How the same hand is turned by variants of the picture, where these were looked at.
+    pub(crate) seen_in_variants: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps, by all that is seen, 0..=1; `None` where no
     /// scene network has found it.
     pub no_grasp: Option<f64>,

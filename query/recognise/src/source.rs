@@ -86,15 +86,7 @@ impl Prepared {
     ) -> Result<Self, RecogniseError> {
         let (width, height) = (picture.width(), picture.height());
         let found = match source {
-            MaskSource::Camera => {
-                let picture = picture.shrunk_to(WORKING_SIDE);
-                return match &params.by {
-                    Finder::Scene => Self::of_scene(picture, params),
-                    Finder::Skin => Self::of_skin(picture, None, params),
-                    #[cfg(feature = "landmarks")]
-                    Finder::Landmarks(networks) => Self::of_networks(picture, networks, params),
-                };
-            }
+            MaskSource::Camera => return Self::of_camera(picture.shrunk_to(WORKING_SIDE), params),
             MaskSource::Landmarks(landmarks) => {
                 let joints = landmarks.of_picture(width, height).map_err(SourceError::Landmarks)?;
                 let joints = joints.shrunk(picture.shrink_factor(WORKING_SIDE));
@@ -169,6 +161,16 @@ impl Prepared {
         let size = (prepared.picture.width(), prepared.picture.height());
         tracker.keep(prepared.scene.as_ref(), size);
         Ok(prepared)
+    }
+
+    /// Finds the hand in a camera picture of a working size.
+    pub(crate) fn of_camera(picture: Picture, params: &SegmentParams) -> Result<Self, RecogniseError> {
+        match &params.by {
+            Finder::Scene => Self::of_scene(picture, params),
+            Finder::Skin => Self::of_skin(picture, None, params),
+            #[cfg(feature = "landmarks")]
+            Finder::Landmarks(networks) => Self::of_networks(picture, networks, params),
+        }
     }
 
     /// Finds the hand by the colour of skin, and by where its joints are if that is known.

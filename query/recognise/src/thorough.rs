@@ -1,11 +1,12 @@
 //! Test-time augmentation: a picture looked at in several variants ([`Variant`]), and what all of
 //! them say together.
 
-use grasp_index::{ClassScore, NETWORK_STAGES, euler_deg};
+use grasp_index::{ClassScore, NETWORK_STAGES, OrientationEstimate, Vote, euler_deg};
 use nalgebra::UnitQuaternion;
 
 use crate::hypothesis::Hypothesis;
 use crate::orientation::mean_with_near;
+use crate::segment::Mask;
 use crate::side::Side;
 use crate::variant::Variant;
 
@@ -55,21 +56,36 @@ pub(crate) fn side_of_most(own: Side, others: &[VariantAnswer]) -> Side {
 }
 
 /// Joins what other variants say of a hand with what is said of the picture as it is: the geometric
-/// mean of the classes' probabilities, normalised, the mean of those of the stages, and the mean of
-/// the rotations near it of the same hand. Returns how likely the hand is in none of the grasps.
-pub(crate) fn join(others: &[VariantAnswer], best: &mut Hypothesis, no_grasp: Option<f64>) -> Option<f64> {
-    join_classes(others, &mut best.vote.classes);
-    if let Some(stages) = &mut best.vote.stages {
+/// mean of the classes' probabilities, normalised, and the mean of those of the stages. Returns how
+/// likely the hand is in none of the grasps.
+pub(crate) fn join(others: &[VariantAnswer], vote: &mut Vote, no_grasp: Option<f64>) -> Option<f64> {
+    join_classes(others, &mut vote.classes);
+    if let Some(stages) = &mut vote.stages {
         let said: Vec<_> = others.iter().filter_map(|said| said.stages).collect();
         for (at, stage) in stages.iter_mut().enumerate() {
             *stage = (*stage + said.iter().map(|said| said[at]).sum::<f64>()) / (said.len() + 1) as f64;
         }
     }
-    let orientation = &mut best.vote.orientation;
-    orientation.rotation = joined_rotation(others, best.side, orientation.rotation);
-    orientation.euler_deg = euler_deg(&orientation.rotation);
     let predicted = || others.iter().filter_map(|said| said.no_grasp);
     no_grasp.map(|no_grasp| (no_grasp + predicted().sum::<f64>()) / (predicted().count() + 1) as f64)
+}
+
+/// How variants that show this hand have it turned in the picture as it is.
+pub(crate) fn rotations(others: &[VariantAnswer], side: Side) -> Vec<UnitQuaternion<f64>> {
+    others.iter().filter(|said| said.side == side).map(|said| said.rotation).collect()
+}
+
+/// Makes an orientation the mean of itself and of the rotations near it.
+pub(crate) fn join_orientation(rotations: &[UnitQuaternion<f64>], orientation: &mut OrientationEstimate) {
+    let share = |near: usize| near as f64 / (near + 1) as f64;
+    orientation.rotation = mean_with_near(orientation.rotation, rotations.iter().copied(), share);
+    orientation.euler_deg = euler_deg(&orientation.rotation);
+}
+
+/// Whether two masks of one picture are of the same hand: each of two hands, or of a hand and
+/// something else, lies beside the other.
+pub(crate) fn is_same_hand(one: &Mask, other: &Mask) -> bool {
+    2 * one.and(other).area() >= one.area().min(other.area())
 }
 
 fn join_classes(others: &[VariantAnswer], classes: &mut [ClassScore]) {
@@ -84,11 +100,6 @@ fn join_classes(others: &[VariantAnswer], classes: &mut [ClassScore]) {
     let total: f64 = classes.iter().map(|class| class.probability).sum();
     classes.iter_mut().for_each(|class| class.probability /= total);
     ClassScore::rank(classes);
-}
-
-fn joined_rotation(others: &[VariantAnswer], side: Side, own: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    let same_hand = others.iter().filter(|said| said.side == side).map(|said| said.rotation);
-    mean_with_near(own, same_hand, |near| near as f64 / (near + 1) as f64)
 }
 
 #[cfg(test)]
@@ -116,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn classes_are_those_that_all_forms_find_likely() {
+    fn classes_are_those_that_all_variants_find_likely() {
         let mut classes = scores([0.6, 0.4, 0.0]);
         join_classes(&[], &mut classes);
         assert_eq!(classes.iter().map(|class| class.class).collect::<Vec<_>>(), [0, 1, 2]);
@@ -130,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_is_the_one_that_most_forms_show_and_turned_as_those_near_say() {
+    fn a_hand_is_the_one_that_most_variants_show_and_turned_as_those_near_say() {
         let [left, right] = [Side::Left, Side::Right].map(|side| said(side, [1.0, 0.0, 0.0], 20.0));
         assert_eq!(side_of_most(Side::Right, &[]), Side::Right);
         assert_eq!(side_of_most(Side::Left, std::slice::from_ref(&right)), Side::Left);
@@ -138,12 +149,29 @@ mod tests {
         assert_eq!(side_of_most(Side::Left, &others[..2]), Side::Right);
         assert_eq!(side_of_most(Side::Left, &others), Side::Left);
         // One is near and of the same hand, one is far off, one is of the other hand.
-        let joined = joined_rotation(&others, Side::Right, about_z(10.0));
-        assert!(joined.angle_to(&about_z(15.0)) < 1e-9, "{joined}");
+        let of_right = rotations(&others, Side::Right);
+        assert_eq!(of_right, [20.0, 100.0].map(about_z));
+        let rotation = about_z(10.0);
+        let mut joined = OrientationEstimate { rotation, euler_deg: euler_deg(&rotation), spread_deg: 5.0 };
+        join_orientation(&of_right, &mut joined);
+        assert!(joined.rotation.angle_to(&about_z(15.0)) < 1e-9, "{joined:?}");
+        assert_eq!((joined.euler_deg, joined.spread_deg), (euler_deg(&joined.rotation), 5.0));
     }
 
     #[test]
-    fn what_is_said_of_a_form_is_about_the_picture_as_it_is() {
+    fn masks_are_of_the_same_hand_where_they_overlap() {
+        let columns = |from: usize, to: usize| {
+            let values: Vec<usize> = (0..200).collect();
+            Mask::from_values(20, 10, &values, move |at: usize| (from..to).contains(&(at % 20)))
+        };
+        // The whole hand and some of the table; half of the hand; another hand beside it.
+        assert!(is_same_hand(&columns(0, 8), &columns(0, 16)));
+        assert!(is_same_hand(&columns(0, 8), &columns(4, 12)));
+        assert!(!is_same_hand(&columns(0, 8), &columns(6, 14)));
+    }
+
+    #[test]
+    fn what_is_said_of_a_variant_is_about_the_picture_as_it_is() {
         let rotation = UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1);
         for variant in Variant::ALL {
             let there = variant.orientation(&rotation);
