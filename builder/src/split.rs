@@ -38,17 +38,47 @@ pub fn split(path: &Path, count: u32, out: &Path, progress: Progress) -> anyhow:
     if (1..=count).any(|number| is_input(&number)) {
         bail!("a segment would be written over {}: name another folder", path.display());
     }
-    std::fs::create_dir_all(out).with_context(|| format!("cannot create the folder {}", out.display()))?;
-    clear(out);
-    let ends = ends(&index, count)?;
-    // From the beginning: two runs that write the same segments do not mix, and neither removes
-    // what the other has written.
-    let mut last = Some(AtomicFile::create(&out.join(file_name(count, count)))?);
+    split_into(Place::new(out, count)?, path, &index, progress)
+}
+
+/// The folder that segments are written into, kept from other runs that write as many there:
+/// neither mixes with the other, or removes what it has written.
+pub(crate) struct Place<'a> {
+    folder: &'a Path,
+    count: u32,
+    /// The last segment, which is locked.
+    last: AtomicFile,
+}
+
+impl<'a> Place<'a> {
+    /// Makes the folder where there is none, and removes what a run that was killed has left in it.
+    ///
+    /// # Errors
+    /// When it cannot be made, or another run writes as many segments there.
+    pub(crate) fn new(folder: &'a Path, count: u32) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        clear(folder);
+        let last = AtomicFile::create(&folder.join(file_name(count, count)))?;
+        Ok(Self { folder, count, last })
+    }
+}
+
+/// [`split`], of an index that is open, into a place that is kept already.
+pub(crate) fn split_into(
+    place: Place<'_>,
+    path: &Path,
+    index: &Index,
+    progress: Progress,
+) -> anyhow::Result<Vec<Segment>> {
+    let Place { folder, count, last } = place;
+    let ends = ends(index, count)?;
+    let mut last = Some(last);
     let bar = progress.bar(u64::from(count), "splitting", "segments");
     let mut written = Written::default();
     let mut start = 0;
     for (end, number) in ends.into_iter().zip(1..) {
-        let path = out.join(file_name(number, count));
+        let path = folder.join(file_name(number, count));
         let entries = start..end;
         let note = format!("{number} of {count}: entries {} to {} of {}", start, end - 1, index.len());
         let provenance = vec![("segment".to_owned(), note)];
@@ -83,7 +113,7 @@ impl Drop for Written {
 
 /// Removes from `folder` what a run that was killed has left of segments on their way. What another
 /// program is writing is locked, and stays.
-pub(crate) fn clear(folder: &Path) {
+fn clear(folder: &Path) {
     let Ok(entries) = folder.read_dir() else { return };
     for name in entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()) {
         let on_its_way = name.strip_prefix('.').and_then(|name| name.strip_suffix(".part"));

@@ -10,7 +10,8 @@ use super::report::print_report;
 use super::split::{parse_count, print_segments};
 use crate::interrupt;
 use crate::merge::merge;
-use crate::split::{clear, split};
+use crate::sound::open_sound;
+use crate::split::{Place, split_into};
 
 /// Make an index of all its parts: byte for byte the one that a single `build` of the same options
 /// makes.
@@ -81,13 +82,13 @@ impl Merge {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         let _alone = alone(folder)?;
-        // Before the index takes their room.
-        clear(folder);
+        // Before the work, and before the index takes the room of what was left there.
+        let place = Place::new(folder, count)?;
         let path = folder.join(WHOLE);
         let report = merge(&self.parts, &path, global.progress())?;
         // Only now is it this run's: before, it may be what another has left.
         let whole = Whole(path);
-        let segments = split(&whole.0, count, folder, global.progress())?;
+        let segments = split_into(place, &whole.0, &open_sound(&whole.0)?, global.progress())?;
         drop(whole);
         print_report(folder, &report, false)?;
         print_segments(&segments)

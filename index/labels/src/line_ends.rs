@@ -1,24 +1,24 @@
-//! Tables of any system: `\r\n` is read as `\n`, so that lines are counted where they end; and
-//! lines that do not end are those of another file, or of a device.
+//! Tables of any system: `\r\n` and `\r` are read as `\n`, so that lines are counted where they end;
+//! and lines that do not end are those of another file, or of a device.
 
 use std::io::{self, BufRead, BufReader, Read};
 
 /// The longest line in bytes: a reader of tables holds each of them.
 const LONGEST: usize = 1 << 20;
 
-/// A reader of the same bytes, but for each `\r` that a `\n` follows.
+/// A reader of the same bytes, with each `\r\n`, and each `\r` alone, as `\n`.
 #[derive(Debug)]
 pub(crate) struct LineEnds<R> {
     inner: BufReader<R>,
-    /// A `\r` has been read and not yet given.
-    holds_cr: bool,
+    /// The last byte was a `\r`, which has been given as `\n`.
+    behind_cr: bool,
     /// The bytes that have been given of a line that has not ended.
     line: usize,
 }
 
 impl<R: Read> LineEnds<R> {
     pub(crate) fn new(inner: R) -> Self {
-        Self { inner: BufReader::new(inner), holds_cr: false, line: 0 }
+        Self { inner: BufReader::new(inner), behind_cr: false, line: 0 }
     }
 }
 
@@ -31,23 +31,18 @@ impl<R: Read> Read for LineEnds<R> {
         let mut given = 0;
         while given < into.len() {
             let bytes = self.inner.fill_buf()?;
-            let Some(&byte) = bytes.first() else {
-                // A `\r` at the very end is followed by nothing.
-                if std::mem::take(&mut self.holds_cr) {
-                    into[given] = b'\r';
-                    given += 1;
-                }
-                break;
-            };
-            if std::mem::take(&mut self.holds_cr) && byte != b'\n' {
-                into[given] = b'\r';
-                given += 1;
+            let Some(&byte) = bytes.first() else { break };
+            let plain = bytes.iter().take(into.len() - given).take_while(|byte| **byte != b'\r').count();
+            let ended = std::mem::replace(&mut self.behind_cr, plain == 0);
+            if ended && byte == b'\n' {
+                self.inner.consume(1);
                 continue;
             }
-            let plain = bytes.iter().take(into.len() - given).take_while(|byte| **byte != b'\r').count();
-            into[given..given + plain].copy_from_slice(&bytes[..plain]);
-            given += plain;
-            self.holds_cr = plain == 0;
+            match plain {
+                0 => into[given] = b'\n',
+                _ => into[given..given + plain].copy_from_slice(&bytes[..plain]),
+            }
+            given += plain.max(1);
             self.inner.consume(plain.max(1));
         }
         self.line = match into[..given].iter().rposition(|byte| *byte == b'\n') {
@@ -80,6 +75,8 @@ mod tests {
         assert_eq!(error.to_string(), "a line has more than 1 MiB: is it a table?");
         let lines = "a line\r\n".repeat(1 << 18);
         assert_eq!(io::copy(&mut LineEnds::new(lines.as_bytes()), &mut sink).unwrap(), 7 << 18);
+        let lines = "a line\r".repeat(1 << 18);
+        assert_eq!(io::copy(&mut LineEnds::new(lines.as_bytes()), &mut sink).unwrap(), 7 << 18);
     }
 
     proptest! {
@@ -94,7 +91,7 @@ mod tests {
                 }
                 read.extend_from_slice(&part[..count]);
             }
-            prop_assert_eq!(String::from_utf8(read).unwrap(), text.replace("\r\n", "\n"));
+            prop_assert_eq!(String::from_utf8(read).unwrap(), text.replace("\r\n", "\n").replace('\r', "\n"));
         }
     }
 }

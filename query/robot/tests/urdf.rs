@@ -234,7 +234,10 @@ fn what_the_parser_of_xml_has_no_end_of_is_said_as_well() {
         .replace("<robot ", "<robot xmlns:xmlns='z' xmlns:p='u' ")
         .replace("<link name=\"base\"/>", "<p:link name=\"base\"/>");
     let error = folder.error(&unbound, Some(COMPANION));
-    assert!(error.contains("its XML namespaces (xmlns) are more than a URDF needs"), "{error}");
+    assert!(
+        error.contains("its XML namespaces (xmlns, and attributes with a prefix) are more than a URDF needs"),
+        "{error}"
+    );
     // Those of a simulator are read.
     let usual = URDF.replace("<robot ", "<robot xmlns:xacro='http://www.ros.org/wiki/xacro' ");
     assert_eq!(folder.hand(&usual, Some(COMPANION)).unwrap().limits, shipped().limits);

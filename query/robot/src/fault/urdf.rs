@@ -28,7 +28,9 @@ pub enum UrdfFault {
         most: usize,
     },
     /// Namespaces that are many, long, or none.
-    #[error("its XML namespaces (xmlns) are more than a URDF needs, which is none: take them out")]
+    #[error(
+        "its XML namespaces (xmlns, and attributes with a prefix) are more than a URDF needs, which is none: take them out"
+    )]
     Namespaces,
     /// Text that is no markup.
     #[error("it holds <![CDATA[, where a URDF has nothing to say: take it out")]

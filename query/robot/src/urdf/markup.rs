@@ -13,8 +13,8 @@ const LONGEST: usize = 4_000_000;
 const DEEPEST: usize = 100;
 /// Twice as many as the largest hand's links and joints have.
 const MOST_ELEMENTS: usize = 50_000;
-/// Names and values of all namespaces together, in bytes: several times as long as those of
-/// URDFs that were made for a simulator.
+/// Names and values of all namespaces, and of attributes with a prefix, together, in bytes: several
+/// times as long as those of URDFs that were made for a simulator.
 const MOST_NAMESPACES: usize = 2_000;
 
 /// What the parser cannot be given, if anything.
@@ -46,7 +46,7 @@ struct Walk<'a> {
     /// Elements that are open.
     depth: usize,
     elements: usize,
-    /// Names and values of namespaces, in bytes.
+    /// Names and values of namespaces and of attributes with a prefix, in bytes.
     namespaces: usize,
 }
 
@@ -97,7 +97,8 @@ impl<'a> Walk<'a> {
             if name == "xmlns:xmlns" {
                 return Some(Err(UrdfFault::Namespaces));
             }
-            if name.starts_with("xmlns") {
+            // A prefix may stand for that of namespaces.
+            if name.starts_with("xmlns") || name.contains(':') {
                 self.namespaces += name.len() + value.len();
             }
         }
@@ -164,6 +165,9 @@ mod tests {
         assert_eq!(fault(&declared(10)), None);
         assert_eq!(fault(&declared(100)), Some(UrdfFault::Namespaces));
         assert_eq!(fault("<a xmlns:xmlns ='b'/>"), Some(UrdfFault::Namespaces));
+        let prefixed: String = (0..500).map(|number| format!(" p:a{number}='u'")).collect();
+        let bound = format!("<a xmlns:p='http://www.w3.org/2000/xmlns/'{prefixed}/>");
+        assert_eq!(fault(&bound), Some(UrdfFault::Namespaces));
         assert_eq!(fault("<a><![CDATA[b]]></a>"), Some(UrdfFault::CharacterData));
     }
 }

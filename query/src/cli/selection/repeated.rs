@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use nalgebra::UnitQuaternion;
+
 use crate::evaluate::labels::{Label, LabelFault, RowError};
 
 /// Quaternions of one orientation differ by no more, in degrees, however they were rounded.
@@ -19,44 +21,67 @@ pub(super) struct Repeated {
     pub(super) count: usize,
 }
 
+/// What the rows so far say of a hand, each with the line that said it first; empty where all leave
+/// it open.
+struct Hand {
+    line: u64,
+    grasp: Said<String>,
+    stage: Said<String>,
+    orientation: Said<UnitQuaternion<f64>>,
+}
+
+type Said<T> = Option<(T, u64)>;
+
 /// Takes rows out that contradict one before them, as errors in the table's order, and reports
 /// those that repeat one. A row is of the same hand as another if picture, mask, kind and hand are
 /// the same; what one of them leaves open contradicts nothing.
 pub(super) fn check(labels: Vec<Label>) -> (Vec<Label>, Vec<RowError>, Option<Repeated>) {
-    let (mut sound, mut broken, mut repeated) = (Vec::<Label>::new(), Vec::new(), None::<Repeated>);
-    let mut places: HashMap<_, usize> = HashMap::new();
+    let (mut sound, mut broken, mut repeated) = (Vec::new(), Vec::new(), None::<Repeated>);
+    let mut hands: HashMap<_, Hand> = HashMap::new();
     for label in labels {
-        let first = match places.entry((label.file.clone(), label.mask.clone(), label.kind, label.hand)) {
-            Entry::Occupied(place) => sound.get(*place.get()),
+        match hands.entry((label.file.clone(), label.mask.clone(), label.kind, label.hand)) {
             Entry::Vacant(place) => {
-                place.insert(sound.len());
-                None
+                let unsaid = Hand { line: label.line, grasp: None, stage: None, orientation: None };
+                place.insert(unsaid).add(&label);
             }
-        };
-        if let Some(first) = first {
-            if let Some(column) = contradiction(first, &label) {
-                let fault = LabelFault::Contradicts { column, line: first.line };
-                broken.push(RowError { line: label.line, fault });
-                continue;
+            Entry::Occupied(mut place) => {
+                let hand = place.get_mut();
+                if let Some((column, line)) = hand.contradiction(&label) {
+                    let fault = LabelFault::Contradicts { column, line };
+                    broken.push(RowError { line: label.line, fault });
+                    continue;
+                }
+                hand.add(&label);
+                repeated.get_or_insert(Repeated { line: label.line, of: hand.line, count: 0 }).count += 1;
             }
-            let of = first.line;
-            repeated.get_or_insert(Repeated { line: label.line, of, count: 0 }).count += 1;
         }
         sound.push(label);
     }
     (sound, broken, repeated)
 }
 
-/// In what two labels of one hand differ.
-fn contradiction(one: &Label, other: &Label) -> Option<&'static str> {
-    let differ = |a: &str, b: &str| a != b && !a.is_empty() && !b.is_empty();
-    let angle = one.orientation.zip(other.orientation).map(|(a, b)| a.angle_to(&b).to_degrees());
-    if differ(&one.grasp, &other.grasp) {
-        Some("grasp")
-    } else if differ(&one.stage, &other.stage) {
-        Some("stage")
-    } else {
-        angle.is_some_and(|angle| angle > ROUNDING_DEG).then_some("orientation")
+impl Hand {
+    /// The column in which a row contradicts what is said, and the line that said it.
+    fn contradiction(&self, label: &Label) -> Option<(&'static str, u64)> {
+        let differs = |column, said: &Said<String>, text: &str| {
+            let other = said.as_ref().filter(|(said, _)| said != text && !text.is_empty());
+            other.map(|(_, line)| (column, *line))
+        };
+        let turned = |(said, line): &(UnitQuaternion<f64>, u64)| {
+            let angle = said.angle_to(label.orientation.as_ref()?).to_degrees();
+            (angle > ROUNDING_DEG).then_some(("orientation", *line))
+        };
+        differs("grasp", &self.grasp, &label.grasp)
+            .or_else(|| differs("stage", &self.stage, &label.stage))
+            .or_else(|| self.orientation.as_ref().and_then(turned))
+    }
+
+    /// Adds what a row says and no row before it.
+    fn add(&mut self, label: &Label) {
+        let text = |text: &str| (!text.is_empty()).then(|| (text.to_owned(), label.line));
+        self.grasp = self.grasp.take().or_else(|| text(&label.grasp));
+        self.stage = self.stage.take().or_else(|| text(&label.stage));
+        self.orientation = self.orientation.or(label.orientation.map(|rotation| (rotation, label.line)));
     }
 }
 
@@ -88,6 +113,23 @@ a.jpg,m.png,camera,pinch,grasp,left,,,,
 ";
         let repeated = Some(Repeated { line: 4, of: 2, count: 2 });
         assert_eq!(checked(rows), (vec![2, 3, 4, 5], vec![], repeated));
+    }
+
+    #[test]
+    fn what_the_first_row_leaves_open_a_later_one_says() {
+        let rows = "\
+a.jpg,,camera,pinch,,left,,,,
+a.jpg,,camera,pinch,grasp,left,,,,
+a.jpg,,camera,pinch,reach,left,0,0,0,1
+a.jpg,,camera,pinch,grasp,left,0,0,0,1
+a.jpg,,camera,pinch,,left,1,0,0,0
+";
+        let said = |line: u64, column: &str, of: u64| {
+            let why = "has for the same hand: keep the one that is right";
+            format!("line {line}: another {column} than line {of} {why}")
+        };
+        let broken = vec![said(4, "stage", 3), said(6, "orientation", 5)];
+        assert_eq!(checked(rows), (vec![2, 3, 5], broken, Some(Repeated { line: 3, of: 2, count: 2 })));
     }
 
     #[test]
