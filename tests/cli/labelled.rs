@@ -225,7 +225,7 @@ fn changed_pictures_are_scored_beside_pictures_as_they_are() {
 }
 
 #[test]
-fn a_thorough_look_is_one_at_camera_pictures_in_several_forms() {
+fn a_thorough_look_is_one_at_camera_pictures_in_several_variants() {
     let look = |file: &str, arguments: &[&str]| {
         let outcome = run(program("grasp-query")
             .args(["recognise", "--json", "--index"])
@@ -234,17 +234,30 @@ fn a_thorough_look_is_one_at_camera_pictures_in_several_forms() {
             .arg(pictures().join(file)));
         assert!(outcome.status < 2, "{}", outcome.stderr);
         let record = outcome.json_lines()[0].clone();
-        ["classes", "orientation", "hand", "neighbours"].map(|key| record[key].clone())
+        ["classes", "orientation", "hand", "neighbours", "warnings"].map(|key| record[key].clone())
     };
     let camera = "camera/10-power-sphere.jpg";
     let [quick, thorough] = [&["--thorough"][..0], &["--thorough"]].map(|option| look(camera, option));
-    assert_ne!(quick[0], thorough[0], "other forms say the same to the last digit");
+    assert_ne!(quick[0], thorough[0], "other variants say the same to the last digit");
     assert_eq!(quick[0][0]["grasp"], thorough[0][0]["grasp"]);
     assert_eq!(thorough, look(camera, &["--thorough"]));
     // The neighbours to look at are those of the picture as it is.
     assert_eq!((&quick[2], &quick[3]), (&thorough[2], &thorough[3]));
+    assert_eq!(quick[4], thorough[4]);
+    // Equation 4 as printed is the neighbours' alone.
+    let printed =
+        [&["--euler-mean"][..], &["--euler-mean", "--thorough"]].map(|options| look(camera, options));
+    assert_eq!(printed[0][1], printed[1][1]);
+    assert_ne!(printed[0][0], printed[1][0]);
     let cut_out = "segmented/09-pinch.png";
-    assert_eq!(look(cut_out, &["--segmented"]), look(cut_out, &["--segmented", "--thorough"]));
+    let [quick, thorough] =
+        [&["--segmented"][..], &["--segmented", "--thorough"]].map(|options| look(cut_out, options));
+    assert_eq!(quick[..4], thorough[..4]);
+    let kinds = |record: &serde_json::Value| {
+        record.as_array().unwrap().iter().map(|warning| warning["kind"].clone()).collect::<Vec<_>>()
+    };
+    assert!(!kinds(&quick[4]).contains(&"looked_at_once".into()));
+    assert!(kinds(&thorough[4]).contains(&"looked_at_once".into()));
 }
 
 #[test]

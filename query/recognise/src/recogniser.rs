@@ -90,10 +90,15 @@ impl<'a> Recogniser<'a> {
         mut timings: Timings,
     ) -> Result<Recognition, RecogniseError> {
         let mut looked = self.look(&prepared, self.options.hand, &mut timings)?;
-        if self.options.thorough && prepared.scene.is_some() {
+        let is_found_by_networks = prepared.scene.is_some();
+        if self.options.thorough && is_found_by_networks {
             looked = self.look_at_variants(&prepared, looked, &mut timings)?;
         }
-        Ok(self.decide(prepared, looked, timings))
+        let mut found = self.decide(prepared, looked, timings);
+        if self.options.thorough && !is_found_by_networks {
+            found.warnings.push(Warning::LookedAtOnce);
+        }
+        Ok(found)
     }
 
     /// Joins what variants of the picture say with what is said of it as it is.

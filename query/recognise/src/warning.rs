@@ -60,6 +60,9 @@ pub enum Warning {
         /// How likely that is, 0..=1.
         probability: f64,
     },
+    /// A thorough look was asked for, and the hand is none that networks found in a camera picture.
+    #[error("looked at once: `thorough` is for hands that the networks find in camera pictures")]
+    LookedAtOnce,
     /// The index has no calibration, or none that holds for such a vote.
     #[error("no calibration holds for this vote: its probabilities may be far off")]
     IndexNotCalibrated,
@@ -78,6 +81,7 @@ impl Warning {
             Self::NeighboursDisagree { .. } => "neighbours_disagree",
             Self::HandAmbiguous => "hand_ambiguous",
             Self::NoneOfTheGrasps { .. } => "none_of_the_grasps",
+            Self::LookedAtOnce => "looked_at_once",
             Self::IndexNotCalibrated => "index_not_calibrated",
         }
     }
