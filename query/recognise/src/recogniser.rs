@@ -92,7 +92,7 @@ impl<'a> Recogniser<'a> {
         let mut looked = self.look(&prepared, self.options.hand, &mut timings)?;
         let is_found_by_networks = prepared.scene.is_some();
         if self.options.thorough && is_found_by_networks {
-            looked = self.look_at_variants(&prepared, looked, &mut timings)?;
+            self.join_variants(&prepared, &mut looked, &mut timings);
         }
         let mut found = self.decide(prepared, looked, timings);
         if self.options.thorough && !is_found_by_networks {
@@ -102,21 +102,13 @@ impl<'a> Recogniser<'a> {
     }
 
     /// Joins what variants of the picture say with what is said of it as it is.
-    fn look_at_variants(
-        &self,
-        prepared: &Prepared,
-        mut looked: Looked,
-        timings: &mut Timings,
-    ) -> Result<Looked, RecogniseError> {
+    fn join_variants(&self, prepared: &Prepared, looked: &mut Looked, timings: &mut Timings) {
         let others: Vec<VariantAnswer> =
             VARIANTS.into_iter().filter_map(|variant| self.variant(prepared, variant, timings)).collect();
-        let side = thorough::side_of_most(looked.best.side, &others);
-        if side != looked.best.side && self.options.hand == HandChoice::Auto {
-            let tried = looked.best.tried;
-            looked = self.look_at_side(prepared, side.into(), self.options.hand, timings)?;
-            // The variants are for one hand, the picture as it is for the other.
+        // The hand stays that of the picture as it is: most variants are as often wrong where they
+        // show the other one (docs/trials.md). But it may as well be that.
+        if self.options.hand == HandChoice::Auto && thorough::most_show_other(looked.best.side, &others) {
             looked.best.rival = Some(0.0);
-            looked.best.tried += tried;
         }
         looked.no_grasp = thorough::join(&others, &mut looked.best.vote, looked.no_grasp);
         // Equation 4 as printed is the neighbours' alone.
@@ -124,7 +116,6 @@ impl<'a> Recogniser<'a> {
             looked.by_variants = thorough::rotations(&others, looked.best.side);
             thorough::join_orientation(&looked.by_variants, &mut looked.best.vote.orientation);
         }
-        Ok(looked)
     }
 
     /// What a variant of a picture says, where the same hand is found in it.
@@ -145,17 +136,6 @@ impl<'a> Recogniser<'a> {
         hand: HandChoice,
         timings: &mut Timings,
     ) -> Result<Looked, RecogniseError> {
-        self.look_at_side(prepared, hand, hand, timings)
-    }
-
-    /// The same, where one hand is looked at, although both were `asked` for.
-    fn look_at_side(
-        &self,
-        prepared: &Prepared,
-        hand: HandChoice,
-        asked: HandChoice,
-        timings: &mut Timings,
-    ) -> Result<Looked, RecogniseError> {
         let started = Instant::now();
         let hand_image = prepared.hand_image()?.shrunk_to(self.index.catalogue().descriptor.described_side());
         timings.descriptor_ms += timings::milliseconds(started);
@@ -167,7 +147,7 @@ impl<'a> Recogniser<'a> {
         let rotations = seen.as_deref().filter(|_| !self.options.vote.euler_mean);
         let rotations = rotations.map(|seen| seen.rotations(side).to_vec()).unwrap_or_default();
         join_orientation(&rotations, &mut best.vote.orientation);
-        let no_grasp = seen.map(|seen| seen.join(self.index, side, asked, &mut best.vote));
+        let no_grasp = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let no_grasp = no_grasp.filter(|_| prepared.scene.is_some());
         Ok(Looked { hand_image, best, rotations, by_variants: Vec::new(), no_grasp })
