@@ -21,8 +21,8 @@ use xxhash_rust::xxh3::xxh3_64;
 use crate::held_out::{Hands, HeldOut};
 use crate::indexing::{Described, Gathered, INPUTS, Known, Names, OPTIONS, Recipe, Report, Source, tool};
 use crate::interrupt;
+use crate::open_sound::open_sound;
 use crate::plan_spec::PlanSpec;
-use crate::sound::open_sound;
 
 /// Entries that are handed on at a time.
 const ENTRIES_AT_ONCE: u32 = 1 << 10;

@@ -9,8 +9,8 @@ use grasp_index::{AtomicFile, BuildError, Index};
 use grasp_terminal::Progress;
 
 use crate::interrupt::{self, Interrupted};
+use crate::open_sound::open_sound;
 use crate::same_file::is_same_file;
-use crate::sound::open_sound;
 
 /// A segment that was written.
 #[derive(Debug)]

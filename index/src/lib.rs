@@ -71,6 +71,7 @@ mod entry;
 mod file;
 mod hand_image;
 mod index;
+mod index_vote;
 mod model;
 pub mod npy;
 mod phase;
@@ -79,7 +80,6 @@ mod rotation;
 mod search;
 mod segments;
 mod vote;
-mod voting;
 
 pub use descriptor::{
     Cell, Describer, DescriptorKind, DescriptorModel, DescriptorParams, NETWORK_STAGES, NetworkEstimate,

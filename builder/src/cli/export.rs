@@ -9,9 +9,9 @@ use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
 use super::report::ENTRIES;
+use crate::open_sound::open_sound;
 use crate::same_file::is_same_file;
 use crate::shard::{PartReader, is_part};
-use crate::sound::open_sound;
 use crate::{export, interrupt};
 
 /// Write what an index holds for other programs: its descriptors, its labels, or all of it as one

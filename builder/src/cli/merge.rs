@@ -10,7 +10,7 @@ use super::report::print_report;
 use super::split::{parse_count, print_segments};
 use crate::interrupt;
 use crate::merge::merge;
-use crate::sound::open_sound;
+use crate::open_sound::open_sound;
 use crate::split::{Place, split_into};
 
 /// Make an index of all its parts: byte for byte the one that a single `build` of the same options

@@ -11,7 +11,7 @@ pub(super) const COUNT: usize = 40;
 pub struct Joints([Vector3<f32>; COUNT / 2]);
 
 impl Joints {
-    /// Of a hand that is so many metres long.
+    /// Of a hand that is `hand_length` metres long.
     pub(super) fn new(places: &JointPlaces, hand_length: f64) -> Self {
         let places = places.as_flattened();
         Self(std::array::from_fn(|joint| places[joint] / hand_length as f32))

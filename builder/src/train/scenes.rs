@@ -118,7 +118,7 @@ impl Scenes {
         Self { variation: Variation { examples: 0.0, recorded: 1.0, ..scenes.variation }, ..scenes }
     }
 
-    /// The same scenes of so many hands, all of them without end.
+    /// The same scenes of `count` hands; without it, of ever new ones.
     pub fn with_hands(self, count: Option<u64>) -> Self {
         Self { count, ..self }
     }

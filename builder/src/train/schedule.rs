@@ -49,12 +49,12 @@ impl Schedule {
         validation: 48,
     };
 
-    /// The steps in which so many samples are shown, in full batches.
+    /// The steps in which `samples` samples are shown, in full batches.
     pub fn steps(&self, samples: u64) -> u64 {
         samples / self.batch as u64
     }
 
-    /// Samples that have been shown after so many steps.
+    /// Samples that have been shown after `steps` steps.
     pub fn samples(&self, steps: u64) -> u64 {
         steps * self.batch as u64
     }

@@ -208,7 +208,7 @@ fn check_whole(bytes: &[u8]) -> Result<(), ReadError> {
     }
 }
 
-/// Where the weights begin, behind so many convolutions.
+/// Where the weights begin, behind the architecture of a network of `convolutions` convolutions.
 fn start(convolutions: usize, version: u32) -> usize {
     let masks = if version == PLAIN { 0 } else { MASKS };
     HEADER + convolutions * CONVOLUTION + masks

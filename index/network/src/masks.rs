@@ -44,7 +44,7 @@ impl Masks {
         }
     }
 
-    /// Each number by itself, in a network of so many convolutions.
+    /// Each number by itself, in a network of `convolutions` convolutions.
     pub(crate) fn check(self, convolutions: usize) -> Result<(), ArchitectureError> {
         let [convolution, count, cells] = [self.convolution, self.count, self.cells].map(u64::from);
         check(

@@ -109,7 +109,7 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// At most so many bytes besides the pixels.
+/// At most `bytes` bytes besides the pixels.
 fn limits(bytes: u64) -> Limits {
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(bytes);

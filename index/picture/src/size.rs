@@ -3,7 +3,7 @@
 use crate::limits::{MAX_BYTES_A_PIXEL, MAX_COMPRESSED_BYTES_A_PIXEL, MAX_OVERHEAD, MAX_PIXELS, MAX_SIDE};
 use crate::{DecodeError, Format};
 
-/// The most bytes that an encoded picture of so many pixels may have.
+/// The most bytes that an encoded picture of `pixels` pixels may have.
 pub(crate) fn max_bytes(format: Format, pixels: u64) -> u64 {
     let a_pixel = match format {
         Format::Png | Format::Bmp | Format::Pnm => MAX_BYTES_A_PIXEL,

@@ -102,7 +102,7 @@ impl Chart<'_, '_> {
         sure(self.inner.plotting_area().draw(&Rectangle::new(corners, colour.filled())));
     }
 
-    /// A line of text, the middle of its height so many units above a point.
+    /// A line of text, the middle of its height `above` units above a point.
     pub fn text(&self, point: (f64, f64), above: f64, anchor: HPos, colour: RGBColor, text: &str) {
         let text = Text::new(text.to_owned(), (0, pixels(-above)), words(colour, anchor));
         sure(self.inner.plotting_area().draw(&(EmptyElement::at(point) + text)));

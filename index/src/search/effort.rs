@@ -10,7 +10,7 @@ pub const EPS: f64 = 0.05;
 /// some queries shall hold on others.
 const MARGIN: f64 = 0.1;
 
-/// What a search does and what it finds, on average, when it looks into so many buckets.
+/// What a search does and what it finds, on average, when it looks into `probes` buckets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffortPoint {
     /// Buckets that are looked into, in each table.
@@ -62,7 +62,7 @@ impl Measured {
         self.curve.iter().map(|point| point.recall_at_10).fold(0.0, f64::max)
     }
 
-    /// What was measured with just so many probes.
+    /// What was measured with exactly `probes` probes.
     pub(crate) fn at(&self, probes: u32) -> Option<&EffortPoint> {
         self.curve.iter().find(|point| point.probes == probes)
     }

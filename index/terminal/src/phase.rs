@@ -49,7 +49,7 @@ impl Phase {
         }
     }
 
-    /// The work has ended: so many things are done, and of how many where that is known.
+    /// The work has ended, `done` things of `total`, where that is known.
     pub(crate) fn end(&self, done: u64, total: Option<u64>) {
         let now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
         let counted = (!self.unit.is_empty()).then_some((done, total.unwrap_or(done)));

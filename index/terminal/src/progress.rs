@@ -102,7 +102,7 @@ impl Work {
         self.bar.set_position(done);
     }
 
-    /// There are so many things to do.
+    /// Sets how many things there are to do.
     pub fn set_length(&self, len: u64) {
         self.bar.set_length(len);
     }

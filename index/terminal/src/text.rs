@@ -31,7 +31,7 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// A number with so many decimals, where what rounds to nothing has no sign.
+/// A number with `decimals` decimals, where what rounds to nothing has no sign.
 pub fn fixed(number: f64, decimals: usize) -> String {
     let text = format!("{number:.decimals$}");
     match text.strip_prefix('-') {

@@ -112,7 +112,7 @@ impl Logistic {
     }
 }
 
-/// What a probability becomes by `trust`, where there are so many classes.
+/// What a probability becomes by `trust`, among `classes` classes.
 pub fn temper(probability: f64, trust: f64, classes: usize) -> f64 {
     trust * probability + (1.0 - trust) / classes.max(1) as f64
 }

@@ -1,6 +1,7 @@
 //! The table of labelled pictures: which picture shows what.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,15 @@ pub enum Kind {
     Segmented,
     /// A whole picture.
     Camera,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Segmented => "segmented",
+            Self::Camera => "camera",
+        })
+    }
 }
 
 /// The two parts that pictures are split into once and for all.

@@ -1,10 +1,11 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the
 //! paper, [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other
-//! hands are told from known ones, [`sequence`] what the frames before are worth, [`steadiness`] how
-//! much small changes of a picture matter. [`trust`] fits how far an answer about a camera picture is to be trusted, [`opening`] what hands look like
-//! before they hold something, and [`report`] makes one page of somebody's own pictures.
-//! [`robustness`] asks how far a robot's grasp may be off, and [`imitation`] runs the whole chain,
-//! from the picture to the robot that lifts the object.
+//! hands are distinguished from known ones, [`sequence`] what the frames before are worth,
+//! [`steadiness`] how much small changes of a picture matter. [`trust`] fits how far an answer about
+//! a camera picture is to be trusted, [`opening`] what hands look like before they hold something,
+//! and [`report`] makes one page of somebody's own pictures. [`robustness`] asks how far a robot's
+//! grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that lifts
+//! the object.
 
 #[cfg(feature = "simulate")]
 pub mod imitation;
@@ -19,7 +20,6 @@ pub mod steadiness;
 pub mod trust;
 pub mod unknown;
 
-use std::fmt;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
@@ -32,15 +32,6 @@ use crate::evaluate::labels::Kind;
 
 /// Both kinds of pictures, in the order of tables and drawings.
 const KINDS: [Kind; 2] = [Kind::Segmented, Kind::Camera];
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Segmented => "segmented",
-            Self::Camera => "camera",
-        })
-    }
-}
 
 /// Writes files of results into a folder, which is made where there is none.
 fn write_files<const N: usize>(folder: &Path, names: [&str; N], bytes: [Vec<u8>; N]) -> anyhow::Result<()> {

@@ -50,7 +50,7 @@ impl Labels {
         }
     }
 
-    /// What it shall answer to the picture's mirror image, where there are so many classes: the one
+    /// What it shall answer to the picture's mirror image, among `classes` classes: the one
     /// beyond them, a hand that is mirrored. Of its stage and rotation nothing is asked.
     pub fn target_mirrored(&self, classes: usize) -> Target {
         let weights = LossWeights { stage: 0.0, rotation: 0.0, joints: 0.0, ..LossWeights::ALL };

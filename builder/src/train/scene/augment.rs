@@ -92,7 +92,7 @@ fn filter(rgb: &mut [f32], side: usize, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// As if it had had so many pixels a side.
+/// As if it had had `pixels` pixels a side.
 fn coarsen(rgb: &mut [f32], side: usize, pixels: usize) {
     let (mut sums, mut counts) = (vec![0.0; 3 * pixels * pixels], vec![0.0f32; pixels * pixels]);
     let cell = |at: usize| (at * pixels / side).min(pixels - 1);

@@ -53,7 +53,7 @@ impl Form {
         }
     }
 
-    /// The network, with so many values of its heads.
+    /// The architecture, whose heads have `heads` values.
     pub(super) fn architecture(self, heads: usize) -> Architecture {
         let (layers, read_off, embedding) = match self {
             Self::Naming => (NAMING, 5, 128),

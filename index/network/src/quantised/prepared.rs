@@ -99,7 +99,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// The next part, of so many bytes.
+    /// The next `length` bytes.
     fn take(&mut self, length: usize) -> Result<&'static [u8], ReadError> {
         let start = self.at.next_multiple_of(ALIGNMENT);
         let end = start.saturating_add(length);
@@ -108,7 +108,7 @@ impl Parts {
         self.bytes.get(start..end).ok_or(ReadError::Truncated { expected, found })
     }
 
-    /// The next part, so many rows of numbers.
+    /// The next `count` rows of numbers.
     fn rows(&mut self, count: usize) -> Result<impl Iterator<Item = [f32; LANES]>, ReadError> {
         let bytes = self.take(count * size_of::<[f32; LANES]>())?;
         let mut numbers = bytes.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number));

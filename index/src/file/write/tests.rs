@@ -1,4 +1,5 @@
-//! What another writer might get wrong: every hash is right, and an element makes no sense.
+//! Indexes whose columns were spoilt in the writer: every hash is right, and an element makes no
+//! sense.
 
 use super::*;
 use crate::file::catalogue::ClassInfo;

@@ -69,7 +69,7 @@ impl Picture {
         Self { width: self.width.div_ceil(factor), height: self.height.div_ceil(factor), rgb }
     }
 
-    /// The means of blocks of `factor` x `factor` pixels; `S` has room for the sum of so many bytes.
+    /// The means of blocks of `factor` x `factor` pixels; `S` has room for a block's sum.
     fn means<S: Copy + Default + From<u8> + AddAssign + Into<u32>>(&self, factor: usize) -> Vec<[u8; 3]> {
         let mut rgb = Vec::with_capacity(self.width.div_ceil(factor) * self.height.div_ceil(factor));
         // Down the columns first: whole rows of numbers are added at once.

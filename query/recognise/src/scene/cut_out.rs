@@ -36,7 +36,7 @@ impl Prediction {
     }
 }
 
-/// The square around a hand whose mask is turned upright by so many radians, its side so many roots
+/// The square around a hand whose mask is turned upright by `turn` radians, its side `sizes` roots
 /// of the hand's area; `None` where the mask is empty. What lies farther behind its uppermost point
 /// than a descriptor is shown of it is arm, and does not count for where the hand is.
 fn square(mask: &Mask, turn: f64, sizes: f64) -> Option<Square> {

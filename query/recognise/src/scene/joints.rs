@@ -169,7 +169,7 @@ fn in_picture(square: &Square, hand: &Hand) -> [[f64; 2]; 21] {
     hand.joints.map(|place| map.apply(place))
 }
 
-/// The square of a palm's hand, its fingers up, so many sides of the palm's box large.
+/// The square of a palm's hand, its fingers up, its side `sizes` sides of the palm's box.
 fn around_palm(square: &Square, palm: &Palm, sizes: f64) -> Square {
     let map = square.to_picture();
     let [middle, wrist, knuckle] = [palm.middle, palm.wrist(), palm.knuckle()].map(|place| map.apply(place));

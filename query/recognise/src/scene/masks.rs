@@ -65,7 +65,7 @@ impl Masks {
         self.sum(Part::Hand)[2] * self.square.side * self.square.side
     }
 
-    /// The square around hand and object, its side so many roots of their area, turned as this one;
+    /// The square around hand and object, its side `sizes` roots of their area, turned as this one;
     /// `None` where there is no hand.
     pub(super) fn fitted(&self, sizes: f64) -> Option<Square> {
         self.around(self.sum(Part::Hand), sizes)
@@ -83,8 +83,8 @@ impl Masks {
         self.around(sum, sizes)
     }
 
-    /// The square around what is seen of the object, its side so many roots of its area, but at
-    /// least so many pixels; `None` where hardly anything is seen of it.
+    /// The square around what is seen of the object, its side `sizes` roots of its area, but at
+    /// least `least` pixels; `None` where hardly anything is seen of it.
     pub(super) fn around_object(&self, sizes: f64, least: f64) -> Option<Square> {
         let patch = |least| self.patch(Part::Object, least).filter(|patch| patch.area > LEAST_OBJECT);
         let object = patch(SEEN).or_else(|| patch(FAINT))?;

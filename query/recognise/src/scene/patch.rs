@@ -8,7 +8,7 @@ pub(super) struct Patch {
     pub(super) area: f64,
 }
 
-/// The largest patch of cells that are set, of a square with so many a side; `None` where none is.
+/// The largest patch of cells that are set, of a square with `side` a side; `None` where none is.
 pub(super) fn largest_patch(cells: &[bool], side: usize) -> Option<Patch> {
     let mut seen = vec![false; cells.len()];
     let mut best: Option<Patch> = None;

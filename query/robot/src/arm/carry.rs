@@ -1,4 +1,4 @@
-//! The way: which joint angles carry the hand along it.
+//! Plans the joint angles that carry the hand along a way.
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 

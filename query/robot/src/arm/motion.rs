@@ -1,4 +1,4 @@
-//! How an arm carries a hand: joint angles along the way, or why there are none.
+//! The motion of an arm as data: waypoints, or where and why it stops.
 
 use serde::Serialize;
 

@@ -32,7 +32,7 @@ impl Example {
     }
 }
 
-/// The log-odds of the classes of the examples, of which there are so many. Where there is nothing
+/// The log-odds of the `classes` classes of the examples. Where there is nothing
 /// to learn from, all are 0.
 pub(super) fn fit(examples: &[&Example], classes: usize) -> DVector<f64> {
     let mut log_odds = DVector::zeros(classes);

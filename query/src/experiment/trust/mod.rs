@@ -140,7 +140,7 @@ impl<'a> Recognisers<'a> {
         Ok(composed.collect())
     }
 
-    /// What a background alone gives: one of those that belong to so many segmented pictures.
+    /// What the background of this number gives, alone.
     pub fn empty(&self, number: usize) -> Vec<Sample> {
         let part = if number % 10 < 7 { Part::Choose } else { Part::Final };
         let hand = if number.is_multiple_of(2) { Side::Right } else { Side::Left };

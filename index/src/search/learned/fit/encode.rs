@@ -27,7 +27,7 @@ pub(super) struct Residuals {
     scalars: Vec<f32>,
 }
 
-/// Replaces the codes of every row by those of its difference from its centre, of so many bits.
+/// Replaces the codes of every row by those of its difference from its centre, of `bits` bits.
 pub(super) fn residuals(
     rows: Rows<'_>,
     axes: &FittedAxes,

@@ -1,4 +1,4 @@
-//! What the neighbours in an index say.
+//! [`Index::vote`]: reads what the index holds of the neighbours, and has [`crate::vote`] count it.
 
 use crate::descriptor::NETWORK_STAGES;
 use crate::index::Index;
