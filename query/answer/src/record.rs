@@ -1,10 +1,10 @@
 //! The JSON record of one input. Its keys are an interface: they may be added to, never renamed.
 
-use grasp_index::{EntryError, Index};
+use grasp_index::{EntryError, Index, Neighbour};
 use serde::Serialize;
 
 use grasp_recognise::orientation::{self, xyzw};
-use grasp_recognise::{RecogniseError, Recognition, Side, Timings, Warning};
+use grasp_recognise::{Hypothesis, RecogniseError, Recognition, Side, Timings, Warning};
 use grasp_robot::{ObservedHand, Setting, Strategy};
 
 /// What the program says where it gives no class.
@@ -244,6 +244,20 @@ pub struct OrientationRecord {
     pub fingers_point: &'static str,
 }
 
+impl OrientationRecord {
+    fn new(best: &Hypothesis) -> Self {
+        let turned = &best.vote.orientation;
+        Self {
+            quaternion_xyzw: xyzw(&turned.rotation),
+            euler: turned.euler_deg,
+            euler_deg: turned.euler_deg.into(),
+            spread_deg: turned.spread_deg,
+            camera_sees: orientation::side_seen(&turned.rotation, best.side),
+            fingers_point: orientation::fingers_point(&turned.rotation),
+        }
+    }
+}
+
 /// A rotation as three angles in degrees.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
@@ -290,6 +304,24 @@ pub struct NeighbourRecord {
     pub quaternion_xyzw: Option<[f64; 4]>,
 }
 
+impl NeighbourRecord {
+    fn new(neighbour: &Neighbour, best: &Hypothesis, index: &Index) -> Result<Self, EntryError> {
+        let entry = index.entry(neighbour.id)?;
+        let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
+        Ok(Self {
+            id: neighbour.id,
+            file: entry.file.to_owned(),
+            grasp: class.map(|class| class.name.clone()).unwrap_or_default(),
+            cutkosky: class.map(|class| class.cutkosky).unwrap_or_default(),
+            hand_shape: entry.hand_shape.to_owned(),
+            stage: entry.stage.to_owned(),
+            object: entry.object.to_owned(),
+            distance: neighbour.distance,
+            quaternion_xyzw: entry.orientation.map(|rotation| xyzw(&best.in_picture(&rotation))),
+        })
+    }
+}
+
 /// What a search cost.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
@@ -313,6 +345,21 @@ pub struct SearchRecord {
     /// best one; the hand that it finds is then looked at from beside by two more, for a learned
     /// descriptor, which no number here counts.
     pub searches: usize,
+}
+
+impl SearchRecord {
+    fn new(best: &Hypothesis) -> Self {
+        Self {
+            tables: best.cost.tables,
+            buckets: best.cost.buckets,
+            candidates: best.cost.candidates,
+            share_of_database: best.cost.share_of_database,
+            exact: best.cost.exact,
+            reranked: best.cost.reranked,
+            predicted_recall: best.cost.predicted_recall,
+            searches: best.tried,
+        }
+    }
 }
 
 impl Record {
@@ -351,22 +398,7 @@ impl Record {
             Some(first) if found.doubt.is_none() => (first.grasp.clone(), Some(first.cutkosky)),
             _ => (UNKNOWN.to_owned(), None),
         };
-        let turned = &best.vote.orientation;
-        let neighbours = best.neighbours.iter().map(|neighbour| {
-            let entry = index.entry(neighbour.id)?;
-            let class = entry.class.and_then(|class| index.catalogue().classes.get(usize::from(class)));
-            Ok(NeighbourRecord {
-                id: neighbour.id,
-                file: entry.file.to_owned(),
-                grasp: class.map(|class| class.name.clone()).unwrap_or_default(),
-                cutkosky: class.map(|class| class.cutkosky).unwrap_or_default(),
-                hand_shape: entry.hand_shape.to_owned(),
-                stage: entry.stage.to_owned(),
-                object: entry.object.to_owned(),
-                distance: neighbour.distance,
-                quaternion_xyzw: entry.orientation.map(|rotation| xyzw(&best.in_picture(&rotation))),
-            })
-        });
+        let neighbours = best.neighbours.iter().map(|one| NeighbourRecord::new(one, best, index));
         Ok(Self::Answer(Box::new(Answer {
             file,
             frame,
@@ -379,25 +411,9 @@ impl Record {
             stages: best.vote.stages.map(StagesRecord::from),
             hand: best.side,
             roll_deg: best.roll_deg,
-            orientation: OrientationRecord {
-                quaternion_xyzw: xyzw(&turned.rotation),
-                euler: turned.euler_deg,
-                euler_deg: turned.euler_deg.into(),
-                spread_deg: turned.spread_deg,
-                camera_sees: orientation::side_seen(&turned.rotation, best.side),
-                fingers_point: orientation::fingers_point(&turned.rotation),
-            },
+            orientation: OrientationRecord::new(best),
             neighbours: neighbours.collect::<Result<_, EntryError>>()?,
-            search: SearchRecord {
-                tables: best.cost.tables,
-                buckets: best.cost.buckets,
-                candidates: best.cost.candidates,
-                share_of_database: best.cost.share_of_database,
-                exact: best.cost.exact,
-                reranked: best.cost.reranked,
-                predicted_recall: best.cost.predicted_recall,
-                searches: best.tried,
-            },
+            search: SearchRecord::new(best),
             strategy: None,
             error: None,
             single: None,

@@ -14,7 +14,7 @@ use super::problem::Problem;
 use crate::wire::parameters::PictureParameters;
 use crate::wire::{Format, GENERATION, STATUS};
 use grasp_answer::explain;
-use grasp_answer::record::Record;
+use grasp_answer::record::{Answer, Record};
 use grasp_answer::{human, moveit};
 use grasp_recognise::{RecogniseError, Recogniser};
 
@@ -63,30 +63,33 @@ pub(super) fn answer(
     if let (Record::Answer(answer), Some(setting)) = (&mut record, &setting) {
         answer.imitate(&found, setting);
     }
-    if let (Format::Moveit, Record::Answer(answer)) = (format, &record) {
-        return match moveit::message(answer) {
-            Some(yaml) => {
-                Ok(send(&record, StatusCode::OK, served.generation, "application/yaml", yaml.into()))
-            }
-            None => {
-                let why = moveit::refusal(answer).unwrap_or_else(|| human::text(&record));
-                let status = StatusCode::UNPROCESSABLE_ENTITY;
-                Ok(send(&record, status, served.generation, "text/plain; charset=utf-8", why.into()))
-            }
-        };
+    match (&record, format) {
+        (Record::Answer(answer), Format::Moveit) => Ok(grasp_message(&record, answer, served.generation)),
+        (Record::Answer(answer), Format::Drawing) => {
+            let sheet = explain::draw(&found, answer, index);
+            let drawing = explain::Format::Png.encode(&sheet).map_err(|_| Problem::lost())?;
+            Ok(send(&record, StatusCode::OK, served.generation, "image/png", drawing.into()))
+        }
+        (_, Format::Json) if parameters.explained => {
+            let explained = Explained::new(&found, index, served.generation).map_err(|_| Problem::lost())?;
+            let status = record.status();
+            let body = json_line(&ExplainedRecord { record, explained })?;
+            Ok(send_with(status, StatusCode::OK, served.generation, "application/json", body))
+        }
+        _ => render(&record, format, StatusCode::OK, served.generation),
     }
-    if let (Format::Drawing, Record::Answer(answer)) = (format, &record) {
-        let sheet = explain::draw(&found, answer, index);
-        let drawing = explain::Format::Png.encode(&sheet).map_err(|_| Problem::lost())?;
-        return Ok(send(&record, StatusCode::OK, served.generation, "image/png", drawing.into()));
+}
+
+/// MoveIt's message of a strategy, or why there is none.
+fn grasp_message(record: &Record, answer: &Answer, generation: u64) -> Response {
+    match moveit::message(answer) {
+        Some(yaml) => send(record, StatusCode::OK, generation, "application/yaml", yaml.into()),
+        None => {
+            let why = moveit::refusal(answer).unwrap_or_else(|| human::text(record));
+            let status = StatusCode::UNPROCESSABLE_ENTITY;
+            send(record, status, generation, "text/plain; charset=utf-8", why.into())
+        }
     }
-    if parameters.explained && format == Format::Json {
-        let explained = Explained::new(&found, index, served.generation).map_err(|_| Problem::lost())?;
-        let status = record.status();
-        let body = json_line(&ExplainedRecord { record, explained })?;
-        return Ok(send_with(status, StatusCode::OK, served.generation, "application/json", body));
-    }
-    render(&record, format, StatusCode::OK, served.generation)
 }
 
 /// The status of a picture that has no answer.
@@ -95,8 +98,9 @@ fn status_of(error: &RecogniseError) -> StatusCode {
         RecogniseError::NoHand | RecogniseError::Empty(_) | RecogniseError::Hand(_) => {
             StatusCode::UNPROCESSABLE_ENTITY
         }
-        RecogniseError::Decode(_) | RecogniseError::Source(_) => StatusCode::BAD_REQUEST,
-        RecogniseError::Search(_) => StatusCode::BAD_REQUEST,
+        RecogniseError::Decode(_) | RecogniseError::Source(_) | RecogniseError::Search(_) => {
+            StatusCode::BAD_REQUEST
+        }
     }
 }
 
