@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use anyhow::Context as _;
 use grasp_canonical::Encoder;
-use grasp_index::{ClassInfo, NewEntry};
+use grasp_index::{ClassInfo, Describer, NewEntry};
 use grasp_renders::render_set::render_file;
 use grasp_renders::{RenderPlan, Scene, SceneSpec, View, world_from_hand};
 use rayon::prelude::*;
@@ -65,35 +65,39 @@ pub(super) fn describe(
             .collect::<Result<_, _>>()
             .context("cannot render")?;
         for (spec, scene) in specs.iter().zip(&scenes) {
-            let template = template(spec, names)?;
-            let hash = spec.params_hash();
-            let described = plan
-                .views(spec)
-                .par_iter()
-                .map_init(
-                    || recipe.descriptor.describer(),
-                    |describer, view| {
-                        let entry = NewEntry {
-                            file: render_file(spec, view),
-                            azimuth_deg: view.azimuth_deg as f32,
-                            elevation_deg: view.elevation_deg as f32,
-                            roll_deg: view.roll_deg as f32,
-                            orientation: view.camera_from_world() * world_from_hand(&spec.grasp.up),
-                            source_hash: source_hash(hash, view),
-                            ..template.clone()
-                        };
-                        complete(entry, recipe, describer, known, || {
-                            let scene = scene.as_ref().context("a scene that is needed was not built")?;
-                            let render = scene.render(view);
-                            Ok(Grey { width: render.side, height: render.side, pixels: render.grey })
-                        })
-                    },
-                )
-                .collect::<anyhow::Result<Vec<Described>>>()?;
-            take(described)?;
+            take(describe_scene(plan, names, recipe, known, spec, scene.as_ref())?)?;
         }
     }
     Ok(())
+}
+
+/// Describes the views of one scene, which is there unless all of them are known.
+fn describe_scene(
+    plan: &RenderPlan,
+    names: &Names,
+    recipe: &Recipe,
+    known: &Known,
+    spec: &SceneSpec,
+    scene: Option<&Scene>,
+) -> anyhow::Result<Vec<Described>> {
+    let template = template(spec, names)?;
+    let hash = spec.params_hash();
+    let describe = |describer: &mut Describer, view: &View| {
+        let entry = NewEntry {
+            file: render_file(spec, view),
+            azimuth_deg: view.azimuth_deg as f32,
+            elevation_deg: view.elevation_deg as f32,
+            roll_deg: view.roll_deg as f32,
+            orientation: view.camera_from_world() * world_from_hand(&spec.grasp.up),
+            source_hash: source_hash(hash, view),
+            ..template.clone()
+        };
+        complete(entry, recipe, describer, known, || {
+            let render = scene.context("a scene that is needed was not built")?.render(view);
+            Ok(Grey { width: render.side, height: render.side, pixels: render.grey })
+        })
+    };
+    plan.views(spec).par_iter().map_init(|| recipe.descriptor.describer(), describe).collect()
 }
 
 /// A number for the plan: all its scenes, and its views of them.

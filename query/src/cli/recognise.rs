@@ -3,6 +3,7 @@
 mod drawings;
 mod feed;
 mod landmarks;
+mod output;
 #[cfg(feature = "serve")]
 mod remote;
 
@@ -24,8 +25,8 @@ use super::robot::{MessageArguments, RobotArguments};
 use drawings::Drawings;
 use feed::{Feed, is_stream};
 use grasp_answer::explain;
+use grasp_answer::human;
 use grasp_answer::record::Record;
-use grasp_answer::{human, moveit};
 use grasp_program::status::{ERROR, SUCCESS};
 use grasp_recognise::picture;
 use grasp_recognise::prior::Priors;
@@ -35,6 +36,7 @@ use grasp_recognise::sequence::Filter;
 use grasp_recognise::{MaskSource, Recogniser, Recognition, Warning};
 #[cfg(feature = "serve")]
 use grasp_serve::client::Address;
+use output::{Output, OutputFormat};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -155,18 +157,7 @@ impl Recognise {
     pub(super) fn run(&self) -> anyhow::Result<u8> {
         let images = pictures(&self.images)?;
         let camera = self.robot.device()?;
-        match (camera, images.as_slice()) {
-            (Some(camera), [_, ..]) => {
-                bail!("the frames are those of the camera {}: leave out the pictures", camera.display())
-            }
-            (None, []) => bail!("name pictures, or a camera by its number, as in --camera 0"),
-            _ => {}
-        }
-        if self.is_of_one() && (images.len() > 1 || camera.is_some()) {
-            let given =
-                if camera.is_some() { "a camera's are".into() } else { format!("{} are", images.len()) };
-            bail!("--mask, --depth and --landmarks-json are for a single picture, but {given} given");
-        }
+        self.check_inputs(&images, camera)?;
         let drawings = self.drawings(&images)?;
         #[cfg(feature = "serve")]
         if let Some(address) = &self.server {
@@ -182,53 +173,94 @@ impl Recognise {
         let setup = Setup { answering, source: self.source()?, prior: self.prior(&index)?, drawings };
         let mut filter = self.sequence.then(|| self.filter(setup.prior.clone()));
 
-        let mut output = Output { form: self.form(), status: SUCCESS, out: io::stdout().lock() };
+        let mut output = Output { format: self.format(), status: SUCCESS, out: io::stdout().lock() };
         if let Some(camera) = camera {
             self.run_feed(Feed::camera(camera)?, &setup, &mut filter, &mut output)?;
         }
+        self.run_files(&images, &setup, &mut filter, &mut output)?;
+        Ok(self.status_of(&output))
+    }
+
+    /// Whether there is something to recognise, of one kind.
+    fn check_inputs(&self, images: &[PathBuf], camera: Option<&Path>) -> anyhow::Result<()> {
+        match (camera, images) {
+            (Some(camera), [_, ..]) => {
+                bail!("the frames are those of the camera {}: leave out the pictures", camera.display())
+            }
+            (None, []) => bail!("name pictures, or a camera by its number, as in --camera 0"),
+            _ => {}
+        }
+        if self.is_of_one() && (images.len() > 1 || camera.is_some()) {
+            let given =
+                if camera.is_some() { "a camera's are".into() } else { format!("{} are", images.len()) };
+            bail!("--mask, --depth and --landmarks-json are for a single picture, but {given} given");
+        }
+        Ok(())
+    }
+
+    /// Answers pictures and streams, in their order.
+    fn run_files<W: Write>(
+        &self,
+        images: &[PathBuf],
+        setup: &Setup<'_>,
+        filter: &mut Option<Filter>,
+        output: &mut Output<W>,
+    ) -> anyhow::Result<()> {
         // As many at a time as are answered soon: their pictures are all in memory at once. A
         // single picture is answered before a pool of threads would have started, and to ask how
         // many there are starts it.
         let at_once = if images.len() > 1 { 4 * rayon::current_num_threads() } else { 1 };
-        for group in groups(&images) {
+        for group in groups(images) {
             if let [only] = group
                 && is_stream(only)
             {
-                self.run_feed(Feed::Stream(only.clone()), &setup, &mut filter, &mut output)?;
+                self.run_feed(Feed::Stream(only.clone()), setup, filter, output)?;
                 continue;
             }
             for batch in group.chunks(at_once) {
-                if let Some(filter) = &mut filter {
-                    let found: Vec<Found> =
-                        batch.par_iter().map(|path| self.find_in_file(&setup, path)).collect();
-                    for (path, found) in batch.iter().zip(found) {
-                        let name = path.display().to_string();
-                        let record = self.finish(&setup, name, None, found, Some(filter));
-                        self.index.check(&index)?;
-                        output.write(&record)?;
-                    }
-                    continue;
-                }
-                let answer = |path: &PathBuf| {
-                    self.finish(
-                        &setup,
-                        path.display().to_string(),
-                        None,
-                        self.find_in_file(&setup, path),
-                        None,
-                    )
-                };
-                let records: Vec<Record> = match batch {
-                    [single] => vec![answer(single)],
-                    several => several.par_iter().map(answer).collect(),
-                };
-                self.index.check(&index)?;
-                for record in &records {
-                    output.write(record)?;
+                match filter {
+                    Some(filter) => self.run_sequence(batch, setup, filter, output)?,
+                    None => self.run_batch(batch, setup, output)?,
                 }
             }
         }
-        Ok(self.status_of(&output))
+        Ok(())
+    }
+
+    /// Answers pictures as frames of one sequence: found side by side, decided one after another.
+    fn run_sequence<W: Write>(
+        &self,
+        batch: &[PathBuf],
+        setup: &Setup<'_>,
+        filter: &mut Filter,
+        output: &mut Output<W>,
+    ) -> anyhow::Result<()> {
+        let found: Vec<Found> = batch.par_iter().map(|path| self.find_in_file(setup, path)).collect();
+        for (path, found) in batch.iter().zip(found) {
+            let record = self.finish(setup, path.display().to_string(), None, found, Some(filter));
+            self.index.check(setup.answering.recogniser.index())?;
+            output.write(&record)?;
+        }
+        Ok(())
+    }
+
+    /// Answers pictures, each by itself.
+    fn run_batch<W: Write>(
+        &self,
+        batch: &[PathBuf],
+        setup: &Setup<'_>,
+        output: &mut Output<W>,
+    ) -> anyhow::Result<()> {
+        let answer = |path: &PathBuf| {
+            let found = self.find_in_file(setup, path);
+            self.finish(setup, path.display().to_string(), None, found, None)
+        };
+        let records: Vec<Record> = match batch {
+            [single] => vec![answer(single)],
+            several => several.par_iter().map(answer).collect(),
+        };
+        self.index.check(setup.answering.recogniser.index())?;
+        records.iter().try_for_each(|record| output.write(record))
     }
 
     /// Where drawings go, where any are asked for. No input is drawn over.
@@ -244,11 +276,11 @@ impl Recognise {
         Ok(Some(drawings))
     }
 
-    fn form(&self) -> Form {
+    fn format(&self) -> OutputFormat {
         match (self.json, self.message.is_moveit()) {
-            (true, _) => Form::Json,
-            (false, true) => Form::Moveit,
-            (false, false) => Form::Text,
+            (true, _) => OutputFormat::Json,
+            (false, true) => OutputFormat::Moveit,
+            (false, false) => OutputFormat::Text,
         }
     }
 
@@ -412,65 +444,4 @@ fn read_ahead(segment: &SegmentParams, are_cut_out: bool) {
 /// The pictures in their order, each stream by itself.
 fn groups(images: &[PathBuf]) -> impl Iterator<Item = &[PathBuf]> {
     images.chunk_by(|a, b| !is_stream(a) && !is_stream(b))
-}
-
-/// What a record is written as.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Form {
-    Text,
-    Json,
-    Moveit,
-}
-
-/// Writes records in order and remembers the worst exit status.
-struct Output<W> {
-    form: Form,
-    status: u8,
-    out: W,
-}
-
-impl<W: Write> Output<W> {
-    fn write(&mut self, record: &Record) -> anyhow::Result<()> {
-        self.status = self.status.max(record.status());
-        match (self.form, record) {
-            (Form::Json, _) => {
-                // At once: who ends the program keeps whole lines.
-                let mut line = serde_json::to_vec(record).map_err(io::Error::from)?;
-                line.push(b'\n');
-                self.out.write_all(&line)?;
-            }
-            (Form::Moveit, Record::Answer(answer)) if answer.strategy.is_some() => {
-                match moveit::message(answer) {
-                    Some(yaml) => self.write_message(&human::name(&answer.file, answer.frame), &yaml)?,
-                    None => {
-                        report(record.status(), &answer.file, &moveit::refusal(answer).unwrap_or_default())
-                    }
-                }
-            }
-            (Form::Text, Record::Answer(_)) => self.out.write_all(human::text(record).as_bytes())?,
-            // Standard output is answers; why there is none belongs beside it.
-            (Form::Text | Form::Moveit, _) => report(record.status(), record.file(), &human::text(record)),
-        }
-        self.out.flush()?;
-        Ok(())
-    }
-
-    /// Writes a message for MoveIt, and what it warns of for the person who does not read its
-    /// comments.
-    fn write_message(&mut self, name: &str, yaml: &str) -> io::Result<()> {
-        for warning in grasp_robot::moveit::warnings(yaml) {
-            tracing::warn!(subject = name, "warning: {warning}");
-        }
-        self.out.write_all(yaml.as_bytes())
-    }
-}
-
-/// Says why an input has no answer on standard output, in lines that name it: as an error where
-/// that is what `status` says.
-fn report(status: u8, file: &str, lines: &str) {
-    let lines = lines.trim_end();
-    match status {
-        ERROR => tracing::error!(file, "{lines}"),
-        _ => tracing::warn!(file, "{lines}"),
-    }
 }

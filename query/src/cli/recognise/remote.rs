@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::{Drawings, Feed, Form, Output, Recognise, is_stream};
+use super::output::{Output, OutputFormat, report};
+use super::{Drawings, Feed, Recognise, is_stream};
 use grasp_answer::explain;
 use grasp_answer::human;
 use grasp_answer::record::Record;
@@ -47,8 +48,11 @@ impl Recognise {
         self.robot.read()?;
         let token = self.token_file.as_deref().map(crate::cli::token::read).transpose()?;
         let asking = self.asking(Client::new(address.clone(), token), drawings)?;
-        let mut output =
-            Output { form: self.form(), status: grasp_program::status::SUCCESS, out: io::stdout().lock() };
+        let mut output = Output {
+            format: self.format(),
+            status: grasp_program::status::SUCCESS,
+            out: io::stdout().lock(),
+        };
         if let Some(camera) = self.robot.device()? {
             self.feed_remote(Feed::camera(camera)?, &asking, &mut output)?;
         }
@@ -128,10 +132,10 @@ impl Recognise {
             camera: camera.map(read).transpose()?,
             arm: arm_file.map(read).transpose()?,
         };
-        let wanted = match self.form() {
-            Form::Json => Format::Json,
-            Form::Text => Format::Text,
-            Form::Moveit => Format::Moveit,
+        let wanted = match self.format() {
+            OutputFormat::Json => Format::Json,
+            OutputFormat::Text => Format::Text,
+            OutputFormat::Moveit => Format::Moveit,
         };
         Ok(Asking { client, drawings, parameters, parts, wanted })
     }
@@ -175,12 +179,12 @@ impl<W: Write> Output<W> {
             Reply::Service(name, answer) => (name, answer),
         };
         self.status = self.status.max(answer.exit);
-        if self.form == Form::Moveit && answer.is_answer {
+        if self.format == OutputFormat::Moveit && answer.is_answer {
             self.write_message(name, &String::from_utf8_lossy(&answer.body))?;
-        } else if self.form == Form::Json || answer.is_answer {
+        } else if self.format == OutputFormat::Json || answer.is_answer {
             self.out.write_all(&answer.body)?;
         } else {
-            super::report(answer.exit, name, &String::from_utf8_lossy(&answer.body));
+            report(answer.exit, name, &String::from_utf8_lossy(&answer.body));
         }
         Ok(self.out.flush()?)
     }
