@@ -10,10 +10,10 @@ use grasp_renders::{Preset, RenderPlan, ViewGrid, Views};
 use grasp_terminal::text::{counted, percent, shown};
 use tracing::info;
 
-use super::form::Form;
 use super::networks_experiment::Networks;
 use super::plan::parse_step;
 use super::preset::preset;
+use super::preset_defaults::PresetDefaults;
 use super::report::ENTRIES;
 use super::seed::DEFAULT_SEED;
 use crate::experiment::scale::data::Data;
@@ -196,7 +196,7 @@ impl Shapes {
             };
             plan.views = Views::Grid(grid);
         }
-        let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.preset).descriptor);
+        let name = self.descriptor.as_deref().unwrap_or(PresetDefaults::of_preset(self.preset).descriptor);
         let descriptor = crate::descriptor::by_name(name, None)?;
         let counts = self.counts.iter().copied().collect();
         let seen = self.step.is_none().then(|| PlanSpec::of_preset(self.preset));

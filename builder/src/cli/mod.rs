@@ -3,13 +3,13 @@
 mod build;
 mod experiment;
 mod export;
-mod form;
 mod grow;
 mod inspect;
 mod merge;
 mod networks_experiment;
 mod plan;
 mod preset;
+mod preset_defaults;
 mod queries;
 mod render;
 mod report;

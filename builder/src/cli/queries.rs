@@ -7,8 +7,8 @@ use anyhow::bail;
 use grasp_program::{Global, output_file};
 use grasp_terminal::text::{counted, shown};
 
-use super::form::Form;
 use super::plan::PlanOptions;
+use super::preset_defaults::PresetDefaults;
 use super::seed::DEFAULT_SEED;
 use crate::descriptor;
 use crate::held_out::{self, Hands};
@@ -52,7 +52,8 @@ pub(crate) struct Queries {
 impl Queries {
     pub(crate) fn run(&self, global: &Global) -> anyhow::Result<()> {
         interrupt::catch()?;
-        let name = self.descriptor.as_deref().unwrap_or(Form::of_preset(self.plan.preset()).descriptor);
+        let name =
+            self.descriptor.as_deref().unwrap_or(PresetDefaults::of_preset(self.plan.preset()).descriptor);
         let model = descriptor::by_name(name, None)?;
         if self.plan.names_hand_shapes() {
             bail!("queries are of hands that no index holds: leave out --hand-shape");

@@ -8,8 +8,8 @@ use clap::builder::ArgPredicate;
 use grasp_index::{DescriptorModel, DescriptorParams, HashParams, Originals, RandomParams};
 use grasp_renders::{Preset, RenderPlan};
 
-use super::form::Form;
 use super::plan::PlanOptions;
+use super::preset_defaults::PresetDefaults;
 use super::seed::DEFAULT_SEED;
 use crate::descriptor::{self, LEARNED, NAMES};
 use crate::held_out::{Hands, HeldOut};
@@ -136,20 +136,20 @@ impl IndexOptions {
             }
             _ => HashParams::Learned,
         };
-        let form = match source {
-            Source::Plan(_) => Form::of_preset(plan.preset()),
-            Source::Sets(_) | Source::Vectors(_) => Form::of_preset(Preset::Paper),
+        let defaults = match source {
+            Source::Plan(_) => PresetDefaults::of_preset(plan.preset()),
+            Source::Sets(_) | Source::Vectors(_) => PresetDefaults::of_preset(Preset::Paper),
         };
         // A random hash knows its entries by their descriptors alone.
-        let kept = if self.hash == "random" { "f32" } else { form.originals };
+        let kept = if self.hash == "random" { "f32" } else { defaults.originals };
         let originals = self.originals.as_deref().unwrap_or(kept);
         let originals = Originals::by_name(originals)
             .with_context(|| format!("there is no form of descriptors named {originals}"))?;
         let named = self.descriptor()?;
         let (descriptor, thumbnail_side) = match source {
             Source::Plan(_) | Source::Sets(_) => {
-                let descriptor = named.map_or_else(|| self.by_name(form.descriptor), Ok)?;
-                (descriptor, self.thumbnails.unwrap_or(form.thumbnail_side))
+                let descriptor = named.map_or_else(|| self.by_name(defaults.descriptor), Ok)?;
+                (descriptor, self.thumbnails.unwrap_or(defaults.thumbnail_side))
             }
             Source::Vectors(_) if self.network.is_some() && named.is_none() => {
                 bail!(

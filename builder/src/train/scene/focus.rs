@@ -5,14 +5,14 @@ use grasp_renders::{Framing, Layers};
 use grasp_train::Factors;
 use rand_chacha::ChaCha8Rng;
 
-use super::form::Form;
+use super::design::Design;
 use crate::train::{Kind, StageShares};
 
 /// What it is shown, and what it shall learn best.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Focus {
     /// The network's layers.
-    pub(super) form: Form,
+    pub(super) design: Design,
     /// How often the hand is yet to be found in a larger picture.
     far: f64,
     /// How often there is no hand at all.
@@ -31,7 +31,7 @@ impl Focus {
     pub(super) fn of(kind: Kind) -> Self {
         // The masks of a network that names are not used, and its rotation only joins the vote's.
         let naming = Self {
-            form: Form::Naming,
+            design: Design::Naming,
             far: 0.02,
             nothing: 0.02,
             cut_out: 0.35,
@@ -44,7 +44,7 @@ impl Focus {
             Kind::Thing => Self { cut_out: 0.0, near: Framing::thing, ..naming },
             // Only the masks matter here; the other outputs hardly count.
             Kind::Mask => Self {
-                form: Form::Cutting,
+                design: Design::Cutting,
                 far: 0.1,
                 nothing: 0.02,
                 cut_out: 0.0,
@@ -53,7 +53,7 @@ impl Focus {
                 factors: Factors { stage: 0.1, rotation: 0.3, masks: 15.0, joints: 1.0 },
             },
             Kind::Scene | Kind::Hand => Self {
-                form: Form::Naming,
+                design: Design::Naming,
                 far: 0.2,
                 nothing: 0.04,
                 cut_out: 0.0,

@@ -9,8 +9,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::augment::augment;
 use super::cut_out::CutOut;
+use super::design::SIDE;
 use super::focus::Focus;
-use super::form::SIDE;
 use super::views::{SceneView, Views};
 use crate::train::course::{Lesson, Showing};
 use crate::train::{joints, rotation};
@@ -66,7 +66,12 @@ pub(super) fn lesson(
         }
     }
     let joints = view.joints.values(&orientation);
-    Some(Lesson { planes: planes(&picture), target, masks: masks(&picture, focus.form.mask_side()), joints })
+    Some(Lesson {
+        planes: planes(&picture),
+        target,
+        masks: masks(&picture, focus.design.mask_side()),
+        joints,
+    })
 }
 
 /// A picture without a hand.
@@ -78,7 +83,7 @@ fn of_nothing(views: &Views, focus: &Focus, rng: &mut ChaCha8Rng) -> Lesson {
     Lesson {
         planes: planes(&picture),
         target,
-        masks: masks(&picture, focus.form.mask_side()),
+        masks: masks(&picture, focus.design.mask_side()),
         joints: joints::unknown(),
     }
 }

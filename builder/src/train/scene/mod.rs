@@ -1,12 +1,12 @@
 //! The networks of scenes: each sees a part of a camera picture and says where the hand, its arm and
 //! what it holds are, whether it is a left hand, the grasp, its stage and how the hand is turned.
-//! What each of them is for is its [`Focus`], and its layers have that [`form`].
+//! What each of them is for is its [`Focus`], and its layers are those of a [`design`].
 
 mod augment;
 mod cut_out;
+mod design;
 mod empty;
 mod focus;
-mod form;
 mod lesson;
 mod validation;
 mod views;
@@ -45,7 +45,7 @@ impl Course for Scene {
     }
 
     fn architecture(&self) -> Architecture {
-        self.focus.form.architecture(self.views.classes() + 2 + STAGES + ROTATION)
+        self.focus.design.architecture(self.views.classes() + 2 + STAGES + ROTATION)
     }
 
     fn factors(&self) -> Factors {

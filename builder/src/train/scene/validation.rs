@@ -11,8 +11,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::design::SIDE;
 use super::focus::Focus;
-use super::form::SIDE;
 use super::lesson::{masks, planes};
 use super::views::{SceneView, Views};
 use crate::train::figures::{Figure, highest, median_deg};
@@ -100,7 +100,7 @@ impl Labelled {
             grasp_index::turned_orientation(framing.turn.to_degrees(), &view.layers.camera_from_hand);
         Self {
             planes: planes(&picture),
-            masks: masks(&picture, focus.form.mask_side()),
+            masks: masks(&picture, focus.design.mask_side()),
             class: view.class,
             rotation,
         }

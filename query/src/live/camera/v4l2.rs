@@ -31,12 +31,12 @@ pub struct Camera {
 /// A device that is open.
 struct Capture {
     stream: ReadStream,
-    form: Form,
+    format: FrameFormat,
 }
 
 /// What a frame's bytes are.
 #[derive(Clone, Copy, Debug)]
-enum Form {
+enum FrameFormat {
     /// A whole JPEG, whose Huffman tables may be left out.
     Jpeg,
     /// Uncompressed pairs of pixels.
@@ -45,7 +45,7 @@ enum Form {
 
 impl std::fmt::Debug for Capture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:?}", self.form)
+        write!(f, "{:?}", self.format)
     }
 }
 
@@ -88,9 +88,9 @@ impl Camera {
         // A camera that knows no rates has one.
         let _ = capture.set_frame_interval(Fract::new(1, RATE));
         let given = capture.format();
-        let form = match given.pixel_format() {
-            PixelFormat::MJPG | PixelFormat::JPEG => Form::Jpeg,
-            PixelFormat::YUYV => Form::Yuyv {
+        let format = match given.pixel_format() {
+            PixelFormat::MJPG | PixelFormat::JPEG => FrameFormat::Jpeg,
+            PixelFormat::YUYV => FrameFormat::Yuyv {
                 width: given.width() as usize,
                 height: given.height() as usize,
                 stride: given.bytes_per_line() as usize,
@@ -101,7 +101,7 @@ impl Camera {
             }
         };
         let stream = capture.into_stream().map_err(refused)?;
-        Ok(Self { path: path.to_owned(), capture: Some(Capture { stream, form }) })
+        Ok(Self { path: path.to_owned(), capture: Some(Capture { stream, format }) })
     }
 
     /// Its device.
@@ -122,13 +122,13 @@ impl Camera {
 
 impl Capture {
     fn next_frame(&mut self) -> io::Result<Vec<u8>> {
-        let form = self.form;
+        let format = self.format;
         for _ in 0..MOST_SPOILT {
             // A frame that the driver calls spoilt, or that is empty, is none: the first ones of
             // some cameras are.
             let taken = self.stream.dequeue(|view| {
                 let is_whole = !view.is_error() && !view.is_empty();
-                Ok(if is_whole { encoded(form, &view) } else { None })
+                Ok(if is_whole { encoded(format, &view) } else { None })
             });
             match taken {
                 Ok(Some(frame)) => return Ok(frame),
@@ -141,10 +141,10 @@ impl Capture {
     }
 }
 
-fn encoded(form: Form, frame: &[u8]) -> Option<Vec<u8>> {
-    match form {
-        Form::Jpeg => Some(frame.to_vec()),
-        Form::Yuyv { width, height, stride } => {
+fn encoded(format: FrameFormat, frame: &[u8]) -> Option<Vec<u8>> {
+    match format {
+        FrameFormat::Jpeg => Some(frame.to_vec()),
+        FrameFormat::Yuyv { width, height, stride } => {
             let packed = 4 * width.div_ceil(2);
             yuyv_to_pnm(width, height, stride.max(packed), frame)
         }
@@ -189,11 +189,11 @@ mod tests {
 
     #[test]
     fn frames_are_encoded_as_pictures_that_can_be_read() {
-        let form = Form::Yuyv { width: 4, height: 2, stride: 0 };
-        let pnm = encoded(form, &[128; 16]).unwrap();
+        let format = FrameFormat::Yuyv { width: 4, height: 2, stride: 0 };
+        let pnm = encoded(format, &[128; 16]).unwrap();
         let picture = grasp_recognise::picture::decode(&pnm).unwrap().picture;
         assert_eq!((picture.width(), picture.height(), picture.rgb()[7]), (4, 2, [130; 3]));
-        assert_eq!(encoded(form, &[128; 15]), None);
-        assert_eq!(encoded(Form::Jpeg, b"\xFF\xD8"), Some(b"\xFF\xD8".to_vec()));
+        assert_eq!(encoded(format, &[128; 15]), None);
+        assert_eq!(encoded(FrameFormat::Jpeg, b"\xFF\xD8"), Some(b"\xFF\xD8".to_vec()));
     }
 }

@@ -36,7 +36,7 @@ const CUTTING: Convolutions = &[
 
 /// What the layers are best at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
+pub(super) enum Design {
     /// To name what is seen, by ever coarser layers: 30 million multiply-adds. Masks are coarse.
     Naming,
     /// To cut it out: most of its 69 million multiply-adds are layers of a quarter of the picture's
@@ -44,7 +44,7 @@ pub(super) enum Form {
     Cutting,
 }
 
-impl Form {
+impl Design {
     /// Values a side of the masks.
     pub(super) fn mask_side(self) -> usize {
         match self {
@@ -77,10 +77,10 @@ mod tests {
 
     #[test]
     fn masks_have_the_side_that_lessons_have() {
-        for form in [Form::Naming, Form::Cutting] {
-            let architecture = form.architecture(17);
-            assert_eq!(architecture.mask_side(), Ok(form.mask_side()));
-            assert_eq!(SIDE % form.mask_side(), 0);
+        for design in [Design::Naming, Design::Cutting] {
+            let architecture = design.architecture(17);
+            assert_eq!(architecture.mask_side(), Ok(design.mask_side()));
+            assert_eq!(SIDE % design.mask_side(), 0);
         }
     }
 }

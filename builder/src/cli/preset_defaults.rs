@@ -1,4 +1,4 @@
-//! In which form an index keeps the views of a preset, unless its options say otherwise.
+//! What an index of a preset is by default, where its options do not say otherwise.
 
 use grasp_renders::Preset;
 
@@ -7,7 +7,7 @@ use crate::indexing::THUMBNAIL_SIDE;
 
 /// Names as in the options of `build`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Form {
+pub(super) struct PresetDefaults {
     /// How hand images are described.
     pub(super) descriptor: &'static str,
     /// How exact distances are kept.
@@ -16,7 +16,7 @@ pub(super) struct Form {
     pub(super) thumbnail_side: u32,
 }
 
-impl Form {
+impl PresetDefaults {
     /// Views with any roll are turned upright before they are described, and many views are kept
     /// small.
     pub(super) fn of_preset(preset: Preset) -> Self {
