@@ -19,7 +19,10 @@ use super::recipe::Recipe;
 const SCENES_AT_ONCE: usize = 16;
 
 pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
-    let mut names = Names { classes: classes(plan), ..Names::default() };
+    let classes = plan.grasps.iter();
+    let classes = classes.map(|grasp| ClassInfo { name: grasp.name.clone(), cutkosky: grasp.cutkosky });
+    let mut names = Names { classes: classes.collect(), ..Names::default() };
+    names.sort_classes();
     for shape in &plan.hand_shapes {
         names.add_hand_shape(&shape.name)?;
     }
@@ -30,17 +33,6 @@ pub(super) fn names(plan: &RenderPlan) -> anyhow::Result<Names> {
         names.add_stage(stage.name())?;
     }
     Ok(names)
-}
-
-/// The plan's grasps in the order of their Cutkosky numbers.
-fn classes(plan: &RenderPlan) -> Vec<ClassInfo> {
-    let mut classes: Vec<ClassInfo> = plan
-        .grasps
-        .iter()
-        .map(|grasp| ClassInfo { name: grasp.name.clone(), cutkosky: grasp.cutkosky })
-        .collect();
-    classes.sort_by_key(|class| class.cutkosky);
-    classes
 }
 
 /// Describes the renders of some of the plan's scenes, scene by scene, and hands the results to

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 const TILE: usize = 32 << 10;
 /// Bytes of values that all threads have measured before any goes on, so that they read a file
 /// together: many tiles, and read in a fraction of a second.
-const BLOCK: usize = 16 << 20;
+const CHUNK: usize = 16 << 20;
 /// Neighbours that are kept at a time, 32 MB of them: for more, the rows are gone through again.
 const KEPT: usize = 4 << 20;
 
@@ -23,14 +23,14 @@ pub(crate) enum Threads {
     All,
 }
 
-/// What is done before a block is looked at.
+/// What is done before a chunk is looked at.
 pub(crate) type Before<'f, 'a, E> = dyn FnMut(f64, &[(u32, Stored<'a>)]) -> Result<(), E> + 'f;
 
 /// The k nearest of all rows for each query. `queries` holds them in rows of the length of a stored
 /// row; to `found` is appended a row of `k` neighbours for each, filled up as [`append`] does. The
 /// rows are gone through once, in order, whatever the number of queries, unless these want more
-/// neighbours than are kept at a time ([`KEPT`]). Before each block, `before` hears what share of
-/// the work is done and which blocks are still to come, this one first; it stops the work by an
+/// neighbours than are kept at a time ([`KEPT`]). Before each chunk, `before` hears what share of
+/// the work is done and which chunks are still to come, this one first; it stops the work by an
 /// error.
 pub(crate) fn nearest_of_many<'a, E>(
     stored: Stored<'a>,
@@ -41,22 +41,22 @@ pub(crate) fn nearest_of_many<'a, E>(
     before: &mut Before<'_, 'a, E>,
 ) -> Result<(), E> {
     let (simd, dim) = (Simd::best(), stored.dim.max(1));
-    let blocks = stored.blocks(BLOCK);
+    let chunks = stored.chunks(CHUNK);
     let at_once = (KEPT / k.max(1)).max(1);
     let passes = (queries.len() / dim).div_ceil(at_once);
     for (pass, queries) in queries.chunks(at_once * dim).enumerate() {
         let mut nearest = vec![Nearest::new(k); queries.len() / dim];
-        let mut to_come = &blocks[..];
-        while let Some((&(first, block), rest)) = to_come.split_first() {
-            let at = pass * blocks.len() + blocks.len() - to_come.len();
-            before(at as f64 / (passes * blocks.len()) as f64, to_come)?;
+        let mut to_come = &chunks[..];
+        while let Some((&(first, chunk), rest)) = to_come.split_first() {
+            let at = pass * chunks.len() + chunks.len() - to_come.len();
+            before(at as f64 / (passes * chunks.len()) as f64, to_come)?;
             to_come = rest;
             match threads {
-                Threads::One => look(simd, first, block, queries, &mut nearest),
+                Threads::One => scan(simd, first, chunk, queries, &mut nearest),
                 Threads::All => {
                     let share = nearest.len().div_ceil(rayon::current_num_threads()).max(1);
                     let shares = nearest.par_chunks_mut(share).zip(queries.par_chunks(share * dim));
-                    shares.for_each(|(nearest, queries)| look(simd, first, block, queries, nearest));
+                    shares.for_each(|(nearest, queries)| scan(simd, first, chunk, queries, nearest));
                 }
             }
         }
@@ -65,14 +65,14 @@ pub(crate) fn nearest_of_many<'a, E>(
     Ok(())
 }
 
-/// Offers each row of a block, whose first has the number `first`, to the nearest of each query.
-fn look(simd: Simd, first: u32, block: Stored<'_>, queries: &[f32], nearest: &mut [Nearest]) {
+/// Offers each row of a chunk, whose first has the number `first`, to the nearest of each query.
+fn scan(simd: Simd, first: u32, chunk: Stored<'_>, queries: &[f32], nearest: &mut [Nearest]) {
     let mut widened = Vec::new();
-    for (start, tile) in block.blocks(TILE) {
+    for (start, tile) in chunk.chunks(TILE) {
         let Some(values) = tile.widened(&mut widened) else { continue };
         let start = first.saturating_add(start);
-        for (query, nearest) in queries.chunks_exact(block.dim).zip(&mut *nearest) {
-            simd.distances(query, values.chunks_exact(block.dim), |at, squared| {
+        for (query, nearest) in queries.chunks_exact(chunk.dim).zip(&mut *nearest) {
+            simd.distances(query, values.chunks_exact(chunk.dim), |at, squared| {
                 nearest.offer(start.saturating_add(at as u32), squared);
             });
         }
@@ -167,16 +167,16 @@ mod tests {
         }
 
         #[test]
-        fn blocks_are_all_entries_in_order(dim in 1..9usize, entries in 0..50usize, bytes in 0..500usize) {
+        fn chunks_are_all_entries_in_order(dim in 1..9usize, entries in 0..50usize, bytes in 0..500usize) {
             let values: Vec<f32> = (0..dim * entries).map(|at| at as f32).collect();
             let stored = Stored { dim, entries, values: Values::F32(&values) };
             let mut all: Vec<f32> = Vec::new();
-            for (first, block) in stored.blocks(bytes) {
+            for (first, chunk) in stored.chunks(bytes) {
                 let mut widened = Vec::new();
-                let values = block.widened(&mut widened).expect("one file");
-                prop_assert_eq!((first as usize * dim, block.entries * dim), (all.len(), values.len()));
+                let values = chunk.widened(&mut widened).expect("one file");
+                prop_assert_eq!((first as usize * dim, chunk.entries * dim), (all.len(), values.len()));
                 prop_assert!(size_of_val(values) <= bytes.max(dim * size_of::<f32>()));
-                prop_assert_eq!(block.bytes().len(), size_of_val(values));
+                prop_assert_eq!(chunk.bytes().len(), size_of_val(values));
                 all.extend(values);
             }
             prop_assert_eq!(all, values);
@@ -184,9 +184,9 @@ mod tests {
     }
 
     #[test]
-    fn blocks_and_passes_make_one_search() {
-        // More than a block, and not an integer number of tiles.
-        let (dim, rows) = (1000, BLOCK / 4000 + 77);
+    fn chunks_and_passes_make_one_search() {
+        // More than a chunk, and not an integer number of tiles.
+        let (dim, rows) = (1000, CHUNK / 4000 + 77);
         let values: Vec<f32> = (0..rows * dim).map(|at| ((at * 7919) % 1009) as f32).collect();
         let stored = Stored { dim, entries: rows, values: Values::F32(&values) };
         let queries: Vec<f32> = (0..3 * dim).map(|at| ((at * 31) % 1009) as f32).collect();

@@ -159,10 +159,10 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// All entries in blocks of at most `bytes` (of values as wide as a query's; of one entry,
-    /// where it has more), each with the number of its first entry: no block where no descriptors
-    /// are kept. A block is of one file.
-    pub(crate) fn blocks(&self, bytes: usize) -> Vec<(u32, Stored<'a>)> {
+    /// All entries in chunks of at most `bytes` (of values as wide as a query's; of one entry,
+    /// where it has more), each with the number of its first entry: no chunk where no descriptors
+    /// are kept. A chunk is of one file.
+    pub(crate) fn chunks(&self, bytes: usize) -> Vec<(u32, Stored<'a>)> {
         let entries = (bytes / size_of::<f32>() / self.dim.max(1)).max(1);
         let length = entries * self.dim.max(1);
         let numbered = |(at, values): (usize, Values<'a>)| {
@@ -178,15 +178,15 @@ impl<'a> Stored<'a> {
             Values::None => Vec::new(),
             Values::Several(several) => {
                 let of_a_file = |(start, stored): (u32, Stored<'a>)| {
-                    let blocks = stored.blocks(bytes).into_iter();
-                    blocks.map(move |(first, block)| (start.saturating_add(first), block))
+                    let chunks = stored.chunks(bytes).into_iter();
+                    chunks.map(move |(first, chunk)| (start.saturating_add(first), chunk))
                 };
                 several.all().into_iter().flat_map(of_a_file).collect()
             }
         }
     }
 
-    /// The values of a block, widened to `into` where need be.
+    /// The values of a chunk, widened to `into` where need be.
     pub(crate) fn widened<'r>(&self, into: &'r mut Vec<f32>) -> Option<&'r [f32]>
     where
         'a: 'r,
@@ -207,7 +207,7 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// The bytes of a block as they are kept.
+    /// The bytes of a chunk as they are kept.
     pub(crate) fn bytes(&self) -> &'a [u8] {
         match self.values {
             Values::F32(values) | Values::ToBeHalved(values) => bytemuck::cast_slice(values),

@@ -25,7 +25,7 @@ pub struct Hypothesis {
     pub roll_deg: f64,
     /// How far it was turned before a left hand's was flipped.
     turned_deg: f64,
-    /// The descriptor of [`Self::image`].
+    /// The descriptor of [`Self::described_image`].
     pub descriptor: Vec<f32>,
     /// The nearest entries, nearest first.
     pub neighbours: Vec<Neighbour>,
@@ -43,7 +43,7 @@ pub struct Hypothesis {
 impl Hypothesis {
     /// The hand image as it was described: turned, and flipped for a left hand. `hand` is the one
     /// that was recognised.
-    pub fn image(&self, hand: &HandImage) -> HandImage {
+    pub fn described_image(&self, hand: &HandImage) -> HandImage {
         of_side(self.side, hand.rotated(self.turned_deg.to_radians()))
     }
 

@@ -63,7 +63,7 @@ struct CellRecord {
 impl Explained {
     pub(super) fn new(found: &Recognition, index: &Index, generation: u64) -> Result<Self, ImageError> {
         let (picture, mask) = (&found.prepared.picture, &found.prepared.mask);
-        let hand = &found.best.image(&found.hand_image);
+        let hand = &found.best.described_image(&found.hand_image);
         let (width, height) = (picture.width(), picture.height());
         let skin = found.prepared.skin.as_ref();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

@@ -117,7 +117,7 @@ fn column(n: u32) -> u32 {
 /// The picture, the hand in it and the hand alone, side by side.
 fn inputs(canvas: &mut Canvas, top: u32, found: &Recognition) {
     let (picture, mask) = (&found.prepared.picture, &found.prepared.mask);
-    let hand = &found.best.image(&found.hand_image);
+    let hand = &found.best.described_image(&found.hand_image);
     let (width, height) = (picture.width(), picture.height());
     let pixels = |colour_at: &dyn Fn(usize, usize) -> [u8; 3]| {
         RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(colour_at(x as usize, y as usize)))
