@@ -84,36 +84,18 @@ impl Prepared {
         source: &MaskSource,
         params: &SegmentParams,
     ) -> Result<Self, RecogniseError> {
-        let (width, height) = (picture.width(), picture.height());
         let found = match source {
             MaskSource::Camera => return Self::of_camera(picture.shrunk_to(WORKING_SIDE), params),
-            MaskSource::Landmarks(landmarks) => {
-                let joints = landmarks.of_picture(width, height).map_err(SourceError::Landmarks)?;
-                let joints = joints.shrunk(picture.shrink_factor(WORKING_SIDE));
-                let picture = picture.shrunk_to(WORKING_SIDE);
-                return match &params.by {
-                    Finder::Skin => Self::of_skin(picture, Some(&joints), params),
-                    _ => {
-                        let found = scene::find_at(&params.networks, &picture, &joints);
-                        Self::of_found(picture, found, params)
-                    }
-                };
-            }
+            MaskSource::Landmarks(landmarks) => return Self::of_landmarks(picture, landmarks, params),
             MaskSource::Segmented => not_black(&picture, is_jpeg),
-            MaskSource::SegmentedAnd(mask) => {
-                mask.check_size(width, height).map_err(SourceError::Mask)?;
-                mask.and(&not_black(&picture, false))
-            }
-            MaskSource::Given(mask) => {
-                mask.check_size(width, height).map_err(SourceError::Mask)?;
-                mask.clone()
-            }
-            MaskSource::Depth { width: depth_width, height: depth_height, depth, range } => {
-                let sizes = [[*depth_width, *depth_height], [width, height]];
+            MaskSource::SegmentedAnd(mask) => mask_of(&picture, mask)?.and(&not_black(&picture, false)),
+            MaskSource::Given(mask) => mask_of(&picture, mask)?.clone(),
+            MaskSource::Depth { width, height, depth, range } => {
+                let sizes = [[*width, *height], [picture.width(), picture.height()]];
                 if sizes[0] != sizes[1] {
                     return Err(SourceError::Depth { depth: sizes[0], picture: sizes[1] }.into());
                 }
-                let found = mask_from_depth(*depth_width, *depth_height, depth, *range);
+                let found = mask_from_depth(*width, *height, depth, *range);
                 found.ok_or(RecogniseError::Empty(
                     "no region of depths within the range is as large as a hand",
                 ))?
@@ -173,6 +155,25 @@ impl Prepared {
         }
     }
 
+    /// Finds the hand whose joints are known.
+    fn of_landmarks(
+        picture: Picture,
+        landmarks: &Landmarks,
+        params: &SegmentParams,
+    ) -> Result<Self, RecogniseError> {
+        let joints = landmarks.of_picture(picture.width(), picture.height());
+        let joints = joints.map_err(SourceError::Landmarks)?;
+        let joints = joints.shrunk(picture.shrink_factor(WORKING_SIDE));
+        let picture = picture.shrunk_to(WORKING_SIDE);
+        match &params.by {
+            Finder::Skin => Self::of_skin(picture, Some(&joints), params),
+            _ => {
+                let found = scene::find_at(&params.networks, &picture, &joints);
+                Self::of_found(picture, found, params)
+            }
+        }
+    }
+
     /// Finds the hand by the colour of skin, and by where its joints are if that is known.
     fn of_skin(
         picture: Picture,
@@ -220,6 +221,12 @@ impl Prepared {
 
 /// JPEG rings around the hand: black becomes up to this bright.
 const JPEG_FLOOR: u8 = 16;
+
+/// A mask, if it is one of this picture.
+fn mask_of<'m>(picture: &Picture, mask: &'m Mask) -> Result<&'m Mask, SourceError> {
+    mask.check_size(picture.width(), picture.height()).map_err(SourceError::Mask)?;
+    Ok(mask)
+}
 
 /// All that is not black. A JPEG is cleaned of its ringing, whose specks would stretch the hand's
 /// box.
