@@ -79,17 +79,9 @@ impl Selection {
                 Err(error) => broken.push(error),
             }
         }
-        let (selected, contradicting, repeated) = repeated::check(selected);
+        let (selected, contradicting) = without_contradictions(&self.labels, selected);
         broken.extend(contradicting);
         broken.sort_by_key(|error| error.line);
-        if let Some(Repeated { line, of, count }) = repeated {
-            tracing::warn!(
-                subject = shown(&self.labels),
-                "{} a hand that a row before does, first line {line} that of line {of}: each counts as a \
-                 picture of its own",
-                counted(count, ["row labels", "rows label"])
-            );
-        }
         if selected.is_empty() {
             let name = self.labels.display();
             match broken.first() {
@@ -146,11 +138,11 @@ impl Selected {
     /// All rows of a table of pictures that show none of the classes.
     pub(super) fn others(path: &Path) -> anyhow::Result<Self> {
         let (rows, broken): (Vec<_>, Vec<_>) = labels::read(path)?.into_iter().partition(Result::is_ok);
-        let labels: Vec<Label> = rows
-            .into_iter()
-            .filter_map(Result::ok)
-            .map(|label| Label { grasp: OTHER.to_owned(), ..label })
-            .collect();
+        // Whatever they are labelled.
+        let other =
+            |label| Label { grasp: OTHER.to_owned(), stage: String::new(), orientation: None, ..label };
+        let labels = rows.into_iter().filter_map(Result::ok).map(other).collect();
+        let (labels, _) = without_contradictions(path, labels);
         if labels.is_empty() {
             bail!("no row of {} can be used", path.display());
         }
@@ -184,6 +176,21 @@ impl Selected {
     }
 }
 
+/// The rows of a table that contradict none before them, and those that do. Warns where a row labels
+/// a hand again.
+fn without_contradictions(table: &Path, labels: Vec<Label>) -> (Vec<Label>, Vec<RowError>) {
+    let (sound, contradicting, repeated) = repeated::check(labels);
+    if let Some(Repeated { line, of, count }) = repeated {
+        tracing::warn!(
+            subject = shown(table),
+            "{} a hand that a row before does, first line {line} that of line {of}: each counts as a picture \
+             of its own",
+            counted(count, ["row labels", "rows label"])
+        );
+    }
+    (sound, contradicting)
+}
+
 /// A table as files that were fitted to it name it: with the folder that it lies in, without those
 /// above, which are only here.
 pub(super) fn without_folders(table: &Path) -> String {
@@ -206,4 +213,21 @@ fn listed(values: &BTreeSet<&str>) -> String {
 fn parse_condition(text: &str) -> Result<(String, String), String> {
     let (column, value) = text.split_once('=').ok_or("COLUMN=VALUE is needed, for example stage=grasp")?;
     Ok((column.to_owned(), value.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_are_labelled_does_not_count_nor_contradict() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("others.csv");
+        let rows = "a.jpg,camera,pinch,reach\na.jpg,camera,palmar,grasp\n,camera,pinch,grasp\n";
+        std::fs::write(&path, format!("file,kind,grasp,stage\n{rows}")).unwrap();
+        let others = Selected::others(&path).unwrap();
+        assert_eq!(others.labels.iter().map(|label| label.line).collect::<Vec<_>>(), [2, 3]);
+        assert!(others.labels.iter().all(|label| label.grasp == OTHER && label.stage.is_empty()));
+        assert_eq!(others.broken.iter().map(|row| row.line).collect::<Vec<_>>(), [4]);
+    }
 }
