@@ -6,7 +6,6 @@ mod export;
 mod grow;
 mod inspect;
 mod merge;
-mod networks_experiment;
 mod plan;
 mod preset;
 mod preset_defaults;

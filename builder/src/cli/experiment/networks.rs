@@ -8,7 +8,7 @@ use grasp_program::Global;
 use grasp_terminal::text::shown;
 use serde_json::{Map, Value, json};
 
-use super::plan::hand_model;
+use crate::cli::plan::hand_model;
 use crate::descriptor::read_network;
 use crate::interrupt;
 use crate::train::{Kind, Measured, measure};
