@@ -1,7 +1,7 @@
 //! A hand that is cut out of its picture, as where its mask is given.
 
 use super::find::upright;
-use super::look::Eye;
+use super::look::SquareInput;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::networks::Networks;
@@ -28,11 +28,11 @@ impl Prediction {
         turn: f64,
         sides: &[Side],
     ) -> Option<Self> {
-        let mut eye = Eye::of_cut_out(picture, hand);
+        let mut input = SquareInput::of_cut_out(picture, hand);
         let first = square(hand, turn, SIZES)?;
-        let turn = upright(networks.finding(), &mut eye, &first);
+        let turn = upright(networks.finding(), &mut input, &first);
         let square = square(hand, turn, SIZES)?;
-        Some(Self::of_square(networks, &mut eye, &square, sides, POWERS))
+        Some(Self::of_square(networks, &mut input, &square, sides, POWERS))
     }
 }
 

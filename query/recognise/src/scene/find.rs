@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 #[cfg(feature = "landmarks")]
 use super::joints::{HandJoints, Seeker};
 use super::landmarks::Joints;
-use super::look::Eye;
+use super::look::SquareInput;
 use super::masks::{Masks, Part};
 use super::patch::Patch;
 use super::square::Square;
@@ -73,25 +73,25 @@ pub struct Detection {
 
 /// Finds the hand in a picture; `None` where the scene network sees none.
 pub fn find(networks: &Networks, picture: &Picture) -> Option<Detection> {
-    let (network, mut eye) = (networks.finding(), Eye::new(picture));
-    let (whole, patch) = first_patch(network, &mut eye)?;
+    let (network, mut input) = (networks.finding(), SquareInput::new(picture));
+    let (whole, patch) = first_patch(network, &mut input)?;
     let least = FIRST_LEAST * picture.width().min(picture.height()) as f64;
     let side = (FIRST_SIZES * patch.area.sqrt() * whole.side).max(least);
     let mut square = Square { centre: whole.to_picture().apply(patch.centre), side, turn: 0.0 };
-    square.turn = upright(network, &mut eye, &square);
-    let masks = fitted(network, &mut eye, square);
-    Some(Detection::new(networks, &mut eye, masks))
+    square.turn = upright(network, &mut input, &square);
+    let masks = fitted(network, &mut input, square);
+    Some(Detection::new(networks, &mut input, masks))
 }
 
 /// The hand whose joints were found by something else, and what it holds.
 pub fn find_at(networks: &Networks, picture: &Picture, joints: &Joints) -> Detection {
-    let (network, mut eye) = (networks.finding(), Eye::new(picture));
+    let (network, mut input) = (networks.finding(), SquareInput::new(picture));
     let (mut square, is_upright) = joints.square();
     if !is_upright {
-        square.turn = upright(network, &mut eye, &square);
+        square.turn = upright(network, &mut input, &square);
     }
-    let masks = fitted(network, &mut eye, square);
-    Detection { joints: Some(joints.clone()), ..Detection::new(networks, &mut eye, masks) }
+    let masks = fitted(network, &mut input, square);
+    Detection { joints: Some(joints.clone()), ..Detection::new(networks, &mut input, masks) }
 }
 
 /// The hand whose joints MediaPipe's networks find, in the picture or where the scene network finds
@@ -125,16 +125,16 @@ pub fn find_by_joints(
 /// [`find`] needs: where the arm comes from is known, and only how it has turned since is looked
 /// at.
 pub fn follow(networks: &Networks, picture: &Picture, before: &Detection) -> Option<Detection> {
-    let (network, mut eye) = (networks.finding(), Eye::new(picture));
+    let (network, mut input) = (networks.finding(), SquareInput::new(picture));
     let (square, area) = (before.masks.square, before.coarse.hand_area());
-    let whole = Masks::of_square(network, &mut eye, Square::around(picture));
+    let whole = Masks::of_square(network, &mut input, Square::around(picture));
     if let Some(largest) = whole.largest_patch(Part::Hand).filter(|p| p.area > LEAST) {
         let place = square.from_picture().apply(whole.square.to_picture().apply(largest.centre));
         if !place.iter().all(|share| (0.0..1.0).contains(share)) {
             return None;
         }
     }
-    let heads = eye.look(network, &square);
+    let heads = input.run_on(network, &square);
     let mut direction = Direction::default();
     direction.add(square.turn, INERTIA);
     direction.add(square.turn + FRAC_PI_2 - heads.arm(), 1.0);
@@ -144,16 +144,16 @@ pub fn follow(networks: &Networks, picture: &Picture, before: &Detection) -> Opt
     }
     let is_still_there = |masks: &Masks| (SAME..1.0 / SAME).contains(&(masks.hand_area() / area));
     let fitted = seen.fitted(SIZES).filter(|_| is_still_there(&seen))?;
-    let masks = Masks::of_square(network, &mut eye, Square { turn: direction.turn(), ..fitted });
-    is_still_there(&masks).then(|| Detection::new(networks, &mut eye, masks))
+    let masks = Masks::of_square(network, &mut input, Square { turn: direction.turn(), ..fitted });
+    is_still_there(&masks).then(|| Detection::new(networks, &mut input, masks))
 }
 
 /// What is seen in a square once it fits the hand in it.
-fn fitted(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Masks {
-    let mut masks = Masks::of_square(network, eye, square);
+fn fitted(network: &SceneNetwork, input: &mut SquareInput<'_>, square: Square) -> Masks {
+    let mut masks = Masks::of_square(network, input, square);
     for _ in 0..FITS {
         let Some(fitted) = masks.fitted(SIZES) else { break };
-        let found = Masks::of_square(network, eye, fitted);
+        let found = Masks::of_square(network, input, fitted);
         if found.hand_area() < LOST * masks.hand_area() {
             break;
         }
@@ -164,16 +164,16 @@ fn fitted(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Masks {
 
 /// The turn by which the arm comes from below: the mean of what the network says at several turns,
 /// which counts the more the nearer to upright it is said at, and of where the forearm lies.
-pub(super) fn upright(network: &SceneNetwork, eye: &mut Eye<'_>, square: &Square) -> f64 {
+pub(super) fn upright(network: &SceneNetwork, input: &mut SquareInput<'_>, square: &Square) -> f64 {
     let mut direction = Direction::default();
     for step in 0..TURNS {
         let turn = TAU * step as f64 / TURNS as f64;
         let turned = Square { turn, ..*square };
-        let heads = eye.look(network, &turned);
+        let heads = input.run_on(network, &turned);
         let arm = heads.arm();
         let upright = (0.5 + 0.5 * libm::cos(arm - FRAC_PI_2)).powi(2);
         direction.add(turn + FRAC_PI_2 - arm, upright);
-        if let Some((turn, share)) = turn_of_forearm(&Masks::new(eye.picture, turned, heads)) {
+        if let Some((turn, share)) = turn_of_forearm(&Masks::new(input.picture, turned, heads)) {
             direction.add(turn, share / TURNS as f64);
         }
     }
@@ -206,10 +206,10 @@ impl Direction {
 
 /// The largest patch of a hand in the whole picture, or in that part of it in which most of one is
 /// seen; with the square that it was seen in.
-fn first_patch(network: &SceneNetwork, eye: &mut Eye<'_>) -> Option<(Square, Patch)> {
-    let whole = Square::around(eye.picture);
+fn first_patch(network: &SceneNetwork, input: &mut SquareInput<'_>) -> Option<(Square, Patch)> {
+    let whole = Square::around(input.picture);
     let mut seen = |square: Square| {
-        let masks = Masks::of_square(network, eye, square);
+        let masks = Masks::of_square(network, input, square);
         let patch = masks.largest_patch(Part::Hand)?;
         (patch.area > LEAST).then_some((square, patch))
     };
@@ -230,8 +230,8 @@ fn first_patch(network: &SceneNetwork, eye: &mut Eye<'_>) -> Option<(Square, Pat
 
 impl Detection {
     /// What the scene network has found in a square, which the mask network then looks at.
-    fn new(networks: &Networks, eye: &mut Eye<'_>, coarse: Masks) -> Self {
-        let masks = Masks::of_square(networks.cutting(), eye, coarse.square);
+    fn new(networks: &Networks, input: &mut SquareInput<'_>, coarse: Masks) -> Self {
+        let masks = Masks::of_square(networks.cutting(), input, coarse.square);
         Self { masks, coarse, joints: None, right_odds: 0.0 }
     }
 

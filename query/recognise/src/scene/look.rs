@@ -7,16 +7,16 @@ use crate::networks::{Heads, SIDE, SceneNetwork};
 use crate::picture::Picture;
 use crate::segment::Mask;
 
-/// An eye on one picture, through which networks look.
-pub(super) struct Eye<'a> {
+/// The networks' input: a square of one picture, sampled.
+pub(super) struct SquareInput<'a> {
     pub(super) picture: &'a Picture,
     texels: Texels,
     scratch: Scratch,
-    /// The square that it is turned to, as the networks are shown it.
+    /// The square's planes.
     planes: Vec<f32>,
 }
 
-impl<'a> Eye<'a> {
+impl<'a> SquareInput<'a> {
     pub(super) fn new(picture: &'a Picture) -> Self {
         Self::of_texels(picture, Texels::of(picture))
     }
@@ -30,24 +30,24 @@ impl<'a> Eye<'a> {
         Self { picture, texels, scratch: Scratch::default(), planes: Vec::new() }
     }
 
-    /// Turns to a square.
-    pub(super) fn turn_to(&mut self, square: &Square) {
+    /// Samples a square.
+    pub(super) fn sample(&mut self, square: &Square) {
         square.planes(&self.texels, SIDE, &mut self.planes);
     }
 
-    /// Makes what it is turned to its mirror image.
+    /// Makes the square its mirror image.
     pub(super) fn mirror(&mut self) {
         self.planes.chunks_exact_mut(3 * SIDE).for_each(|row| row.as_chunks_mut::<3>().0.reverse());
     }
 
-    /// What a network makes of what it is turned to.
-    pub(super) fn see(&mut self, network: &SceneNetwork) -> Heads {
+    /// What a network makes of the square that was sampled.
+    pub(super) fn run(&mut self, network: &SceneNetwork) -> Heads {
         network.run(&mut self.scratch, &self.planes)
     }
 
     /// What a network makes of a square.
-    pub(super) fn look(&mut self, network: &SceneNetwork, square: &Square) -> Heads {
-        self.turn_to(square);
-        self.see(network)
+    pub(super) fn run_on(&mut self, network: &SceneNetwork, square: &Square) -> Heads {
+        self.sample(square);
+        self.run(network)
     }
 }

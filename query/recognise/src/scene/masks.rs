@@ -1,6 +1,6 @@
 //! The network's coarse masks on the pixels of a picture.
 
-use super::look::Eye;
+use super::look::SquareInput;
 use super::patch::{Patch, largest_patch};
 use super::square::{Map, Square};
 use crate::networks::{Heads, MASKS, SceneNetwork};
@@ -42,9 +42,9 @@ const FAINT: f32 = -2.0;
 
 impl Masks {
     /// What a network sees in a square.
-    pub(super) fn of_square(network: &SceneNetwork, eye: &mut Eye<'_>, square: Square) -> Self {
-        let heads = eye.look(network, &square);
-        Self::new(eye.picture, square, heads)
+    pub(super) fn of_square(network: &SceneNetwork, input: &mut SquareInput<'_>, square: Square) -> Self {
+        let heads = input.run_on(network, &square);
+        Self::new(input.picture, square, heads)
     }
 
     /// What a network has seen in a square of a picture.

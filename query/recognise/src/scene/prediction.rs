@@ -3,7 +3,7 @@
 use grasp_index::from_columns;
 use nalgebra::UnitQuaternion;
 
-use super::look::Eye;
+use super::look::SquareInput;
 use super::square::Square;
 use crate::networks::{GRASP, Heads, Networks, STAGES, SceneNetwork, normalised};
 use crate::orientation::in_picture;
@@ -64,31 +64,31 @@ impl Prediction {
     /// of these hands; nothing is known of another one.
     pub(super) fn of_square(
         networks: &Networks,
-        eye: &mut Eye<'_>,
+        input: &mut SquareInput<'_>,
         square: &Square,
         sides: &[Side],
         powers: Powers,
     ) -> Self {
-        let mut named = looks(eye, &[*square], &LOOKS, sides, &voices(networks));
-        let right_odds = (named[0].odds - named[1].odds) / sides.len().max(1) as f64;
-        let stages_by_side = [0, 1].map(|side| named[side].stages);
-        let rotations_by_side = [0, 1].map(|side| std::mem::take(&mut named[side].rotations));
-        let by_side = named.map(|named| normalised(&named.grasps));
+        let mut seen = looks(input, &[*square], &LOOKS, sides, &weighted_networks(networks));
+        let right_odds = (seen[0].odds - seen[1].odds) / sides.len().max(1) as f64;
+        let stages_by_side = [0, 1].map(|side| seen[side].stages);
+        let rotations_by_side = [0, 1].map(|side| std::mem::take(&mut seen[side].rotations));
+        let by_side = seen.map(|seen| normalised(&seen.grasps));
         let grasps = networks.naming().grasps.clone();
         Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side, rotations_by_side }
     }
 
-    /// Joins what the scene and the naming network see of the grasp in the same square through an
-    /// eye on the hand cut out ([`Eye::of_cut_out`]): backgrounds differ from those that they have
-    /// learned from, black does not.
+    /// Joins what the scene and the naming network see of the grasp in the same square of the hand cut
+    /// out ([`SquareInput::of_cut_out`]): backgrounds differ from those that they have learned from,
+    /// black does not.
     pub(super) fn add_cut_out(
         &mut self,
         networks: &Networks,
-        eye: &mut Eye<'_>,
+        input: &mut SquareInput<'_>,
         square: &Square,
         sides: &[Side],
     ) {
-        let seen = looks(eye, &[*square], &LOOKS[..1], sides, &voices(networks));
+        let seen = looks(input, &[*square], &LOOKS[..1], sides, &weighted_networks(networks));
         for (logs, seen) in self.by_side.iter_mut().zip(seen) {
             let seen = normalised(&seen.grasps);
             logs.iter_mut().zip(seen).for_each(|(log, seen)| *log += CUT_OUT * (seen - *log));
@@ -102,12 +102,13 @@ impl Prediction {
     pub(super) fn add_thing(
         &mut self,
         networks: &Networks,
-        eye: &mut Eye<'_>,
+        input: &mut SquareInput<'_>,
         squares: &[Square],
         sides: &[Side],
     ) {
-        let things = Voice { network: networks.things(), share: 1.0, is_asked_for_rotations: false };
-        let seen = looks(eye, squares, &LOOKS, sides, &[things]);
+        let things =
+            WeightedNetwork { network: networks.things(), share: 1.0, is_asked_for_rotations: false };
+        let seen = looks(input, squares, &LOOKS, sides, &[things]);
         for ((logs, stages), seen) in self.by_side.iter_mut().zip(&mut self.stages_by_side).zip(seen) {
             stages.iter_mut().zip(seen.stages).for_each(|(log, seen)| *log += THING_OF_STAGE * seen);
             let share = THING_OF_GRASP * libm::exp(normalised(stages)[GRASP]);
@@ -152,7 +153,7 @@ impl Prediction {
 }
 
 /// A network that looks at a hand.
-struct Voice<'n> {
+struct WeightedNetwork<'n> {
     network: &'n SceneNetwork,
     /// How much it counts.
     share: f64,
@@ -162,48 +163,48 @@ struct Voice<'n> {
 
 /// The networks that name the grasp of a hand. The naming network alone is asked how it is turned:
 /// the scene network's rotation makes the answer's orientation no better (docs/trials.md).
-fn voices(networks: &Networks) -> [Voice<'_>; 2] {
+fn weighted_networks(networks: &Networks) -> [WeightedNetwork<'_>; 2] {
     [
-        Voice { network: networks.finding(), share: FINDING, is_asked_for_rotations: false },
-        Voice { network: networks.naming(), share: 1.0 - FINDING, is_asked_for_rotations: true },
+        WeightedNetwork { network: networks.finding(), share: FINDING, is_asked_for_rotations: false },
+        WeightedNetwork { network: networks.naming(), share: 1.0 - FINDING, is_asked_for_rotations: true },
     ]
 }
 
 /// What networks see in squares of a right and of a left hand, where these are asked about, each
 /// square turned and enlarged in some ways: the mean of all looks.
 fn looks(
-    eye: &mut Eye<'_>,
+    input: &mut SquareInput<'_>,
     squares: &[Square],
     ways: &[(f64, f64)],
     sides: &[Side],
-    voices: &[Voice<'_>],
-) -> [Named; 2] {
-    let grasps = voices.first().map_or(0, |voice| voice.network.grasps.len());
-    let mut named = [Named::new(grasps), Named::new(grasps)];
+    weighted_networks: &[WeightedNetwork<'_>],
+) -> [MeanOfLooks; 2] {
+    let grasps = weighted_networks.first().map_or(0, |weighted| weighted.network.grasps.len());
+    let mut means = [MeanOfLooks::new(grasps), MeanOfLooks::new(grasps)];
     let looks = squares.iter().flat_map(|square| ways.iter().map(move |way| (square, way)));
     let share_of_look = 1.0 / (squares.len() * ways.len()) as f64;
     for (square, &(turn, size)) in looks {
-        for (side, named) in [Side::Right, Side::Left].into_iter().zip(&mut named) {
+        for (side, mean) in [Side::Right, Side::Left].into_iter().zip(&mut means) {
             if !sides.contains(&side) {
                 continue;
             }
             // A left hand is looked at as its mirror image would be, turned the other way.
             let turn = if side == Side::Left { -turn } else { turn };
             let square = Square { turn: square.turn + turn, side: square.side * size, ..*square };
-            eye.turn_to(&square);
+            input.sample(&square);
             if side == Side::Left {
-                eye.mirror();
+                input.mirror();
             }
-            for voice in voices {
-                let heads = eye.see(voice.network);
-                named.add(&heads, voice.share * share_of_look);
-                if voice.is_asked_for_rotations {
-                    named.rotations.extend(rotation(&heads, &square, side));
+            for weighted in weighted_networks {
+                let heads = input.run(weighted.network);
+                mean.add(&heads, weighted.share * share_of_look);
+                if weighted.is_asked_for_rotations {
+                    mean.rotations.extend(rotation(&heads, &square, side));
                 }
             }
         }
     }
-    named
+    means
 }
 
 /// How a hand is turned in the picture, by what is seen of it in a square, flipped for a left hand.
@@ -214,7 +215,7 @@ fn rotation(heads: &Heads, square: &Square, side: Side) -> Option<UnitQuaternion
 }
 
 /// The mean of what several looks at one of both hands say; without any, all is as likely.
-struct Named {
+struct MeanOfLooks {
     /// The log-odds of its being that hand.
     odds: f64,
     /// The logarithm of each grasp's probability, then that of none, up to the same constant.
@@ -225,7 +226,7 @@ struct Named {
     rotations: Vec<UnitQuaternion<f64>>,
 }
 
-impl Named {
+impl MeanOfLooks {
     fn new(grasps: usize) -> Self {
         Self { odds: 0.0, grasps: vec![0.0; grasps + 1], stages: [0.0; STAGES], rotations: Vec::new() }
     }
@@ -258,12 +259,12 @@ mod tests {
     #[test]
     fn what_is_held_changes_the_grasps_of_the_hands_that_are_asked_about_and_not_which_hand_it_is() {
         let picture = shaded();
-        let (networks, mut eye) = (Networks::default(), Eye::new(&picture));
-        let without = Prediction::of_square(&networks, &mut eye, &SQUARE, &[Side::Right], POWERS);
+        let (networks, mut input) = (Networks::default(), SquareInput::new(&picture));
+        let without = Prediction::of_square(&networks, &mut input, &SQUARE, &[Side::Right], POWERS);
         let mut with = without.clone();
-        with.add_thing(&networks, &mut eye, &[], &[Side::Right]);
+        with.add_thing(&networks, &mut input, &[], &[Side::Right]);
         assert_eq!(with.probabilities(Side::Right), without.probabilities(Side::Right));
-        with.add_thing(&networks, &mut eye, &[Square { side: 30.0, ..SQUARE }], &[Side::Right]);
+        with.add_thing(&networks, &mut input, &[Square { side: 30.0, ..SQUARE }], &[Side::Right]);
         assert_eq!(with.right_odds, without.right_odds);
         assert_ne!(with.probabilities(Side::Right), without.probabilities(Side::Right));
         for (is, was) in with.probabilities(Side::Left).iter().zip(without.probabilities(Side::Left)) {
@@ -283,7 +284,8 @@ mod tests {
             let pixel = |at: usize| of(at % 64, at / 64);
             let pixels = (0..64 * 64).map(pixel).map(|(x, y)| shaded.rgb()[64 * y + x]).collect();
             let picture = Picture::new(64, 64, pixels).unwrap();
-            let seen = Prediction::of_square(&networks, &mut Eye::new(&picture), &square, &[side], POWERS);
+            let seen =
+                Prediction::of_square(&networks, &mut SquareInput::new(&picture), &square, &[side], POWERS);
             assert_eq!([side, side.other()].map(|side| seen.rotations(side).len()), [LOOKS.len(), 0]);
             seen
         };
@@ -313,11 +315,16 @@ mod tests {
         let picture = shaded();
         let places: Vec<usize> = (0..64 * 64).collect();
         let hand = Mask::from_values(64, 64, &places, |at| (16..48).contains(&(at % 64)) && at / 64 > 20);
-        let (networks, mut eye) = (Networks::default(), Eye::of_cut_out(&picture, &hand));
-        let before =
-            Prediction::of_square(&networks, &mut Eye::new(&picture), &SQUARE, &[Side::Right], POWERS);
+        let (networks, mut input) = (Networks::default(), SquareInput::of_cut_out(&picture, &hand));
+        let before = Prediction::of_square(
+            &networks,
+            &mut SquareInput::new(&picture),
+            &SQUARE,
+            &[Side::Right],
+            POWERS,
+        );
         let mut joined = before.clone();
-        joined.add_cut_out(&networks, &mut eye, &SQUARE, &[Side::Right]);
+        joined.add_cut_out(&networks, &mut input, &SQUARE, &[Side::Right]);
         assert_eq!((joined.right_odds, joined.stages_by_side), (before.right_odds, before.stages_by_side));
         assert_ne!(joined.probabilities(Side::Right), before.probabilities(Side::Right));
         for (is, was) in joined.probabilities(Side::Left).iter().zip(before.probabilities(Side::Left)) {

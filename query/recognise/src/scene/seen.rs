@@ -2,7 +2,7 @@
 
 use super::arm;
 use super::find::Detection;
-use super::look::Eye;
+use super::look::SquareInput;
 use super::prediction::{Powers, Prediction};
 use super::square::Square;
 use crate::networks::Networks;
@@ -29,10 +29,10 @@ impl Scene {
     pub fn new(networks: &Networks, picture: &Picture, found: Detection, hand: &Mask) -> Self {
         let square = found.square_of(hand);
         let sides = [Side::Right, Side::Left];
-        let mut eye = Eye::new(picture);
-        let mut prediction = Prediction::of_square(networks, &mut eye, &square, &sides, POWERS);
-        prediction.add_cut_out(networks, &mut Eye::of_cut_out(picture, hand), &square, &sides);
-        prediction.add_thing(networks, &mut eye, &found.squares_of_thing(), &sides);
+        let mut input = SquareInput::new(picture);
+        let mut prediction = Prediction::of_square(networks, &mut input, &square, &sides, POWERS);
+        prediction.add_cut_out(networks, &mut SquareInput::of_cut_out(picture, hand), &square, &sides);
+        prediction.add_thing(networks, &mut input, &found.squares_of_thing(), &sides);
         prediction.right_odds += found.right_odds;
         prediction.arm_odds = arm::right_odds(square.turn);
         Self { found, square, prediction }
