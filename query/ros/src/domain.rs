@@ -15,10 +15,12 @@ pub(crate) struct Domain {
 }
 
 impl Domain {
-    /// Reads ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_LOCALHOST_ONLY by `variable`.
+    /// Reads ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_LOCALHOST_ONLY by `variable`. As in
+    /// `rcl`, ROS_LOCALHOST_ONLY=1 goes before the range.
     ///
     /// # Errors
-    /// Where the number is none, or there is no such domain.
+    /// Where a variable has no value that it can have, or the range is OFF: a node that finds nobody
+    /// sees no picture.
     pub(crate) fn from_environment(variable: impl Fn(&str) -> Option<String>) -> anyhow::Result<Self> {
         let named = variable("ROS_DOMAIN_ID").filter(|number| !number.is_empty());
         let id = match named.map(|number| number.parse::<u16>()) {
@@ -26,10 +28,19 @@ impl Domain {
             Some(Ok(id)) if id <= LAST => id,
             Some(_) => bail!("ROS_DOMAIN_ID must be a number from 0 to {LAST}"),
         };
-        let range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE");
-        let is_local = match range.as_deref() {
-            Some(range) => range.eq_ignore_ascii_case("LOCALHOST"),
-            None => variable("ROS_LOCALHOST_ONLY").as_deref() == Some("1"),
+        if variable("ROS_LOCALHOST_ONLY").as_deref() == Some("1") {
+            return Ok(Self { id, is_local: true });
+        }
+        let range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE").unwrap_or_default();
+        let is_local = match range.to_ascii_uppercase().as_str() {
+            "LOCALHOST" => true,
+            "" | "SUBNET" | "SYSTEM_DEFAULT" => false,
+            "OFF" => bail!(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF: a node that finds nobody sees no picture; set LOCALHOST or SUBNET"
+            ),
+            _ => bail!(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE is {range}: SUBNET, LOCALHOST, SYSTEM_DEFAULT or OFF is needed"
+            ),
         };
         Ok(Self { id, is_local })
     }
@@ -71,8 +82,11 @@ mod tests {
         let local = [("ROS_DOMAIN_ID", "42"), ("ROS_LOCALHOST_ONLY", "1")];
         assert_eq!(of(&local).unwrap(), Domain { id: 42, is_local: true });
         let both = [("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"), ("ROS_LOCALHOST_ONLY", "1")];
-        assert!(!of(&both).unwrap().is_local);
-        assert!(of(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")]).unwrap().is_local);
+        assert!(of(&both).unwrap().is_local);
+        let range = |range| of(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", range)]);
+        assert!(range("LOCALHOST").unwrap().is_local && range("localhost").unwrap().is_local);
+        assert!(!range("SUBNET").unwrap().is_local && !range("").unwrap().is_local);
+        assert!(range("OFF").is_err() && range("EVERYWHERE").is_err());
         for number in ["233", "-1", "one"] {
             assert!(of(&[("ROS_DOMAIN_ID", number)]).is_err(), "{number}");
         }

@@ -152,6 +152,17 @@ impl<'a> Worker<'a> {
 
     /// The hand in a picture, or why there is none.
     fn hand(&mut self, job: &Job) -> Result<Hand, Nothing> {
+        let hand = self.found(job);
+        if let (Err(nothing), Some(filter)) = (&hand, &mut self.filter)
+            && !matches!(nothing, Nothing::Unknown)
+        {
+            // Time goes by all the same.
+            filter.pass();
+        }
+        hand
+    }
+
+    fn found(&mut self, job: &Job) -> Result<Hand, Nothing> {
         let header = job.picture.header();
         let decoded = job.picture.decoded()?;
         let original = Original::of(&decoded.picture);
@@ -159,8 +170,6 @@ impl<'a> Worker<'a> {
         let mut found = match self.recognise(decoded) {
             Ok(found) => found,
             Err(error) => {
-                // Time goes by all the same.
-                self.filter.as_mut().map(Filter::pass);
                 self.log.say(Level::Debug, &error.to_string());
                 return Err(error.into());
             }

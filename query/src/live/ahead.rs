@@ -48,6 +48,8 @@ struct State {
     frames: VecDeque<Frame>,
     dropped: u64,
     has_ended: bool,
+    /// It ended by a panic.
+    has_panicked: bool,
     /// Nobody takes frames any more.
     is_closed: bool,
 }
@@ -83,6 +85,8 @@ impl Ahead {
                 return Some(frame);
             }
             if state.has_ended {
+                // What is no end must not pass for one.
+                assert!(!state.has_panicked, "the thread that reads frames panicked");
                 return None;
             }
             let waited = self.shared.changed.wait_timeout(state, LOOK);
@@ -103,8 +107,21 @@ impl Drop for Ahead {
     }
 }
 
+/// Says that no frame comes any more, however the reading ended.
+struct EndOnDrop<'a>(&'a Shared);
+
+impl Drop for EndOnDrop<'_> {
+    fn drop(&mut self) {
+        let mut state = self.0.lock();
+        (state.has_ended, state.has_panicked) = (true, thread::panicking());
+        drop(state);
+        self.0.changed.notify_all();
+    }
+}
+
 /// Reads to the end.
 fn read(mut source: Source, keep: Keep, shared: &Shared) {
+    let _end = EndOnDrop(shared);
     let mut number = 0;
     while let Some(given) = source.next_frame() {
         let mut state = shared.lock();
@@ -124,8 +141,6 @@ fn read(mut source: Source, keep: Keep, shared: &Shared) {
         number += 1;
         shared.changed.notify_all();
     }
-    shared.lock().has_ended = true;
-    shared.changed.notify_all();
 }
 
 #[cfg(test)]

@@ -21,7 +21,8 @@ pub(crate) fn message(header: &Header, hand: Option<&Hand>) -> Detection2DArray 
 
 fn results(hand: &Hand) -> Vec<ObjectHypothesisWithPose> {
     let mut pose = PoseWithCovariance { pose: hand.pose(), ..PoseWithCovariance::default() };
-    let variance = hand.spread_deg.to_radians().powi(2);
+    // The spread is that of the whole angle, whose square three axes share.
+    let variance = hand.spread_deg.to_radians().powi(2) / 3.0;
     // Of the turns alone: how far away the hand is, is not measured.
     for (axis, row) in pose.covariance.iter_mut().enumerate().skip(3) {
         row[axis] = variance;

@@ -27,7 +27,7 @@ pub(crate) struct Hand {
     pub(crate) rectangle: Rectangle,
     /// `camera_from_hand`.
     pub(crate) rotation: UnitQuaternion<f64>,
-    /// The standard deviation of that, in degrees.
+    /// The root mean square of the angles between the neighbours' rotations and that, in degrees.
     pub(crate) spread_deg: f64,
     /// Its place in the camera's optical frame, in metres.
     pub(crate) position: [f64; 3],
