@@ -16,8 +16,10 @@ use tokio::time::{Sleep, sleep};
 const IDLE: Duration = Duration::from_secs(5);
 /// How often to look after that whether one is.
 const LOOK: Duration = Duration::from_secs(1);
-/// How long the other end may take none of what is written to it.
+/// How long the other end may take less than [`LEAST_TAKEN`] of what waits to be written to it.
 const UNTAKEN: Duration = Duration::from_secs(20);
+/// In bytes.
+const LEAST_TAKEN: usize = 64 << 10;
 
 /// How far the request on a connection is: known to what answers it, and asked by the stream.
 #[derive(Clone, Debug, Default)]
@@ -59,23 +61,30 @@ pub(super) struct Connection<S> {
     stage: Stage,
     /// When to look for a free place; not set while a request is worked on or an answer waits.
     idle: Option<Pin<Box<Sleep>>>,
-    /// When to give up; set while a write waits.
+    /// When to give up; set from a write that waits to one that need not, and anew for each
+    /// [`LEAST_TAKEN`] between.
     untaken: Option<Pin<Box<Sleep>>>,
+    /// How much was taken since it was set, in bytes.
+    taken: usize,
 }
 
 impl<S> Connection<S> {
     pub(super) fn new(stream: S, places: Arc<Semaphore>, stage: Stage) -> Self {
-        Self { stream, places, stage, idle: Some(Box::pin(sleep(IDLE))), untaken: None }
+        Self { stream, places, stage, idle: Some(Box::pin(sleep(IDLE))), untaken: None, taken: 0 }
     }
 
-    /// What came of a write, which may wait for [`UNTAKEN`].
+    /// What came of a write or a flush, which may wait for [`UNTAKEN`].
     fn bounded<T>(&mut self, context: &mut Context<'_>, written: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if written.is_ready() {
-            self.untaken = None;
             return written;
         }
         let deadline = self.untaken.get_or_insert_with(|| Box::pin(sleep(UNTAKEN)));
         deadline.as_mut().poll(context).map(|()| Err(io::ErrorKind::TimedOut.into()))
+    }
+
+    /// The other end has taken enough, or all.
+    fn have_taken(&mut self) {
+        (self.untaken, self.taken) = (None, 0);
     }
 
     /// The same of an answer, or a piece of one, which is not under way any more where it was
@@ -86,6 +95,12 @@ impl<S> Connection<S> {
         written: Poll<io::Result<usize>>,
     ) -> Poll<io::Result<usize>> {
         let written = self.bounded(context, written);
+        if let Poll::Ready(Ok(bytes)) = &written {
+            self.taken += bytes;
+            if self.taken >= LEAST_TAKEN {
+                self.have_taken();
+            }
+        }
         if written.is_ready() {
             self.stage.write();
         }
@@ -143,6 +158,9 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Connection<S> {
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let flushed = Pin::new(&mut self.stream).poll_flush(context);
+        if flushed.is_ready() {
+            self.have_taken();
+        }
         self.bounded(context, flushed)
     }
 
@@ -263,5 +281,24 @@ mod tests {
         let failed = poll_fn(|context| Pin::new(&mut stream).poll_write(context, b"x")).await;
         assert_eq!(failed.unwrap_err().kind(), io::ErrorKind::TimedOut);
         assert_eq!(started.elapsed(), UNTAKEN);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_byte_now_and_then_is_too_little_and_a_piece_is_enough() {
+        let write = async |stream: &mut Tested, bytes: &[u8]| {
+            poll_fn(|context| Poll::Ready(Pin::new(&mut *stream).poll_write(context, bytes))).await
+        };
+        for (bytes, is_enough) in [(1, false), (LEAST_TAKEN, true)] {
+            let (mut stream, _) = connection(Other::default(), &Arc::new(Semaphore::new(1)));
+            assert!(write(&mut stream, b"x").await.is_pending());
+            sleep(UNTAKEN / 2).await;
+            stream.stream.takes = true;
+            assert!(write(&mut stream, &vec![0; bytes]).await.is_ready());
+            stream.stream.takes = false;
+            assert!(write(&mut stream, b"x").await.is_pending());
+            sleep(UNTAKEN / 2 + LOOK).await;
+            let waits = write(&mut stream, b"x").await.is_pending();
+            assert_eq!(waits, is_enough, "{bytes} bytes");
+        }
     }
 }

@@ -18,7 +18,7 @@ use super::service::Shared;
 const SCHEMA: &str = "#/components/schemas/";
 
 static PAGE: LazyLock<String> =
-    LazyLock::new(|| page(&serde_json::from_str(&openapi::json()).unwrap_or_default()));
+    LazyLock::new(|| page(&serde_json::from_str(&openapi::JSON).unwrap_or_default()));
 
 pub(super) fn routes() -> Router<Shared> {
     let html = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn every_path_and_record_is_on_the_page_and_every_link_leads_somewhere() {
-        let api: Value = serde_json::from_str(&openapi::json()).unwrap();
+        let api: Value = serde_json::from_str(&openapi::JSON).unwrap();
         for of in operations(&api) {
             assert!(PAGE.contains(&format!("<h3><code>{}</code> ", of.name())), "{}", of.path);
             for text in ["summary", "description", "operationId"] {

@@ -20,8 +20,8 @@ use crate::wire::Token;
 /// The cookie by which the page shows the token.
 const COOKIE: &str = "grasp_token";
 
-/// What anybody may ask for, besides the page's own files: paths that say nothing of the index and
-/// cost nothing. Every other path needs the token and the service's own origin, so that a new one
+/// What anybody may ask for, besides the page's own files: paths that cost little, and of the index
+/// say only whether it is served, and why not. Every other path needs the token and the service's own origin, so that a new one
 /// is protected unless it is added here.
 const OPEN: [&str; 5] = ["/docs", "/docs.css", "/openapi.json", "/healthz", "/readyz"];
 
@@ -101,7 +101,9 @@ pub(super) async fn session(State(service): State<Shared>) -> Result<Response, P
 /// The name under which a path is counted: few, whatever is asked for.
 fn counted(path: &str) -> &'static str {
     let other = PATHS.last().copied().unwrap_or_default();
-    PATHS.into_iter().find(|name| path.starts_with(name)).unwrap_or(other)
+    let is_below =
+        |name: &str| path.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+    PATHS.into_iter().find(|name| is_below(name)).unwrap_or(other)
 }
 
 #[cfg(test)]

@@ -58,6 +58,12 @@ impl Listener {
     }
 }
 
+/// Whether an error says that a connection was given up before it was accepted: others go on.
+fn is_of_one_connection(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
+    matches!(error.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
+}
+
 /// Connections that are open.
 #[derive(Debug)]
 pub(super) struct Connections {
@@ -74,16 +80,22 @@ impl Connections {
     pub(super) async fn accept(&self, listener: &Listener, router: &Router) {
         let mut builder = http1::Builder::new();
         builder.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME).max_buf_size(MOST_HEAD);
+        let mut is_failing = false;
         loop {
             // The semaphore is never closed.
             let Ok(place) = Arc::clone(&self.places).acquire_owned().await else { return };
             let stream = match listener.accept().await {
                 Ok(stream) => stream,
-                Err(_) => {
+                Err(error) if is_of_one_connection(&error) => continue,
+                Err(error) => {
+                    if !std::mem::replace(&mut is_failing, true) {
+                        tracing::warn!("no connection can be accepted: {error}");
+                    }
                     tokio::time::sleep(PAUSE).await;
                     continue;
                 }
             };
+            is_failing = false;
             let stage = Stage::default();
             let stream = Connection::new(stream, Arc::clone(&self.places), stage.clone());
             let router = TowerToHyperService::new(router.clone());
@@ -106,7 +118,11 @@ impl Connections {
     }
 
     /// Lets connections end after the request that they are in.
-    pub(super) async fn close(self) {
-        self.open.shutdown().await;
+    /// Returns how many were left after `time`.
+    pub(super) async fn close(self, time: Duration) -> usize {
+        match tokio::time::timeout(time, self.open.shutdown()).await {
+            Ok(()) => 0,
+            Err(_) => MOST_CONNECTIONS - self.places.available_permits(),
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The description of the interface, made from the code that answers.
 
+use std::sync::LazyLock;
+
 use utoipa::openapi::OpenApi as Api;
 use utoipa::openapi::security::{HttpAuthScheme, HttpBuilder, SecurityScheme};
 use utoipa::{Modify, OpenApi};
@@ -61,9 +63,8 @@ impl Modify for Token {
 }
 
 /// The description as JSON.
-pub(super) fn json() -> String {
-    Description::openapi().to_json().unwrap_or_default()
-}
+pub(super) static JSON: LazyLock<String> =
+    LazyLock::new(|| Description::openapi().to_json().unwrap_or_default());
 
 #[cfg(test)]
 mod tests {
@@ -71,7 +72,7 @@ mod tests {
     use serde_json::Value;
 
     fn api() -> Value {
-        serde_json::from_str(&json()).unwrap()
+        serde_json::from_str(&JSON).unwrap()
     }
 
     /// Path and description of each operation.
@@ -145,7 +146,7 @@ mod tests {
         for needed in schemas["Failure"]["required"].as_array().unwrap() {
             assert!(!schemas["Answer"]["properties"][needed.as_str().unwrap()].is_null(), "{needed}");
         }
-        for named in json().split("#/components/schemas/").skip(1) {
+        for named in JSON.split("#/components/schemas/").skip(1) {
             let name = named.split('"').next().unwrap();
             assert!(!schemas[name].is_null(), "{name} is not described");
         }

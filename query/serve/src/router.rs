@@ -24,7 +24,10 @@ pub(crate) fn router(service: Shared, quiz: Option<Router>) -> Router {
         .route("/readyz", get(about::ready))
         .route("/metrics", get(about::metrics))
         .route("/session", post(guard::session))
-        .route("/openapi.json", get(async || ([(header::CONTENT_TYPE, "application/json")], openapi::json())))
+        .route(
+            "/openapi.json",
+            get(async || ([(header::CONTENT_TYPE, "application/json")], openapi::JSON.as_str())),
+        )
         .merge(docs::routes())
         .merge(page::routes())
         .with_state(Arc::clone(&service));

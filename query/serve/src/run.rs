@@ -4,6 +4,9 @@ use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::task::JoinSet;
+use tokio::time::Instant;
+
 use axum::Router;
 use grasp_terminal::PHASE;
 
@@ -12,6 +15,9 @@ use crate::listen::{Connections, Listener};
 use crate::router::router;
 use crate::service::{Ended, Event, Service};
 use crate::unusable::{IndexFault, UnusableIndex};
+
+/// How long answers that are there may take to go out, even where the time to drain is over.
+const LAST_ANSWERS: Duration = Duration::from_secs(1);
 
 impl Service {
     /// Opens the index, and answers until `stop`; then finishes what was begun. The paths of
@@ -28,14 +34,19 @@ impl Service {
     ) -> Result<Ended, Arc<UnusableIndex>> {
         let router = router(Arc::clone(&self), quiz);
         let connections = Arc::new(Connections::new());
-        let accepting: Vec<_> = listeners
-            .into_iter()
-            .map(|listener| {
-                let (connections, router) = (Arc::clone(&connections), router.clone());
-                tokio::spawn(async move { connections.accept(&listener, &router).await })
-            })
-            .collect();
-        let first = match self.refresh(false).await {
+        // Dropped, it ends them.
+        let mut accepting = JoinSet::new();
+        for listener in listeners {
+            let (connections, router) = (Arc::clone(&connections), router.clone());
+            accepting.spawn(async move { connections.accept(&listener, &router).await });
+        }
+        tokio::pin!(stop);
+        let first = tokio::select! {
+            biased;
+            () = &mut stop => return Ok(Ended::Drained),
+            first = self.refresh(false) => first,
+        };
+        let first = match first {
             Some(Refresh::Replaced(generation)) => generation,
             Some(Refresh::Failed(why)) => return Err(why),
             _ => return Err(self.current.unusable(IndexFault::Unknown)),
@@ -45,17 +56,17 @@ impl Service {
         stop.await;
         let under_way = self.arriving() + self.gate.inside();
         tracing::info!(target: PHASE, state = "began", phase = "draining", under_way, "draining: {under_way} under way");
-        let ended = self.drain().await;
+        let deadline = Instant::now() + self.settings.drain;
+        let ended = self.drain(deadline).await;
         watching.abort();
-        for task in accepting {
-            task.abort();
-            // The task lets go of the connections.
-            let _ = task.await;
-        }
-        if let Some(connections) = Arc::into_inner(connections) {
-            // What is left are answers on their way out and connections that lie idle.
-            let _ = tokio::time::timeout(Duration::from_secs(1), connections.close()).await;
-        }
-        Ok(ended)
+        // The tasks let go of the connections.
+        accepting.shutdown().await;
+        // What is left are answers on their way out, and connections that lie idle and are closed.
+        let time = deadline.saturating_duration_since(Instant::now()).max(LAST_ANSWERS);
+        let left = match Arc::into_inner(connections) {
+            Some(connections) => connections.close(time).await,
+            None => 0,
+        };
+        Ok(if ended == Ended::Drained && left > 0 { Ended::CutShort(left) } else { ended })
     }
 }

@@ -10,6 +10,7 @@ use axum::body::Bytes;
 use axum::extract::Request;
 use axum::response::Response;
 use tokio::sync::Notify;
+use tokio::time::Instant;
 
 use crate::arrival;
 use crate::budget::Budget;
@@ -116,16 +117,15 @@ impl Service {
         self.reload.notify_one();
     }
 
-    /// Waits for the requests that were let in; no other is, and `/readyz` says so.
-    pub(crate) async fn drain(&self) -> Ended {
+    /// Waits until `deadline` for the requests that were let in; no other is, and `/readyz` says so.
+    pub(crate) async fn drain(&self, deadline: Instant) -> Ended {
         self.draining.store(true, Ordering::SeqCst);
-        let deadline = tokio::time::Instant::now() + self.settings.drain;
         loop {
             let left = self.arriving() + self.gate.inside();
             if left == 0 {
                 return Ended::Drained;
             }
-            if tokio::time::Instant::now() >= deadline {
+            if Instant::now() >= deadline {
                 return Ended::CutShort(left);
             }
             tokio::time::sleep(Duration::from_millis(5)).await;
@@ -191,13 +191,14 @@ impl Service {
 
     /// Reads what a request carries, and then lets it in: what is not whole takes nobody's place.
     pub(crate) async fn receive(&self, request: Request) -> Result<(Bytes, Place), Problem> {
+        // Counted before it is asked: what is let in is waited for.
+        let _arriving = Arriving::new(&self.arriving);
         if self.is_draining() {
             return Err(Problem::not_ready("is about to end"));
         }
         if self.gate.is_full() {
             return Err(Problem::busy());
         }
-        let _arriving = Arriving::new(&self.arriving);
         let body = arrival::read(request.into_body(), self.settings.most_bytes, &self.budget);
         let time = self.settings.timeout;
         let body = tokio::time::timeout(time, body).await.map_err(|_| Problem::late(time))??;

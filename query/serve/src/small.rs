@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use axum::extract::Request;
 use axum::http::{StatusCode, header};
-use http_body_util::{BodyExt as _, Limited};
+use http_body_util::{BodyExt as _, LengthLimitError, Limited};
 use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
@@ -23,9 +23,13 @@ pub async fn json<T: DeserializeOwned>(request: Request, form: &str) -> Result<T
         return Err(Problem::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "request", message));
     }
     let body = tokio::time::timeout(TIME, Limited::new(request.into_body(), MOST).collect());
-    let body = body.await.map_err(|_| Problem::late(TIME))?.map_err(|_| {
-        let message = format!("more than {MOST} bytes, or a body that breaks off: {form} is needed");
-        Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message)
+    let body = body.await.map_err(|_| Problem::late(TIME))?.map_err(|error| {
+        if error.is::<LengthLimitError>() {
+            let message = format!("more than {MOST} bytes: {form} is needed");
+            Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message)
+        } else {
+            Problem::bad_request("the body breaks off: send it again")
+        }
     })?;
     serde_json::from_slice(&body.to_bytes())
         .map_err(|_| Problem::bad_request(format!("the body is not what is needed: {form}")))

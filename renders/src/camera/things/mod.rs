@@ -24,8 +24,8 @@ type V = Vector3<f64>;
 
 /// A grasp whose largest balls are below this radius in metres is one that picks up small things.
 const SMALL: f64 = 0.02;
-/// Cylinders from this radius in metres on are vessels, thinner ones handles.
-const VESSEL: f64 = 0.024;
+/// A grasp whose largest cylinders are below this radius in metres is one of handles, not vessels.
+const HANDLE: f64 = 0.024;
 /// About the middle of the palm, in the frame of the hand.
 const PALM: V = V::new(0.07, 0.0, -0.01);
 
@@ -42,7 +42,7 @@ pub(super) fn dress(object: &PlacedObject, largest: f64, rng: &mut ChaCha8Rng) -
         Object::Sphere { radius } if largest < SMALL => thing.small(radius, rng),
         Object::Sphere { radius } => thing.ball(radius, rng),
         Object::Cylinder { radius, length } if length < radius => thing.lid(radius, length, rng),
-        Object::Cylinder { radius, length } if radius < VESSEL => thing.tool(radius, length, rng),
+        Object::Cylinder { radius, length } if largest < HANDLE => thing.tool(radius, length, rng),
         Object::Cylinder { radius, length } => thing.vessel(radius, length, rng),
     }
     thing.parts.into_iter().filter(|part| !part.triangles.is_empty()).collect()
