@@ -146,8 +146,8 @@ impl Segments {
     }
 
     /// Appends to `joined` the `k` nearest of what was found in each index, in their order, by its
-    /// own numbers. Where there are fewer, the rest has the id `u32::MAX` and an infinite distance,
-    /// as does what is passed in so.
+    /// own numbers. Where there are fewer, the rest has the id `u32::MAX` and an infinite distance;
+    /// entries passed in with that id are skipped.
     fn join<'f>(
         &self,
         found: impl IntoIterator<Item = &'f [Neighbour]>,

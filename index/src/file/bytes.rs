@@ -191,16 +191,17 @@ pub(crate) enum Written<'a> {
 }
 
 impl<'a> Written<'a> {
-    /// Maps a file that this program alone writes, and that it writes through `file` alone.
+    /// Maps a file that this program alone writes, and that it writes through `file` alone: another
+    /// handle of the same writer may sync and rename it.
     pub(crate) fn map(file: &'a mut File) -> io::Result<Self> {
         // An empty file cannot be mapped.
         if file.metadata()?.len() == 0 {
             return Ok(Self::Held(&[]));
         }
-        // SAFETY: the mapping is read-only, and `file`, whose only handle the caller lends for as
-        // long as the mapping lives, is not written meanwhile. The file is the locked part of an
-        // index or has no name, so no other program changes or truncates it unless it goes out of
-        // its way; then what holds for `Bytes::map` holds here.
+        // SAFETY: the mapping is read-only, and `file`, by which alone the file is written, is
+        // borrowed for as long as the mapping lives. The file is the locked part of an index or has
+        // no name, so another program changes it on purpose only. It is not registered with
+        // `super::fault`: where such a program truncates it, the signal ends the process.
         let map = unsafe { Mmap::map(&*file)? };
         Ok(Self::Mapped(map, PhantomData))
     }

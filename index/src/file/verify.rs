@@ -51,7 +51,8 @@ pub enum Problem {
     Element {
         /// The section.
         kind: SectionKind,
-        /// Which element, counted from 0.
+        /// Which element, counted from 0; of texts which text, of blocks of entries which place, or
+        /// which entry where it is in no bucket.
         at: usize,
         /// What is wrong with it.
         what: &'static str,

@@ -25,6 +25,11 @@ pub(crate) fn parameter(message: impl Into<String>) -> PyErr {
     classes::ParameterError::new_err(message.into())
 }
 
+/// A fault of the package, and of no caller.
+pub(crate) fn internal(message: &str) -> PyErr {
+    classes::GraspError::new_err(format!("{message}: report this"))
+}
+
 /// Any other failure.
 pub(crate) fn failure(error: &(dyn Error + 'static)) -> PyErr {
     classes::GraspError::new_err(in_words(error))

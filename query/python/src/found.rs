@@ -36,7 +36,7 @@ impl Found {
         let shape = (drawing.height() as usize, drawing.width() as usize, 3);
         let pixels = Array3::from_shape_vec(shape, drawing.into_raw());
         let pixels =
-            pixels.map_err(|_| parameter("the drawing has another size than it says: report this"))?;
+            pixels.map_err(|_| error::internal("the drawing has another size than it says"))?;
         Ok(PyArray3::from_owned_array(py, pixels))
     }
 }

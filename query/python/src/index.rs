@@ -187,7 +187,7 @@ impl Index {
         }
         index.check_unchanged().map_err(|cause| error::changed(&self.named, cause))?;
         let shape = (rows.count, options.k);
-        let unfit = |_| parameter("the index answered another number of queries: report this");
+        let unfit = |_| error::internal("the index answered another number of queries");
         let ids = Array2::from_shape_vec(shape, ids).map_err(unfit)?;
         let distances = Array2::from_shape_vec(shape, distances).map_err(unfit)?;
         Ok((PyArray2::from_owned_array(py, ids), PyArray2::from_owned_array(py, distances)))

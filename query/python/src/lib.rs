@@ -7,8 +7,8 @@
 //! the other; `found` is what the answer came from, `strategy` what a robot makes of it.
 //!
 //! Docstrings are NumPy's, because Python shows them. Whatever takes long lets other Python threads
-//! run. No thread works on after a call and no lock is held between calls, so that a process may
-//! fork at any moment.
+//! run. No thread works for a call that has returned and no lock is held between calls, so that a
+//! process may fork at any moment.
 
 mod array;
 mod building;

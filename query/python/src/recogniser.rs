@@ -304,7 +304,7 @@ impl Recogniser {
             for (input, answered) in inputs.iter().zip(answered) {
                 keep(match (input, answered) {
                     (Ok(input), Some(answered)) => self.finish(py, &index, input, answered),
-                    (Ok(_), None) => Err(parameter("a picture was not looked at: report this")),
+                    (Ok(_), None) => Err(error::internal("a picture was not looked at")),
                     (Err(cause), _) => Err(cause.clone_ref(py)),
                 })?;
             }
@@ -329,8 +329,8 @@ impl Recogniser {
 }
 
 impl Recogniser {
-    /// The answer to one picture after others, which `follow` makes of what it says by itself;
-    /// `None` where that is nothing.
+    /// The answer to one picture after others: `follow` updates the picture's own answer, and gets
+    /// `None` where there is none.
     pub(crate) fn recognise_after<'py>(
         &self,
         py: Python<'py>,

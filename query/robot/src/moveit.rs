@@ -40,14 +40,18 @@ pub fn yaml(strategy: &Strategy, id: &str) -> String {
         estimate.hand_position, estimate.orientation_rad
     ));
     comment(match &strategy.tolerated {
-        Some(window) => format!(
-            "tolerated: position +-{:.3} m, yaw {}, tilt {} ({}, {})",
-            window.position_m,
-            window.yaw_rad.map_or("any".into(), |yaw| format!("+-{yaw:.3} rad")),
-            window.tilt_rad.map_or("unknown".into(), |tilt| format!("+-{tilt:.3} rad")),
-            window.object,
-            window.engine
-        ),
+        Some(window) => {
+            let turn = |turn: Option<f64>| turn.map_or("unknown".into(), |turn| format!("+-{turn:.3} rad"));
+            format!(
+                "tolerated: position +-{:.3} m, yaw {}, tilt {}, roll {} ({}, {})",
+                window.position_m,
+                turn(window.yaw_rad),
+                turn(window.tilt_rad),
+                turn(window.roll_rad),
+                window.object,
+                window.engine
+            )
+        }
         None => "tolerated: unknown".into(),
     });
     if let Some(arm) = strategy.arm.as_ref().filter(|arm| arm.reachable) {

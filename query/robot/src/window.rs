@@ -14,7 +14,7 @@ pub struct Window {
     /// metres.
     pub position_m: f64,
     /// The hand's turn about the vertical may be wrong by as much as this in either direction, in
-    /// radians; none where any will do.
+    /// radians; none where that was not simulated.
     pub yaw_rad: Option<f64>,
     /// The approach may be tilted by as much as this in any direction, in radians; none where that
     /// was not simulated.

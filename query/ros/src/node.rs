@@ -53,7 +53,7 @@ fn to_publish() -> QosProfile {
         .reliability_reliable(WhenFull::Wait(Duration::from_millis(5)))
 }
 
-/// Whoever has heard no picture for so long says so.
+/// How long to wait for a first picture before a warning.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// The topics' full names.

@@ -48,7 +48,7 @@ pub(super) struct IndexRecord {
     thumbnail_side: u32,
     /// What a search finds, as measured when the index was built.
     efforts: Vec<EffortInfo>,
-    /// The values of eps that `eps_success` is told for.
+    /// The values of eps that `eps_success` is given for.
     eps: [f64; EPS_GRID.len()],
     /// Whether people can name grasps at /quiz/.
     quiz: bool,
@@ -103,8 +103,8 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
 #[serde(default, deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct IndexGeneration {
-    /// The index that named the neighbour, as the header `grasp-index-generation` told it; another
-    /// one has other entries.
+    /// The index that named the neighbour, from the header `grasp-index-generation`; another one has
+    /// other entries.
     #[param(maximum = 18_446_744_073_709_551_615u64)]
     generation: Option<u64>,
 }

@@ -24,8 +24,8 @@ const PROGRESS: usize = 4 << 10;
 /// How long a body may bring less than [`PROGRESS`].
 const STALLED: Duration = Duration::from_secs(5);
 
-/// Reads a body of at most `most` bytes; what it holds beyond some kilobytes counts against
-/// `budget` until the bytes are dropped.
+/// Reads a body of at most `most` bytes. One of more than [`UNRESERVED`] counts whole against
+/// `budget` until its bytes are dropped.
 pub(super) async fn read(mut body: Body, most: usize, budget: &Arc<Budget>) -> Result<Bytes, Problem> {
     let declared = body.size_hint().exact().map(|length| usize::try_from(length).unwrap_or(usize::MAX));
     if declared.is_some_and(|length| length > most) {

@@ -70,10 +70,10 @@ pub(super) fn input(content_type: Option<&HeaderValue>, body: Bytes) -> Result<I
 }
 
 impl Input {
-    /// Refuses pictures whose headers tell more pixels than `most`, before anything is decoded.
+    /// Refuses pictures whose headers state more pixels than `most`, before anything is decoded.
     pub(super) fn check_pixels(&self, most: u64) -> Result<(), Problem> {
         for encoded in [Some(&self.picture), self.mask.as_ref(), self.depth.as_ref()].into_iter().flatten() {
-            // What is no picture is told in its record.
+            // What is not a picture is reported in its record.
             let Ok((width, height)) = picture::dimensions(encoded) else { continue };
             if u64::from(width) * u64::from(height) > most {
                 return Err(Problem::new(

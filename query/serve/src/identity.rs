@@ -42,8 +42,7 @@ impl Identity {
         self.length
     }
 
-    /// Whether the file was written to so lately. By a clock that is ahead of this machine's,
-    /// never.
+    /// Whether the file was written to within `time`; false where its time lies in the future.
     pub(super) fn was_written_within(&self, time: Duration) -> bool {
         self.modified
             .and_then(|modified| SystemTime::now().duration_since(modified).ok())

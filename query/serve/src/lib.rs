@@ -1,15 +1,14 @@
 //! The service: one mapped index, many askers, over HTTP.
 //!
-//! `guard` lets requests in (by [`origin`] and [`wire::Token`]) and checks their parameters
-//! (`query`); bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes
+//! `guard` lets requests in (by [`origin`] and [`wire::Token`]), and `query` checks their
+//! parameters; bodies arrive within a `budget` of memory (`arrival`), and only what is whole passes
 //! the `gate`, which bounds the work. It is done on a thread that may block (`recognise`,
 //! `search`), and `metrics` count it. `current` holds the index and replaces it when another file
 //! lies at its path (`unusable` says why one cannot); `request_log` logs what was asked; `listen`
 //! holds the connections, `connection` ends those that ask nothing where others wait or take no
 //! answer, `page` is what a browser is given. `router` says which path leads where, `openapi` what
 //! each takes and answers, and [`Service::run`] puts them together. [`client`] is the other end,
-//! and
-//! [`wire`] what crosses the line between both.
+//! and [`wire`] what crosses the line between both.
 
 mod about;
 mod arrival;

@@ -59,10 +59,10 @@ pub enum DescriptionFault {
         /// How far from 0 it may be, in metres.
         most: f64,
     },
-    /// An arm's zero angles.
+    /// A zero angle beyond a whole turn.
     #[error("offsets hold {0}: each must be within a turn, in radians")]
     Offset(f64),
-    /// Which way an arm's joints turn.
+    /// A sign that is neither 1 nor -1.
     #[error("signs = {0:?}: each must be 1 or -1")]
     Signs([i8; 6]),
     /// How far an arm's joint turns.
@@ -184,7 +184,7 @@ pub enum DescriptionFault {
         /// Those that there are.
         known: String,
     },
-    /// Distances of a grasp.
+    /// Distances of a grasp that cannot be used.
     #[error(
         "grasp.{0}: standoff, middle, table_clearance and table_reach need metres, points with ascending widths"
     )]

@@ -155,12 +155,12 @@ impl Plan {
         &self.object
     }
 
-    /// Carries the grasp out, the world being off by `offset`. `watch` sees every step of it.
+    /// Carries the grasp out, the world being off by `offset`.
     pub fn run(&self, offset: Offset) -> Outcome {
         self.run_watched(offset, |_, _| {}).0
     }
 
-    /// [`Self::run`], with the world in the end.
+    /// [`Self::run`], with the world in the end; `watch` sees every step of it.
     pub(super) fn run_watched(&self, offset: Offset, mut watch: impl FnMut(&World, f32)) -> (Outcome, World) {
         let middle = Translation3::from(self.world_from_object.translation.vector);
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), offset.yaw);

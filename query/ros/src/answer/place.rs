@@ -8,7 +8,7 @@ use grasp_recognise::segment::Mask;
 pub(crate) struct Original {
     /// Pixels in a row, and rows.
     pub(crate) size: [usize; 2],
-    /// So many of its pixels, across and down, are one of the mask.
+    /// Its pixels for one of the mask, across and down.
     factor: usize,
 }
 

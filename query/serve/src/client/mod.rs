@@ -1,8 +1,8 @@
 //! The other end of [`crate::Service`]: pictures or descriptors are sent to a running service,
 //! which answers in the words of this program.
 //!
-//! A [`Client`] keeps its connections open from picture to picture, one for each thread that asks
-//! at the same time.
+//! Over TCP a [`Client`] keeps its connections open from picture to picture, one for each thread
+//! that asks at the same time.
 
 mod address;
 mod parts;

@@ -174,8 +174,8 @@ pub struct SearchParameters {
     /// Compare with every entry.
     #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
-    /// Tell the candidates of the search, each with the `key` that it was kept by: for one who puts
-    /// the answers of several segments of an index together.
+    /// Return the candidates of the search, each with the `key` that it was kept by, for clients that
+    /// merge the answers of several segments of an index.
     #[serde(skip_serializing_if = "is_false")]
     pub shortlist: bool,
 }

@@ -19,8 +19,8 @@ impl Token {
         (text.len() >= Self::LEAST && text.bytes().all(is_usable)).then(|| Self(text.to_owned()))
     }
 
-    /// Whether `shown` is this token. The time that it takes depends on the length of `shown`
-    /// alone, so that nobody can guess the token character by character.
+    /// Whether `shown` is this token. The time that it takes depends on the lengths of both alone,
+    /// so that nobody can guess the token character by character.
     pub fn is(&self, shown: &str) -> bool {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }
