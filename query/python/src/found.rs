@@ -11,7 +11,7 @@ use numpy::PyArray3;
 use numpy::ndarray::Array3;
 use pyo3::prelude::*;
 
-use crate::error::{self, parameter};
+use crate::error;
 
 /// A recognition with all that led to it, for the drawing that explains it.
 #[pyclass(frozen, module = "grasp._native")]
@@ -35,8 +35,7 @@ impl Found {
         self.index.check_unchanged().map_err(|cause| error::changed(&self.path, cause))?;
         let shape = (drawing.height() as usize, drawing.width() as usize, 3);
         let pixels = Array3::from_shape_vec(shape, drawing.into_raw());
-        let pixels =
-            pixels.map_err(|_| error::internal("the drawing has another size than it says"))?;
+        let pixels = pixels.map_err(|_| error::internal("the drawing has another size than it says"))?;
         Ok(PyArray3::from_owned_array(py, pixels))
     }
 }
