@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use anyhow::Context as _;
 use grasp_index::{DescriptorModel, NOISE, mean_distance, moved_along};
-use grasp_renders::{HandShape, Look, RenderPlan, SceneSpec, Stage, Variation, View, Views};
+use grasp_renders::{
+    HandShape, Look, RENDERER_VERSION, RenderPlan, SceneSpec, Stage, Variation, View, Views,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -110,7 +112,9 @@ pub struct Hands {
 
 impl std::fmt::Display for Hands {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} views of {}, seed {}", self.views, self.names().join(", "), self.seed)
+        let Self { views, seed, .. } = self;
+        let names = self.names().join(", ");
+        write!(f, "{views} views of {names}, seed {seed}, renderer {RENDERER_VERSION}")
     }
 }
 

@@ -3,12 +3,12 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// A number from 0 up to 1, every one as likely.
+/// Uniform in [0, 1).
 pub fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// A number from `low` up to `high`, every one as likely.
+/// Uniform in [`low`, `high`).
 pub fn between(rng: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * unit(rng)
 }

@@ -10,8 +10,10 @@ use crate::hand::{Digit, HandPose, JOINTS, joint_limits};
 use crate::random::{between, normal, unit};
 use crate::scene::SceneSpec;
 
-/// How far joint angles spread between people at [`Variation::joints`] = 1, in degrees (standard
-/// deviation): each joint of a finger, each of the thumb.
+/// How far joint angles spread between people at [`Variation::joints`] = 1, in degrees: the
+/// standard deviation of what is each joint's own, of a finger and of the thumb. Fingers have as
+/// much in common besides, so that a joint's flexion has √2 times that, and its abduction
+/// √(1 + [`FAN`]²).
 const SPREAD_DEG: [[f64; JOINTS]; 2] = [[3.0, 7.0, 7.0, 6.0, 0.0], [6.0, 6.0, 9.0, 8.0, 10.0]];
 /// How much of a common spreading of the fingers each digit takes: the middle finger hardly any.
 const FAN: [f64; 5] = [0.0, 1.0, 0.2, -0.5, -1.0];
@@ -32,8 +34,8 @@ const MIXED: [f64; 2] = [-0.2, 0.5];
 /// How far scenes differ. Spreads are standard deviations; what is 0 stays as the data say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variation {
-    /// Joint angles, 1 being as far as people's hands differ in one grasp; a half of that is each
-    /// joint's own, the rest common to all fingers.
+    /// Joint angles, 1 being as far as people's hands differ in one grasp. Of the variance of a
+    /// finger's flexion a half is each joint's own, the rest common to all fingers.
     pub joints: f64,
     /// How far the object is tilted in the hand, in degrees.
     pub tilt_deg: f64,

@@ -251,7 +251,7 @@ fn an_index_says_which_hands_were_held_out() {
     let held_out = index.catalogue().provenance.iter().find(|(key, _)| key == "held out");
     assert_eq!(
         held_out.unwrap().1,
-        "1200 views of hand-2000000, hand-2000001, hand-2000002, hand-2000003, hand-2000004, hand-2000005, seed 7"
+        "1200 views of hand-2000000, hand-2000001, hand-2000002, hand-2000003, hand-2000004, hand-2000005, seed 7, renderer 4"
     );
 }
 

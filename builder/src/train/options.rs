@@ -18,7 +18,7 @@ const PEAK_RATE_OF_TRAINED: f32 = 1e-3;
 const HARD_AT_FIRST: f64 = 0.1;
 /// How fast that share rises: by so much over all steps, were there no limit.
 const HARDENING: f64 = 0.6;
-/// The largest share of a batch that is augmented hard, and that of hands to be named.
+/// The largest share of a batch that is augmented hard, and that of networks of scenes.
 const HARD_AT_MOST: f64 = 0.5;
 const HARD_AT_MOST_NAMED: f64 = 0.25;
 
@@ -105,7 +105,7 @@ pub struct Options {
     pub left_out: Vec<LeftOut>,
 }
 
-/// As they are written on the command line.
+/// Nearly as they are written on the command line: a network that was begun with by its fingerprint.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, samples, seed, validate_every, start, optimiser, .. } = self;

@@ -143,7 +143,7 @@ fn claim(checkpoint: &Path) -> anyhow::Result<AtomicFile> {
     }
 }
 
-/// So many percent of the weights of one network and the rest of another's, which began with it:
+/// Interpolates weights: `percent` % of `start`'s, the rest of `trained`'s, which began with it:
 /// what is new is learned, and less is forgotten of pictures unlike those (Wortsman et al., "Robust
 /// fine-tuning of zero-shot models", CVPR 2022).
 fn average(start: &Network, trained: &Network, percent: u8) -> anyhow::Result<Network> {

@@ -27,8 +27,8 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// That of the shipped network of a kind. What renders of scenes take in memory is fifteen
-    /// times as much.
+    /// That of the shipped network of a kind. A full window of scenes takes about fifteen
+    /// times as much memory as one of hands.
     pub fn standard(kind: Kind) -> Self {
         match kind {
             Kind::Hand => Self::HAND,

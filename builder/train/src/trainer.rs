@@ -62,8 +62,8 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// A network with random weights. Off its embedding the places of so many `joints` are learned
-    /// besides, which makes it see the hand's pose; [`Self::weights`] are without them.
+    /// A network with random weights. The positions of `joints` joints are an auxiliary target of
+    /// its embedding, which makes it see the hand's pose; [`Self::weights`] omit that head.
     ///
     /// # Errors
     /// The architecture or the number of joints is not supported, or the architecture has fewer

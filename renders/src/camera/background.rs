@@ -14,7 +14,7 @@ const WALLS: f64 = 0.2;
 const LIKE_SKIN: f64 = 0.3;
 /// How often a room is full of things.
 const CLUTTERED: f64 = 0.5;
-/// The most things that lie about, where it is not.
+/// One more than the most things that lie about, where it is not.
 const THINGS: usize = 9;
 
 #[derive(Debug, Clone, Copy)]

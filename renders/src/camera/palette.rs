@@ -19,7 +19,7 @@ pub(super) fn times(a: Rgb, b: Rgb) -> Rgb {
     std::array::from_fn(|i| a[i] * b[i])
 }
 
-/// From the values of a picture file (sRGB) to linear ones.
+/// From the values of a picture file to linear ones, by a gamma of 2.2, which is nearly sRGB's.
 fn linear(srgb: [f64; 3]) -> Rgb {
     srgb.map(|v| libm::pow(v.clamp(0.0, 1.0), 2.2) as f32)
 }

@@ -166,8 +166,7 @@ fn bone_of(digit: Digit, joint: usize) -> usize {
     }
 }
 
-/// Points along a bone with the flesh's radius there; the root of the hand is left out, it lies in
-/// the palm.
+/// Points along a bone with the flesh's radius there, without its first.
 fn samples(chain: &Chain, bone: usize) -> impl Iterator<Item = (V, f64)> + '_ {
     (1..=SAMPLES).map(move |i| {
         let t = i as f64 / SAMPLES as f64;

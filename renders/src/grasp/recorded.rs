@@ -14,7 +14,7 @@ use grasp_canonical::Encoder;
 const FILE: &str = include_str!("../../data/poses.csv");
 /// Joint angles a row: five of the thumb, four of each finger.
 const ANGLES: usize = 21;
-/// One pose of so many is held out.
+/// One pose in this many is held out.
 const HELD_OUT: u64 = 5;
 /// Hashed with the poses; chosen so that each grasp has some in either group.
 const HELD_OUT_SALT: u32 = 9;
@@ -38,7 +38,7 @@ pub enum PoseGroup {
     /// A fifth of them, chosen by a hash of grasp and joint angles: to measure on poses that
     /// nothing was learned from.
     HeldOut,
-    /// So many percent of the others: those that a smaller share has are among them.
+    /// A share of the others; a larger one includes all poses of a smaller one.
     Kept {
         /// 0 to 100.
         percent: u8,

@@ -24,7 +24,7 @@ pub fn presented_grasps() -> &'static [Arc<Grasp>] {
     &PRESENTED
 }
 
-/// Ways in which a hand is posed as another grasp's, and only the thing tells which it is. As
+/// Ways in which a hand is posed as in another grasp, so that only the thing identifies it. As
 /// [`presented_grasps`].
 pub fn alike_grasps() -> &'static [Arc<Grasp>] {
     &ALIKE

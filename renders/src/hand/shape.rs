@@ -102,7 +102,7 @@ impl HandShape {
         if name == "mean" {
             return Ok(HandShape::mean());
         }
-        // One name a seed: `hand-007` is none.
+        // Each seed has one name: `hand-007` is rejected.
         let seed = name.strip_prefix("hand-").and_then(|seed| seed.parse().ok());
         if let Some(hand) = seed.map(HandShape::sample).filter(|hand| hand.name == name) {
             return Ok(hand);

@@ -26,7 +26,7 @@ const ALIKE: f64 = 0.8;
 /// how much wider its skin is around the wrist than the wrist's measures.
 const PALM_DEPTH: f64 = 0.85;
 const WRIST_SKIN: f64 = 1.13;
-/// The nail of a thumb whose joints do not tell is turned as in a relaxed hand, in radians.
+/// The pronation, in radians, of a thumb whose joint axes do not show it: as in a relaxed hand.
 const PRONATION: f64 = 1.48;
 
 /// Where a model's bones are at rest, in the hand frame.
@@ -97,7 +97,7 @@ fn shift(rig: &mut Rig, by: V) {
     }
 }
 
-/// The knuckles and the way from the little finger's to the index finger's.
+/// From the little finger's knuckle to the index finger's.
 fn across(rig: &Rig) -> V {
     rig.digits[Digit::Index as usize][0].at - rig.digits[Digit::Little as usize][0].at
 }

@@ -228,8 +228,8 @@ fn local(node: &Node) -> Matrix4<f64> {
     Translation3::from(node.translation.unwrap_or([0.0; 3])).to_homogeneous() * turn * scale
 }
 
-/// Every mesh that is bound to the hand's joints, in one. `bones` tells of a node which bone it is,
-/// if it is a joint.
+/// Every mesh that is bound to the hand's joints, in one. `bones[node]` is the node's bone; `None`
+/// if it is no joint.
 fn read_skin(glb: &Glb, scene: &Nodes, bones: &[Option<usize>]) -> Result<Skin, HandModelError> {
     let document = &glb.document;
     // Bones of no hand's (twists, the forearm) go with the joint above them, or with the wrist.

@@ -173,8 +173,8 @@ pub fn write_set(
     Ok(Summary { rendered: counts.done.into_inner() - kept, kept, unlisted, manifest })
 }
 
-/// Keeps other runs out of a folder until it is dropped: the manifest of one would tell wrongly of
-/// the pictures of another.
+/// Keeps other runs out of a folder until it is dropped: two in one folder would leave a manifest
+/// that does not match the pictures.
 struct Lock(File);
 
 impl Lock {

@@ -50,7 +50,8 @@ pub struct SceneView {
 }
 
 impl Views {
-    /// Of scenes of which so many are to be cut out; what is left out does not vary.
+    /// Views of these scenes: the hand is cut out in a share `cut_out` of them, and what is in
+    /// `left_out` does not vary.
     pub(super) fn new(scenes: Scenes, cut_out: f64, left_out: &[LeftOut], seed: u64) -> Self {
         let of_ways = |share| if left_out.contains(&LeftOut::Ways) { 0.0 } else { share };
         let in_hand = scenes.with_alike(of_ways(ALIKE));

@@ -82,8 +82,8 @@ pub(crate) fn average(decay: f32, values: &[f32], average: &mut [f32]) {
     });
 }
 
-/// The learning rate of step `step` of `steps`: rises to `peak` over the first 150 steps, then
-/// falls to almost 0 along half a cosine.
+/// The learning rate of step `step` of `steps`: `peak` along half a cosine over all steps, times a
+/// linear warm-up over the first 150, plus 1e-5.
 pub fn learning_rate(peak: f32, step: u64, steps: u64) -> f32 {
     const WARM_UP: f32 = 150.0;
     const LEAST: f32 = 1e-5;
