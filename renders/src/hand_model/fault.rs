@@ -88,13 +88,13 @@ pub enum ModelFault {
     #[error("a mesh has a skin but no JOINTS_0 and WEIGHTS_0")]
     NoWeights,
     /// Corners that no joint moves.
-    #[error("a mesh has fewer joints or weights than corners")]
+    #[error("a mesh has fewer joints or weights than vertices")]
     FewWeights,
-    /// A corner that cannot be moved as the file says.
-    #[error("corner {0} of a mesh has weights or joints that are out of range")]
-    Corner(usize),
-    /// A triangle of corners that are not there.
-    #[error("a triangle names a corner that is not there")]
+    /// A vertex that cannot be moved as the file says.
+    #[error("vertex {0} of a mesh has weights or joints that are out of range")]
+    Vertex(usize),
+    /// A triangle of vertices that are not there.
+    #[error("a triangle names a vertex that is not there")]
     Triangle,
 }
 
@@ -114,10 +114,10 @@ pub enum Unsupported {
     /// Lines or points.
     #[error("its mesh is not made of triangles: triangulate it")]
     NoTriangles,
-    /// More corners or triangles than are drawn in time.
+    /// More vertices or triangles than are drawn in time.
     #[error("its mesh has more than {most} {what}: reduce it")]
     TooFine {
-        /// `corners`, `triangles`, or `rows of numbers`, counted as often as they are read.
+        /// `vertices`, `triangles`, or `rows of numbers`, counted as often as they are read.
         what: &'static str,
         /// The most that are read.
         most: usize,
@@ -128,7 +128,7 @@ pub enum Unsupported {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotAHand {
-    /// A palm without corners.
+    /// A palm without vertices.
     #[error("its palm and wrist have no skin of their own: bind the mesh to `wrist` there")]
     NoPalm,
     /// Joints that have no rest pose.

@@ -12,7 +12,7 @@ use super::few::few;
 
 /// Bytes of the JSON document: a hand's has some ten thousand.
 const LONGEST_DOCUMENT: usize = 16 << 20;
-/// Rows that one accessor may have: more than the largest mesh taken has corners.
+/// Rows that one accessor may have: more than the largest mesh taken has vertices.
 const MOST_ROWS: usize = 4_000_000;
 /// Rows that are read of a file altogether: every node may name the same large accessor.
 const MOST_ROWS_READ: usize = 8 * MOST_ROWS;

@@ -67,8 +67,8 @@ pub(super) fn measure(name: &str, mut rig: Rig) -> Result<(HandShape, RestPose, 
     let shape = shape(name, &rig, &mean)?;
     let skeleton = Skeleton::with_roots(&shape, rig.digits.map(|joints| joints[0].at));
     let bones = Digit::ALL.map(|digit| rest_bones(&rig, &skeleton, digit));
-    let palm = |corner: &&super::rig::Corner| corner.bone() == PALM;
-    let end = rig.skin.corners.iter().filter(palm).map(|corner| corner.at.x).fold(f64::INFINITY, f64::min);
+    let palm = |vertex: &&super::rig::Vertex| vertex.bone() == PALM;
+    let end = rig.skin.vertices.iter().filter(palm).map(|vertex| vertex.at.x).fold(f64::INFINITY, f64::min);
     if !(-0.5..0.5 * shape.palm_length).contains(&end) {
         return Err(NotAHand::NoPalm.into());
     }
@@ -82,8 +82,8 @@ fn map(rig: &mut Rig, f: impl Fn(V) -> V) {
     for Joint { at, forward, up } in rig.digits.iter_mut().flatten() {
         (*at, *forward, *up) = (f(*at), f(*forward), f(*up));
     }
-    for corner in &mut rig.skin.corners {
-        corner.at = f(corner.at);
+    for vertex in &mut rig.skin.vertices {
+        vertex.at = f(vertex.at);
     }
 }
 
@@ -92,8 +92,8 @@ fn shift(rig: &mut Rig, by: V) {
     for joint in rig.digits.iter_mut().flatten() {
         joint.at += by;
     }
-    for corner in &mut rig.skin.corners {
-        corner.at += by;
+    for vertex in &mut rig.skin.vertices {
+        vertex.at += by;
     }
 }
 
@@ -138,9 +138,9 @@ fn into_hand(rig: &Rig) -> Result<Matrix3<f64>, HandModelError> {
 
 /// Turns all triangles round if they show their inner side.
 fn turn_outward(skin: &mut Skin) {
-    let count = skin.corners.len().max(1) as f64;
-    let centre = skin.corners.iter().map(|corner| corner.at).sum::<V>() / count;
-    let at = |i: u32| skin.corners[i as usize].at - centre;
+    let count = skin.vertices.len().max(1) as f64;
+    let centre = skin.vertices.iter().map(|vertex| vertex.at).sum::<V>() / count;
+    let at = |i: u32| skin.vertices[i as usize].at - centre;
     let volume: f64 = skin.triangles.iter().map(|&[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum();
     if volume < 0.0 {
         for triangle in &mut skin.triangles {
@@ -157,7 +157,7 @@ fn shape(name: &str, rig: &Rig, mean: &Skeleton) -> Result<HandShape, HandModelE
     if !(LENGTHS[0]..=LENGTHS[1]).contains(&length) {
         return Err(NotAHand::Length { metres: length, least: LENGTHS[0], most: LENGTHS[1] }.into());
     }
-    if rig.skin.corners.iter().any(|corner| corner.at.norm() > 1.0) {
+    if rig.skin.vertices.iter().any(|vertex| vertex.at.norm() > 1.0) {
         return Err(NotAHand::FarPart.into());
     }
     let scale = length / typical.length();
@@ -207,10 +207,10 @@ fn finger(rig: &Rig, digit: Digit, typical: &FingerMeasures, scale: f64) -> Fing
         let reach = AROUND * lengths[joint - 1].min(lengths[joint]);
         let mut around: Vec<f64> = rig
             .skin
-            .corners
+            .vertices
             .iter()
-            .filter(|corner| (bone(digit, 0)..=bone(digit, 2)).contains(&corner.bone()))
-            .map(|corner| corner.at - joints[joint])
+            .filter(|vertex| (bone(digit, 0)..=bone(digit, 2)).contains(&vertex.bone()))
+            .map(|vertex| vertex.at - joints[joint])
             .filter(|from| (0.0..reach).contains(&from.dot(&along)))
             .map(|from| from.cross(&along).norm())
             .collect();
@@ -224,8 +224,8 @@ fn finger(rig: &Rig, digit: Digit, typical: &FingerMeasures, scale: f64) -> Fing
     };
     // A bone ends where its flesh does; a file's tip may lie inside.
     let along = (joints[3] - joints[2]).try_normalize(1e-9).unwrap_or_else(V::x);
-    let flesh = rig.skin.corners.iter().filter(|corner| corner.bone() == bone(digit, 2));
-    let end = flesh.map(|corner| (corner.at - joints[2]).dot(&along)).fold(lengths[2], f64::max);
+    let flesh = rig.skin.vertices.iter().filter(|vertex| vertex.bone() == bone(digit, 2));
+    let end = flesh.map(|vertex| (vertex.at - joints[2]).dot(&along)).fold(lengths[2], f64::max);
     FingerMeasures {
         bones: [lengths[0], lengths[1], end],
         breadth: breadth(1, typical.breadth),
@@ -237,14 +237,14 @@ fn finger(rig: &Rig, digit: Digit, typical: &FingerMeasures, scale: f64) -> Fing
 /// against it.
 fn palm_thickness(skin: &Skin, length: f64, breadth: f64) -> Option<f64> {
     let inside = |v: &V| (0.5..0.95).contains(&(v.x / length)) && v.y.abs() < 0.2 * breadth;
-    let palm = skin.corners.iter().filter(|corner| corner.bone() == PALM).map(|corner| corner.at);
+    let palm = skin.vertices.iter().filter(|vertex| vertex.bone() == PALM).map(|vertex| vertex.at);
     bounds(palm.filter(inside).map(|v| v.z)).map(|[low, _]| -low / PALM_DEPTH)
 }
 
 /// The skin around the wrist: lowest and highest y, lowest and highest z.
 fn wrist_box(skin: &Skin) -> Option<[[f64; 2]; 2]> {
     let near = |v: &V| (-1.5 * WRIST_CUT..0.5 * WRIST_CUT).contains(&v.x);
-    let wrist = || skin.corners.iter().filter(|c| c.bone() == PALM).map(|c| c.at).filter(near);
+    let wrist = || skin.vertices.iter().filter(|c| c.bone() == PALM).map(|c| c.at).filter(near);
     Some([bounds(wrist().map(|v| v.y))?, bounds(wrist().map(|v| v.z))?])
 }
 

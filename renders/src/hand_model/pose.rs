@@ -18,14 +18,14 @@ impl HandModel {
         let moves = self.moves(pose);
         let vertices: Vec<Vector3<f32>> = self
             .skin
-            .corners
+            .vertices
             .iter()
-            .map(|corner| {
+            .map(|vertex| {
                 let place = |&(bone, weight): &(u8, f32)| {
                     let (turn, shift) = &moves[usize::from(bone)];
-                    (turn * corner.at + shift) * f64::from(weight)
+                    (turn * vertex.at + shift) * f64::from(weight)
                 };
-                corner.bones.iter().filter(|(_, weight)| *weight > 0.0).map(place).sum::<V>().cast()
+                vertex.bones.iter().filter(|(_, weight)| *weight > 0.0).map(place).sum::<V>().cast()
             })
             .collect();
         let normals = normals(&vertices, &self.skin.triangles);
@@ -50,7 +50,7 @@ impl HandModel {
     }
 }
 
-/// Normals of a smooth surface: the mean of the triangles around a corner, by their areas.
+/// Normals of a smooth surface: the mean of the triangles around a vertex, by their areas.
 fn normals(vertices: &[Vector3<f32>], triangles: &[[u32; 3]]) -> Vec<Vector3<f32>> {
     let mut normals = vec![Vector3::zeros(); vertices.len()];
     for triangle in triangles {
@@ -67,7 +67,7 @@ fn normals(vertices: &[Vector3<f32>], triangles: &[[u32; 3]]) -> Vec<Vector3<f32
 /// What lies at `x` or before it, with a flat face where the surface was cut.
 fn cut(mesh: Mesh, x: f32) -> Mesh {
     let mut kept =
-        Cut { from: &mesh, x, out: Mesh::default(), corners: HashMap::new(), edges: HashMap::new() };
+        Cut { from: &mesh, x, out: Mesh::default(), vertices: HashMap::new(), edges: HashMap::new() };
     let mut rim = Vec::new();
     for triangle in &mesh.triangles {
         rim.extend(kept.add(triangle));
@@ -88,8 +88,8 @@ struct Cut<'a> {
     from: &'a Mesh,
     x: f32,
     out: Mesh,
-    /// New numbers of the corners that are kept, and of those that edges get where they are cut.
-    corners: HashMap<u32, u32>,
+    /// New numbers of the vertices that are kept, and of those that edges get where they are cut.
+    vertices: HashMap<u32, u32>,
     edges: HashMap<(u32, u32), u32>,
 }
 
@@ -98,25 +98,25 @@ impl Cut<'_> {
     fn add(&mut self, triangle: &[u32; 3]) -> Option<[u32; 2]> {
         let inside = triangle.map(|i| self.from.vertices[i as usize].x >= self.x);
         if inside == [true; 3] {
-            let kept = triangle.map(|i| self.corner(i));
+            let kept = triangle.map(|i| self.vertex(i));
             self.out.triangles.push(kept);
             return None;
         }
-        // Turned so that the corner that is alone on its side comes first.
+        // Turned so that the vertex that is alone on its side comes first.
         let turned = |first: usize| [0, 1, 2].map(|i| triangle[(first + i) % 3]);
         let alone = |side: bool| (0..3).find(|&i| inside[i] == side);
         match inside.iter().filter(|side| **side).count() {
             1 => {
                 let [a, b, c] = turned(alone(true)?);
                 let (ab, ac) = (self.edge(a, b), self.edge(a, c));
-                let a = self.corner(a);
+                let a = self.vertex(a);
                 self.out.triangles.push([a, ab, ac]);
                 Some([ab, ac])
             }
             2 => {
                 let [a, b, c] = turned(alone(false)?);
                 let (ab, ac) = (self.edge(a, b), self.edge(a, c));
-                let (b, c) = (self.corner(b), self.corner(c));
+                let (b, c) = (self.vertex(b), self.vertex(c));
                 self.out.triangles.push([ab, b, c]);
                 self.out.triangles.push([ab, c, ac]);
                 Some([ac, ab])
@@ -125,15 +125,15 @@ impl Cut<'_> {
         }
     }
 
-    fn corner(&mut self, i: u32) -> u32 {
-        *self.corners.entry(i).or_insert_with(|| {
+    fn vertex(&mut self, i: u32) -> u32 {
+        *self.vertices.entry(i).or_insert_with(|| {
             self.out.vertices.push(self.from.vertices[i as usize]);
             self.out.normals.push(self.from.normals[i as usize]);
             self.out.vertices.len() as u32 - 1
         })
     }
 
-    /// The corner where an edge is cut, the same from both sides.
+    /// The vertex where an edge is cut, the same from both sides.
     fn edge(&mut self, a: u32, b: u32) -> u32 {
         let key = (a.min(b), a.max(b));
         *self.edges.entry(key).or_insert_with(|| {

@@ -14,11 +14,11 @@ type V = Vector3<f64>;
 
 /// Corners that a mesh may have, and triangles: a scan is to be reduced first, or every view takes
 /// seconds.
-const MOST_CORNERS: usize = 500_000;
+const MOST_VERTICES: usize = 500_000;
 const MOST_TRIANGLES: usize = 1_000_000;
-/// Sets of four joints a corner (`JOINTS_0`, `JOINTS_1`).
+/// Sets of four joints a vertex (`JOINTS_0`, `JOINTS_1`).
 const SETS: usize = 2;
-/// Joints that still move a corner after the weakest were left out.
+/// Joints that still move a vertex after the weakest were left out.
 pub(super) const INFLUENCES: usize = 4;
 /// The palm with the wrist, and three bones a digit.
 pub(super) const BONES: usize = 16;
@@ -88,15 +88,15 @@ pub(super) struct Joint {
     pub(super) up: V,
 }
 
-/// A corner's place and what moves it: bones and their weights, which sum to 1; unused ones weigh
+/// A vertex's place and what moves it: bones and their weights, which sum to 1; unused ones weigh
 /// 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
+pub(super) struct Vertex {
     pub(super) at: V,
     pub(super) bones: [(u8, f32); INFLUENCES],
 }
 
-impl Corner {
+impl Vertex {
     /// The bone that moves it most.
     pub(super) fn bone(&self) -> usize {
         usize::from(self.bones[0].0)
@@ -109,7 +109,7 @@ pub(super) struct Skin {
     /// Corners and triangles read, those in one place and those of no area among them: the work
     /// that a file makes is bounded.
     read: [usize; 2],
-    pub(super) corners: Vec<Corner>,
+    pub(super) vertices: Vec<Vertex>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -314,10 +314,10 @@ fn read_primitive(
     if sets.is_empty() {
         return Err(ModelFault::NoWeights.into());
     }
-    // Parts without corners take time as well.
+    // Parts without vertices take time as well.
     skin.read[0] += positions.len().max(1);
-    if skin.read[0] > MOST_CORNERS {
-        return Err(Unsupported::TooFine { what: "corners", most: MOST_CORNERS }.into());
+    if skin.read[0] > MOST_VERTICES {
+        return Err(Unsupported::TooFine { what: "vertices", most: MOST_VERTICES }.into());
     }
     let mut numbers = Vec::with_capacity(positions.len());
     for (i, position) in positions.iter().enumerate() {
@@ -328,12 +328,12 @@ fn read_primitive(
             };
             influences.extend(joints.iter().copied().zip(weights.iter().copied()));
         }
-        let corner = bind(position, &influences, moves).ok_or(ModelFault::Corner(i))?;
+        let vertex = bind(position, &influences, moves).ok_or(ModelFault::Vertex(i))?;
         // Adding 0 makes -0 the same as 0.
-        let place = corner.at.map(|x| (x + 0.0).to_bits()).into();
+        let place = vertex.at.map(|x| (x + 0.0).to_bits()).into();
         numbers.push(*places.entry(place).or_insert_with(|| {
-            skin.corners.push(corner);
-            skin.corners.len() as u32 - 1
+            skin.vertices.push(vertex);
+            skin.vertices.len() as u32 - 1
         }));
     }
     let order: Vec<f64> = match primitive.indices {
@@ -344,9 +344,9 @@ fn read_primitive(
     if skin.read[1] > MOST_TRIANGLES {
         return Err(Unsupported::TooFine { what: "triangles", most: MOST_TRIANGLES }.into());
     }
-    for corners in order.chunks_exact(3) {
+    for vertices in order.chunks_exact(3) {
         let mut triangle = [0; 3];
-        for (slot, &index) in triangle.iter_mut().zip(corners) {
+        for (slot, &index) in triangle.iter_mut().zip(vertices) {
             let number = whole(index).and_then(|i| numbers.get(i));
             *slot = *number.ok_or(ModelFault::Triangle)?;
         }
@@ -358,9 +358,9 @@ fn read_primitive(
     Ok(())
 }
 
-/// Where a corner is at rest, and the bones that move it; `None` when its weights or joints cannot
+/// Where a vertex is at rest, and the bones that move it; `None` when its weights or joints cannot
 /// be.
-fn bind(position: &[f64; 3], influences: &[(f64, f64)], moves: &[(Matrix4<f64>, usize)]) -> Option<Corner> {
+fn bind(position: &[f64; 3], influences: &[(f64, f64)], moves: &[(Matrix4<f64>, usize)]) -> Option<Vertex> {
     let mut weights = [0.0; BONES];
     let mut at = V::zeros();
     let mut sum = 0.0;
@@ -389,7 +389,7 @@ fn bind(position: &[f64; 3], influences: &[(f64, f64)], moves: &[(Matrix4<f64>, 
     for (slot, bone) in bones.iter_mut().zip(strongest) {
         *slot = (bone as u8, (weights[bone] / kept) as f32);
     }
-    Some(Corner { at, bones })
+    Some(Vertex { at, bones })
 }
 
 /// A number that was stored as a whole one.

@@ -329,7 +329,7 @@ fn what_is_wrong_is_told_plainly() {
     insta::assert_snapshot!(refused(|f| f.document["meshes"][0]["primitives"][0]["mode"] = json!(1)), @"its mesh is not made of triangles: triangulate it");
     insta::assert_snapshot!(refused(|f| f.document["nodes"][26]["skin"] = Value::Null), @"no mesh is bound to its joints: skin the mesh to them");
     insta::assert_snapshot!(refused(|f| f.numbers.truncate(1000)), @"it is damaged: accessor 4 lies outside the file's numbers");
-    insta::assert_snapshot!(refused(|f| f.numbers[2..4].fill(0xff)), @"it is damaged: corner 0 of a mesh has weights or joints that are out of range");
+    insta::assert_snapshot!(refused(|f| f.numbers[2..4].fill(0xff)), @"it is damaged: vertex 0 of a mesh has weights or joints that are out of range");
     let named = |name| HandModel::parse(name, &file.bytes()).expect_err("refused").to_string();
     insta::assert_snapshot!(named("../up"), @"a hand cannot be named `../up`: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, and not the name of a built-in hand");
     insta::assert_snapshot!(named("hand-7"), @"a hand cannot be named `hand-7`: rename the file, using up to 64 of a-z, A-Z, 0-9, - and _, and not the name of a built-in hand");
