@@ -54,8 +54,9 @@ pub(crate) fn in_words(name: &str) -> String {
     name.replace('-', " ")
 }
 
-/// A share in percent; what is neither nothing nor all does not look so.
-pub(crate) fn percent(share: f64) -> String {
+/// A share in integer percent, as drawings have room for it; what is neither nothing nor all does
+/// not look so.
+pub(crate) fn whole_percent(share: f64) -> String {
     match share {
         share if share > 0.0 && share < 0.005 => "< 1 %".into(),
         share if (0.995..1.0).contains(&share) => "> 99 %".into(),

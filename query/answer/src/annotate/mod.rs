@@ -11,7 +11,7 @@ use image::RgbImage;
 use nalgebra::Vector3;
 
 use crate::canvas::{Canvas, HEADLINE, LINE, colour};
-use crate::drawn::{axes, in_words, percent};
+use crate::drawn::{axes, in_words, whole_percent};
 use crate::lettering::Font;
 use crate::record::Answer;
 use strip::Strip;
@@ -173,7 +173,9 @@ fn says(canvas: &mut Canvas, width: u32, answer: &Answer) {
     lines.extend(unknown.chain(refused).chain(robot));
     canvas.darken((0, 0), (width, HEADLINE + LINE * lines.len() as u32));
     let (verdict, ink) = match answer.cutkosky {
-        Some(_) => (format!("{}, {}", in_words(&answer.grasp), percent(answer.probability)), colour::GOOD),
+        Some(_) => {
+            (format!("{}, {}", in_words(&answer.grasp), whole_percent(answer.probability)), colour::GOOD)
+        }
         None => (in_words(&answer.grasp), colour::OTHER),
     };
     headed(canvas, width, &verdict, ink);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::canvas::{Canvas, LINE, colour};
-use crate::drawn::{in_words, legend, percent};
+use crate::drawn::{in_words, legend, whole_percent};
 use crate::lettering::Font;
 use crate::record::ClassRecord;
 
@@ -112,7 +112,7 @@ impl Strip {
             let (font, paper) =
                 if is_first { (Font::STRONG, colour::INK) } else { (Font::BODY, colour::FAINT) };
             canvas.fill((x, y + 4), (12, 8), *ink);
-            let share = probability.map_or_else(|| "-".to_owned(), percent);
+            let share = probability.map_or_else(|| "-".to_owned(), whole_percent);
             let of_share = font.width_of(&share);
             let name = self.classes.get(class).map(|name| in_words(name)).unwrap_or_default();
             canvas.line_of((x + 20, y), KEY.saturating_sub(28 + of_share), font, &name, paper);

@@ -7,10 +7,11 @@ mod file;
 mod measures;
 
 use grasp_index::Index;
+use grasp_terminal::text::counted;
 use image::{Rgb, RgbImage};
 
 use crate::canvas::{Canvas, HEADLINE, LINE, colour};
-use crate::drawn::{axes, in_words, legend, percent};
+use crate::drawn::{axes, in_words, legend, whole_percent};
 use crate::lettering::Font;
 use crate::record::Answer;
 pub use descriptor::edge_deg;
@@ -66,7 +67,7 @@ impl Head {
         let verdict = match answer.cutkosky {
             Some(cutkosky) => {
                 let name = in_words(&answer.grasp);
-                format!("{name}, {}   (Cutkosky's grasp {cutkosky})", percent(answer.probability))
+                format!("{name}, {}   (Cutkosky's grasp {cutkosky})", whole_percent(answer.probability))
             }
             None => in_words(&answer.grasp),
         };
@@ -182,7 +183,7 @@ fn vote(canvas: &mut Canvas, (x, top): (u32, u32), found: &Recognition, answer: 
         let y = top + LINE + place * step;
         let is_answer = class.grasp == answer.grasp;
         let (font, ink) = if is_answer { (Font::STRONG, colour::GOOD) } else { (Font::BODY, colour::FAINT) };
-        let share = percent(class.probability);
+        let share = whole_percent(class.probability);
         let room = LARGE - font.width_of(&share) - GAP;
         canvas.text((x, y), room, font, &in_words(&class.grasp), colour::INK);
         canvas.text((x + LARGE - font.width_of(&share), y), LARGE, font, &share, colour::INK);
@@ -213,7 +214,8 @@ fn neighbours(canvas: &mut Canvas, top: u32, found: &Recognition, answer: &Answe
     let shown = voted.min(MOST_NEIGHBOURS);
     let first =
         if shown < voted { format!(": the first {shown} of {voted} that vote") } else { String::new() };
-    let title = format!("6  The nearest of {} views that the index knows{first}", grouped(index.len()));
+    let views = counted(index.len(), ["view", "views"]);
+    let title = format!("6  The nearest of {views} that the index knows{first}");
     canvas.text((MARGIN, top), TEXT, Font::STRONG, &title, colour::INK);
     let how = "distance: 0 is the same hand image; round, up: where the camera stood; last: whose hand, how far closed";
     let colours = [(colour::GOOD, "the answer's grasp"), (colour::OTHER, "another grasp")];
@@ -267,27 +269,13 @@ fn capitalised(text: &str) -> String {
     characters.next().map(|first| first.to_uppercase().chain(characters).collect()).unwrap_or_default()
 }
 
-/// A count with its thousands apart.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let places = digits.chars().enumerate();
-    places.fold(String::new(), |mut all, (place, digit)| {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            all.push(',');
-        }
-        all.push(digit);
-        all
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn numbers_are_written_as_people_write_them() {
-        assert_eq!([7, 540, 5_396, 2_700_000].map(grouped), ["7", "540", "5,396", "2,700,000"]);
-        let shares = [0.0, 0.001, 0.39, 0.997, 1.0].map(percent);
+        let shares = [0.0, 0.001, 0.39, 0.997, 1.0].map(whole_percent);
         assert_eq!(shares, ["0 %", "< 1 %", "39 %", "> 99 %", "100 %"]);
         let turns = [0.0, 360.0, 48.0, 312.0].map(turned);
         assert_eq!(turns, ["", "", ", turned 48° to the right", ", turned 48° to the left"]);
