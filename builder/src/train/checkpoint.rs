@@ -16,7 +16,7 @@ use super::Options;
 use super::curve::{MeanLosses, Row};
 
 /// Goes up with every change of what a training does, or of this file.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 /// Bytes of the hash.
 const HASH: usize = 8;
 
