@@ -105,7 +105,8 @@ pub struct Options {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Nearly as they are written on the command line: a network that was begun with by its fingerprint.
+/// Nearly as they are written on the command line: a network that was begun with by its
+/// fingerprint.
 impl fmt::Display for Options {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, samples, seed, validate_every, start, optimiser, .. } = self;

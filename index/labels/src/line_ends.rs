@@ -1,5 +1,5 @@
-//! Tables of any system: `\r\n` and `\r` are read as `\n`, so that lines are counted where they end;
-//! and lines that do not end are those of another file, or of a device.
+//! Tables of any system: `\r\n` and `\r` are read as `\n`, so that lines are counted where they
+//! end; and lines that do not end are those of another file, or of a device.
 
 use std::io::{self, BufRead, BufReader, Read};
 

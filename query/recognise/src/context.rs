@@ -1,4 +1,5 @@
-//! Applies what is known of a hand besides its picture: earlier frames, or the object that it holds.
+//! Applies what is known of a hand besides its picture: earlier frames, or the object that it
+//! holds.
 
 use grasp_index::{ClassScore, Neighbour, euler_deg};
 

@@ -1,8 +1,8 @@
 //! What the picture may show: a left or a right hand, turned about the optical axis.
 //!
 //! The index holds right hands. A left hand's picture is flipped; all are turned as the index's
-//! descriptors want it (upright, in the presets `standard` and `wide`), and besides by as
-//! many angles as are to be tried. The hypothesis whose neighbours are nearest, where networks do
+//! descriptors want it (upright, in the presets `standard` and `wide`), and besides by as many
+//! angles as are to be tried. The hypothesis whose neighbours are nearest, where networks do
 //! not speak against it, is the answer, and its orientation is turned and flipped back.
 
 use grasp_index::{
@@ -202,10 +202,15 @@ impl<'a> Tries<'a> {
             Some(turned) => self.describer.describe_turned(hand, roll_deg, &of_side(side, turned.clone())),
         };
         let descriptor = self.timings.time(|t| &mut t.descriptor_ms, describe);
-        let found =
-            self.timings.time(|t| &mut t.search_ms, || self.index.search(&descriptor, &self.search))?;
-        let opinion = self.describer.opinion().cloned();
+        let (found, opinion) = self.found(&descriptor)?;
         Ok(Candidate { side, roll_deg, turned_deg, descriptor, found, opinion })
+    }
+
+    /// What is found by the descriptor that was just made, and what its network says by itself.
+    fn found(&mut self, descriptor: &[f32]) -> Result<(Search, Option<NetworkEstimate>), RecogniseError> {
+        let search = || self.index.search(descriptor, &self.search);
+        let found = self.timings.time(|t| &mut t.search_ms, search)?;
+        Ok((found, self.describer.opinion().cloned()))
     }
 
     /// The vote on the hand of the answer. A learned descriptor is one that a small turn changes
@@ -218,9 +223,8 @@ impl<'a> Tries<'a> {
             // A network turns the picture itself.
             let describe = || self.describer.describe_turned(hand, best.roll_deg + turn_deg, hand);
             let descriptor = self.timings.time(|t| &mut t.descriptor_ms, describe);
-            let found =
-                self.timings.time(|t| &mut t.search_ms, || self.index.search(&descriptor, &self.search))?;
-            others.push((found.neighbours, self.describer.opinion().cloned(), turn_deg));
+            let (found, opinion) = self.found(&descriptor)?;
+            others.push((found.neighbours, opinion, turn_deg));
         }
         let own = Look { neighbours: &best.found.neighbours, opinion: best.opinion.as_ref(), turn_deg: 0.0 };
         let others = others.iter().map(|(neighbours, opinion, turn_deg)| Look {

@@ -1,6 +1,6 @@
 //! The rotation `camera_from_hand` as four numbers and in words.
 
-use grasp_index::{mean_rotation, mirror_orientation, turned_orientation};
+use grasp_index::{OrientationEstimate, euler_deg, mean_rotation, mirror_orientation, turned_orientation};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::Side;
@@ -28,23 +28,25 @@ pub(crate) fn in_picture(side: Side, roll_deg: f64, seen: &UnitQuaternion<f64>) 
 /// (docs/trials.md).
 const NEAR_DEG: f64 = 40.0;
 
-/// The mean of a rotation and of those of the others that lie near it, where `share` says how much
-/// so many of them count together, 0 to 1.
-pub(crate) fn mean_with_near(
-    own: UnitQuaternion<f64>,
-    others: impl IntoIterator<Item = UnitQuaternion<f64>>,
+/// Makes an orientation the mean of itself and of those of the others that lie near it, where
+/// `share` of their number is how much they count together, 0 to 1. Its spread stays that of the
+/// neighbours about their own mean.
+pub(crate) fn join_near(
+    orientation: &mut OrientationEstimate,
+    others: &[UnitQuaternion<f64>],
     share: impl Fn(usize) -> f64,
-) -> UnitQuaternion<f64> {
-    let is_near = |other: &UnitQuaternion<f64>| other.angle_to(&own) < NEAR_DEG.to_radians();
-    let near: Vec<_> = others.into_iter().filter(is_near).collect();
-    if near.is_empty() {
-        return own;
+) {
+    let own = orientation.rotation;
+    let is_near = |other: &&UnitQuaternion<f64>| other.angle_to(&own) < NEAR_DEG.to_radians();
+    let near: Vec<_> = others.iter().filter(is_near).collect();
+    if !near.is_empty() {
+        let share = share(near.len());
+        let each = share / near.len() as f64;
+        let near = near.into_iter().map(|rotation| (*rotation, each));
+        let all: Vec<_> = std::iter::once((own, 1.0 - share)).chain(near).collect();
+        orientation.rotation = mean_rotation(&all).unwrap_or(own);
     }
-    let share = share(near.len());
-    let each = share / near.len() as f64;
-    let near = near.into_iter().map(|rotation| (rotation, each));
-    let all: Vec<_> = std::iter::once((own, 1.0 - share)).chain(near).collect();
-    mean_rotation(&all).unwrap_or(own)
+    orientation.euler_deg = euler_deg(&orientation.rotation);
 }
 
 /// Which side of the hand the camera sees, such as `the thumb side`.

@@ -113,8 +113,8 @@ impl<'a> Recogniser<'a> {
         looked.no_grasp = thorough::join(&others, &mut looked.best.vote, looked.no_grasp);
         // Equation 4 as printed is the neighbours' alone.
         if !self.options.vote.euler_mean {
-            looked.by_variants = thorough::rotations(&others, looked.best.side);
-            thorough::join_orientation(&looked.by_variants, &mut looked.best.vote.orientation);
+            looked.seen_in_variants = thorough::rotations(&others, looked.best.side);
+            thorough::join_orientation(&looked.seen_in_variants, &mut looked.best.vote.orientation);
         }
     }
 
@@ -150,12 +150,12 @@ impl<'a> Recogniser<'a> {
         let no_grasp = seen.map(|seen| seen.join(self.index, side, hand, &mut best.vote));
         // Without the thing, a hand that holds something may look as if it held nothing.
         let no_grasp = no_grasp.filter(|_| prepared.scene.is_some());
-        Ok(Looked { hand_image, best, rotations, by_variants: Vec::new(), no_grasp })
+        Ok(Looked { hand_image, best, seen: rotations, seen_in_variants: Vec::new(), no_grasp })
     }
 
     /// How far what is said of a hand is believed, and what should make a reader doubt it.
     fn decide(&self, prepared: Prepared, looked: Looked, timings: Timings) -> Recognition {
-        let Looked { hand_image, mut best, rotations, by_variants, no_grasp } = looked;
+        let Looked { hand_image, mut best, seen, seen_in_variants, no_grasp } = looked;
         let evidence = Evidence::of(self.index, &prepared, &best);
         // The weights' shares are not what trust was fitted with.
         let is_calibrated = !self.options.vote.has_own_width();
@@ -187,8 +187,8 @@ impl<'a> Recogniser<'a> {
             no_grasp,
             trust,
             tempering,
-            seen: rotations,
-            seen_in_variants: by_variants,
+            seen,
+            seen_in_variants,
             warnings,
             doubt,
             context: Context::Nothing,
@@ -228,9 +228,9 @@ struct Looked {
     hand_image: HandImage,
     best: Hypothesis,
     /// How networks see the hand turned in the picture, by each of their looks.
-    rotations: Vec<UnitQuaternion<f64>>,
+    seen: Vec<UnitQuaternion<f64>>,
     /// How it is turned by other variants of the picture.
-    by_variants: Vec<UnitQuaternion<f64>>,
+    seen_in_variants: Vec<UnitQuaternion<f64>>,
     /// How likely the hand is in none of the grasps.
     no_grasp: Option<f64>,
 }

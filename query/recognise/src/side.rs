@@ -49,15 +49,6 @@ pub enum HandChoice {
     Right,
 }
 
-impl From<Side> for HandChoice {
-    fn from(side: Side) -> Self {
-        match side {
-            Side::Left => Self::Left,
-            Side::Right => Self::Right,
-        }
-    }
-}
-
 impl HandChoice {
     /// The hands to try, the first winning a tie.
     pub fn sides(self) -> &'static [Side] {

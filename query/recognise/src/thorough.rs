@@ -1,11 +1,11 @@
 //! Test-time augmentation: a picture looked at in several variants ([`Variant`]), and what all of
 //! them say together.
 
-use grasp_index::{ClassScore, NETWORK_STAGES, OrientationEstimate, Vote, euler_deg};
+use grasp_index::{ClassScore, NETWORK_STAGES, OrientationEstimate, Vote};
 use nalgebra::UnitQuaternion;
 
 use crate::hypothesis::Hypothesis;
-use crate::orientation::mean_with_near;
+use crate::orientation::join_near;
 use crate::segment::Mask;
 use crate::side::Side;
 use crate::variant::Variant;
@@ -22,7 +22,8 @@ pub(crate) const VARIANTS: [Variant; 8] = [
     Variant::Enlarged,
 ];
 
-/// Probabilities below this count as this: one variant that rules a class out must not decide alone.
+/// Probabilities below this count as this: one variant that rules a class out must not decide
+/// alone.
 const PROBABILITY_FLOOR: f64 = 1e-4;
 
 /// What one variant of a picture says, of the hand as it is.
@@ -75,11 +76,9 @@ pub(crate) fn rotations(others: &[VariantAnswer], side: Side) -> Vec<UnitQuatern
     others.iter().filter(|said| said.side == side).map(|said| said.rotation).collect()
 }
 
-/// Makes an orientation the mean of itself and of the rotations near it.
+/// Makes an orientation the mean of itself and of the rotations near it, each counting as much.
 pub(crate) fn join_orientation(rotations: &[UnitQuaternion<f64>], orientation: &mut OrientationEstimate) {
-    let share = |near: usize| near as f64 / (near + 1) as f64;
-    orientation.rotation = mean_with_near(orientation.rotation, rotations.iter().copied(), share);
-    orientation.euler_deg = euler_deg(&orientation.rotation);
+    join_near(orientation, rotations, |near| near as f64 / (near + 1) as f64);
 }
 
 /// Whether two masks of one picture are of the same hand: each of two hands, or of a hand and
@@ -105,6 +104,8 @@ fn join_classes(others: &[VariantAnswer], classes: &mut [ClassScore]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::side::HandChoice;
+    use grasp_index::euler_deg;
 
     fn about_z(degrees: f64) -> UnitQuaternion<f64> {
         UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians())
@@ -177,12 +178,9 @@ mod tests {
             let there = variant.orientation(&rotation);
             assert!(variant.orientation_as_it_is(&there).angle_to(&rotation) < 1e-9, "{}", variant.name());
             assert_eq!(variant.side(variant.side(Side::Left)), Side::Left, "{}", variant.name());
-            assert_eq!(
-                variant.hand(Side::Left.into()),
-                variant.side(Side::Left).into(),
-                "{}",
-                variant.name()
-            );
+            let mirrors = variant.side(Side::Left) == Side::Right;
+            let hand = if mirrors { HandChoice::Right } else { HandChoice::Left };
+            assert_eq!(variant.hand(HandChoice::Left), hand, "{}", variant.name());
         }
         assert!(!VARIANTS.contains(&Variant::AsItIs));
     }

@@ -120,7 +120,8 @@ impl Variant {
         }
     }
 
-    /// `camera_from_hand` in the picture as it is, where it is this one in a picture of this variant.
+    /// `camera_from_hand` in the picture as it is, where it is this one in a picture of this
+    /// variant.
     pub fn orientation_as_it_is(self, camera_from_hand: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         match self {
             Self::Mirrored => mirror_orientation(camera_from_hand),

@@ -35,7 +35,8 @@ pub struct ObservedHand {
     pub side: Side,
     /// How it is turned toward the camera.
     pub camera_from_hand: UnitQuaternion<f64>,
-    /// How far the estimate of that may be off: the root mean square of the whole angle, in degrees.
+    /// How far the estimate of that may be off: the root mean square of the whole angle, in
+    /// degrees.
     pub spread_deg: f64,
 }
 

@@ -15,12 +15,12 @@ pub(crate) struct Domain {
 }
 
 impl Domain {
-    /// Reads ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_LOCALHOST_ONLY by `variable`. As in
-    /// `rcl`, ROS_LOCALHOST_ONLY=1 goes before the range.
+    /// Reads ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_LOCALHOST_ONLY by `variable`. As
+    /// in `rcl`, ROS_LOCALHOST_ONLY=1 goes before the range.
     ///
     /// # Errors
-    /// Where a variable has no value that it can have, or the range is OFF: a node that finds nobody
-    /// sees no picture.
+    /// Where a variable has no value that it can have, or the range is OFF: a node that finds
+    /// nobody sees no picture.
     pub(crate) fn from_environment(variable: impl Fn(&str) -> Option<String>) -> anyhow::Result<Self> {
         let named = variable("ROS_DOMAIN_ID").filter(|number| !number.is_empty());
         let id = match named.map(|number| number.parse::<u16>()) {

@@ -103,8 +103,8 @@ pub(super) async fn index(State(service): State<Shared>) -> Result<Json<IndexRec
 #[serde(default, deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(super) struct IndexGeneration {
-    /// The index that named the neighbour, from the header `grasp-index-generation`; another one has
-    /// other entries.
+    /// The index that named the neighbour, from the header `grasp-index-generation`; another one
+    /// has other entries.
     #[param(maximum = 18_446_744_073_709_551_615u64)]
     generation: Option<u64>,
 }

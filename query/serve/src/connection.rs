@@ -61,10 +61,10 @@ pub(super) struct Connection<S> {
     stage: Stage,
     /// When to look for a free place; not set while a request is worked on or an answer waits.
     idle: Option<Pin<Box<Sleep>>>,
-    /// When to give up; set from a write that waits to one that need not, and anew for each
-    /// [`LEAST_TAKEN`] between.
+    /// When to give up; set from where a write waits until all is flushed, and anew after each
+    /// [`LEAST_TAKEN`].
     untaken: Option<Pin<Box<Sleep>>>,
-    /// How much was taken since it was set, in bytes.
+    /// How much was taken since the last flush or [`LEAST_TAKEN`], in bytes.
     taken: usize,
 }
 

@@ -21,8 +21,8 @@ use crate::wire::Token;
 const COOKIE: &str = "grasp_token";
 
 /// What anybody may ask for, besides the page's own files: paths that cost little, and of the index
-/// say only whether it is served, and why not. Every other path needs the token and the service's own origin, so that a new one
-/// is protected unless it is added here.
+/// say only whether it is served, and why not. Every other path needs the token and the service's
+/// own origin, so that a new one is protected unless it is added here.
 const OPEN: [&str; 5] = ["/docs", "/docs.css", "/openapi.json", "/healthz", "/readyz"];
 
 /// Checks and counts every request, and puts the headers on every answer.

@@ -4,11 +4,10 @@ use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::task::JoinSet;
-use tokio::time::Instant;
-
 use axum::Router;
 use grasp_terminal::PHASE;
+use tokio::task::JoinSet;
+use tokio::time::Instant;
 
 use crate::current::Refresh;
 use crate::listen::{Connections, Listener};

@@ -117,7 +117,8 @@ impl Service {
         self.reload.notify_one();
     }
 
-    /// Waits until `deadline` for the requests that were let in; no other is, and `/readyz` says so.
+    /// Waits until `deadline` for the requests that were let in; no other is, and `/readyz` says
+    /// so.
     pub(crate) async fn drain(&self, deadline: Instant) -> Ended {
         self.draining.store(true, Ordering::SeqCst);
         loop {

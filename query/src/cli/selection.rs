@@ -176,8 +176,8 @@ impl Selected {
     }
 }
 
-/// The rows of a table that contradict none before them, and those that do. Warns where a row labels
-/// a hand again.
+/// The rows of a table that contradict none before them, and those that do. Warns where a row
+/// labels a hand again.
 fn without_contradictions(table: &Path, labels: Vec<Label>) -> (Vec<Label>, Vec<RowError>) {
     let (sound, contradicting, repeated) = repeated::check(labels);
     if let Some(Repeated { line, of, count }) = repeated {

@@ -1,11 +1,11 @@
 //! Experiments over labelled pictures, as tables and drawings: [`paper`] repeats those of the
 //! paper, [`shapes`] asks what more hand shapes in the index are worth, [`unknown`] how well other
 //! hands are distinguished from known ones, [`sequence`] what the frames before are worth,
-//! [`steadiness`] how much small changes of a picture matter. [`trust`] fits how far an answer about
-//! a camera picture is to be trusted, [`opening`] what hands look like before they hold something,
-//! and [`report`] makes one page of somebody's own pictures. [`robustness`] asks how far a robot's
-//! grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot that lifts
-//! the object.
+//! [`steadiness`] how much small changes of a picture matter. [`trust`] fits how far an answer
+//! about a camera picture is to be trusted, [`opening`] what hands look like before they hold
+//! something, and [`report`] makes one page of somebody's own pictures. [`robustness`] asks how far
+//! a robot's grasp may be off, and [`imitation`] runs the whole chain, from the picture to the robot
+//! that lifts the object.
 
 #[cfg(feature = "simulate")]
 pub mod imitation;

@@ -1,6 +1,6 @@
 //! How steady answers are: each labelled picture as it is, and changed so little that a person
-//! answers the same. A few pictures, each in many variants, also say more surely which of two choices
-//! recognises better than as many pictures by themselves.
+//! answers the same. A few pictures, each in many variants, also say more surely which of two
+//! choices recognises better than as many pictures by themselves.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -158,7 +158,7 @@ impl Steadiness {
             rows.map(|(at, variant)| ChangeRow::new(*variant, at, &pictures, hand_is_given)).collect();
         let rights: Vec<usize> = pictures
             .iter()
-            .map(|variants| variants.iter().filter(|variant| variant.is_right()).count())
+            .map(|answers| answers.iter().filter(|answer| answer.is_right()).count())
             .collect();
         let count = |test: &dyn Fn(usize) -> bool| rights.iter().filter(|right| test(**right)).count();
         let variants = Variant::ALL.len();
@@ -224,9 +224,9 @@ impl Steadiness {
 
 impl ChangeRow {
     fn new(variant: Variant, at: usize, pictures: &[Vec<Answer>], hand_is_given: bool) -> Self {
-        let answers = || pictures.iter().filter_map(|variants| variants.get(at));
+        let answers = || pictures.iter().filter_map(|answers| answers.get(at));
         let share = |n: usize, of: usize| if of == 0 { 0.0 } else { n as f64 / of as f64 };
-        let unchanged = pictures.iter().filter_map(|variants| variants.first());
+        let unchanged = pictures.iter().filter_map(|answers| answers.first());
         let same = answers().zip(unchanged).filter(|(answer, before)| answer.grasp == before.grasp).count();
         let hands = || answers().filter(|answer| answer.labelled_hand.is_some() && answer.hand.is_some());
         let hands_right = hands().filter(|answer| answer.hand == answer.labelled_hand).count();

@@ -1,13 +1,13 @@
 //! What the networks of scenes say, together with what the neighbours say: a logarithmic opinion
 //! pool, the product of both's probabilities, each to a power.
 
-use grasp_index::{ClassScore, Index, OrientationEstimate, Vote, euler_deg};
+use grasp_index::{ClassScore, Index, OrientationEstimate, Vote};
 use nalgebra::UnitQuaternion;
 
 use super::prediction::Powers;
 use super::{Opening, Prediction};
 use crate::networks::GRASP;
-use crate::orientation::mean_with_near;
+use crate::orientation::join_near;
 use crate::side::{HandChoice, Side};
 
 /// Probabilities below this count as this: neither side is so sure.
@@ -52,15 +52,8 @@ impl Prediction {
 }
 
 /// Moves the orientation of a hand in the picture towards the rotations near it that networks see.
-/// Its spread stays that of the neighbours about their own mean.
 pub(crate) fn join_orientation(seen: &[UnitQuaternion<f64>], orientation: &mut OrientationEstimate) {
-    orientation.rotation = joined_rotation(orientation.rotation, seen);
-    orientation.euler_deg = euler_deg(&orientation.rotation);
-}
-
-/// The mean of a rotation and of those that are seen near it.
-fn joined_rotation(own: UnitQuaternion<f64>, seen: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
-    mean_with_near(own, seen.iter().copied(), |_| SEEN)
+    join_near(orientation, seen, |_| SEEN);
 }
 
 /// The probability of each stage by neighbours and networks.
@@ -90,6 +83,7 @@ fn joined(classes: &[(f64, f64)], no_grasp: f64, powers: Powers) -> (Vec<f64>, f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use grasp_index::euler_deg;
 
     const POWERS: Powers = Powers { neighbours: 0.7, networks: 1.2, opening: 0.0 };
 
@@ -98,7 +92,11 @@ mod tests {
         let about_z = |degrees: f64| UnitQuaternion::from_euler_angles(0.0, 0.0, degrees.to_radians());
         let moved = |seen: &[f64]| {
             let seen: Vec<_> = seen.iter().map(|degrees| about_z(*degrees)).collect();
-            joined_rotation(about_z(10.0), &seen).angle_to(&about_z(10.0)).to_degrees()
+            let rotation = about_z(10.0);
+            let mut moved =
+                OrientationEstimate { rotation, euler_deg: euler_deg(&rotation), spread_deg: 5.0 };
+            join_orientation(&seen, &mut moved);
+            moved.rotation.angle_to(&rotation).to_degrees()
         };
         assert!(moved(&[]).abs() < 1e-9 && moved(&[60.0, 190.0]).abs() < 1e-9);
         assert!((moved(&[20.0]) - 10.0 * SEEN).abs() < 0.1, "{}", moved(&[20.0]));

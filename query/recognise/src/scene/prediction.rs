@@ -69,7 +69,7 @@ impl Prediction {
         sides: &[Side],
         powers: Powers,
     ) -> Self {
-        let mut seen = looks(input, &[*square], &LOOKS, sides, &weighted_networks(networks));
+        let mut seen = looks(input, &[*square], &LOOKS, sides, &naming_networks(networks));
         let right_odds = (seen[0].odds - seen[1].odds) / sides.len().max(1) as f64;
         let stages_by_side = [0, 1].map(|side| seen[side].stages);
         let rotations_by_side = [0, 1].map(|side| std::mem::take(&mut seen[side].rotations));
@@ -78,9 +78,9 @@ impl Prediction {
         Self { right_odds, arm_odds: 0.0, grasps, powers, by_side, stages_by_side, rotations_by_side }
     }
 
-    /// Joins what the scene and the naming network see of the grasp in the same square of the hand cut
-    /// out ([`SquareInput::of_cut_out`]): backgrounds differ from those that they have learned from,
-    /// black does not.
+    /// Joins what the scene and the naming network see of the grasp in the same square of the hand
+    /// cut out ([`SquareInput::of_cut_out`]): backgrounds differ from those that they have learned
+    /// from, black does not.
     pub(super) fn add_cut_out(
         &mut self,
         networks: &Networks,
@@ -88,7 +88,7 @@ impl Prediction {
         square: &Square,
         sides: &[Side],
     ) {
-        let seen = looks(input, &[*square], &LOOKS[..1], sides, &weighted_networks(networks));
+        let seen = looks(input, &[*square], &LOOKS[..1], sides, &naming_networks(networks));
         for (logs, seen) in self.by_side.iter_mut().zip(seen) {
             let seen = normalised(&seen.grasps);
             logs.iter_mut().zip(seen).for_each(|(log, seen)| *log += CUT_OUT * (seen - *log));
@@ -163,7 +163,7 @@ struct WeightedNetwork<'n> {
 
 /// The networks that name the grasp of a hand. The naming network alone is asked how it is turned:
 /// the scene network's rotation makes the answer's orientation no better (docs/trials.md).
-fn weighted_networks(networks: &Networks) -> [WeightedNetwork<'_>; 2] {
+fn naming_networks(networks: &Networks) -> [WeightedNetwork<'_>; 2] {
     [
         WeightedNetwork { network: networks.finding(), share: FINDING, is_asked_for_rotations: false },
         WeightedNetwork { network: networks.naming(), share: 1.0 - FINDING, is_asked_for_rotations: true },
@@ -177,9 +177,9 @@ fn looks(
     squares: &[Square],
     ways: &[(f64, f64)],
     sides: &[Side],
-    weighted_networks: &[WeightedNetwork<'_>],
+    networks: &[WeightedNetwork<'_>],
 ) -> [MeanOfLooks; 2] {
-    let grasps = weighted_networks.first().map_or(0, |weighted| weighted.network.grasps.len());
+    let grasps = networks.first().map_or(0, |weighted| weighted.network.grasps.len());
     let mut means = [MeanOfLooks::new(grasps), MeanOfLooks::new(grasps)];
     let looks = squares.iter().flat_map(|square| ways.iter().map(move |way| (square, way)));
     let share_of_look = 1.0 / (squares.len() * ways.len()) as f64;
@@ -195,7 +195,7 @@ fn looks(
             if side == Side::Left {
                 input.mirror();
             }
-            for weighted in weighted_networks {
+            for weighted in networks {
                 let heads = input.run(weighted.network);
                 mean.add(&heads, weighted.share * share_of_look);
                 if weighted.is_asked_for_rotations {

@@ -82,8 +82,8 @@ pub(crate) struct Options {
     /// neighbours are nearest.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_ROLLS as u32, value_parser = clap::value_parser!(u32).range(*ranges::ROLLS.start() as i64..=*ranges::ROLLS.end() as i64))]
     rolls: u32,
-    /// Look at each picture in eight more variants, mirrored, turned, in other light and enlarged, and
-    /// join the answers: for pictures that come seldom.
+    /// Look at each picture in eight more variants, mirrored, turned, in other light and enlarged,
+    /// and join the answers: for pictures that come seldom.
     #[arg(long, value_name = "BOOL", action = ArgAction::Set, value_parser = BoolishValueParser::new(), num_args = 0..=1, require_equals = true, default_value = "false", default_missing_value = "true")]
     thorough: bool,
     /// How far in front of the camera the hand is assumed to be, in metres, where no object's pose

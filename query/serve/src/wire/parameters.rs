@@ -37,7 +37,8 @@ pub struct PictureParameters {
     #[param(minimum = 1, maximum = 360)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolls: Option<usize>,
-    /// Look at a camera picture in eight more variants, mirrored, turned, in other light and enlarged.
+    /// Look at a camera picture in eight more variants, mirrored, turned, in other light and
+    /// enlarged.
     #[serde(skip_serializing_if = "is_false")]
     pub thorough: bool,
     /// How many neighbours vote, 1 to 1000; without it, what the index was calibrated with.
@@ -174,8 +175,8 @@ pub struct SearchParameters {
     /// Compare with every entry.
     #[serde(skip_serializing_if = "is_false")]
     pub exact: bool,
-    /// Return the candidates of the search, each with the `key` that it was kept by, for clients that
-    /// merge the answers of several segments of an index.
+    /// Return the candidates of the search, each with the `key` that it was kept by, for clients
+    /// that merge the answers of several segments of an index.
     #[serde(skip_serializing_if = "is_false")]
     pub shortlist: bool,
 }

@@ -20,8 +20,8 @@ use grasp_recognise::HandChoice;
 ///
 /// A picture is mirrored, turned by 8 degrees, made darker, brighter, warmer, colder, paler, a
 /// little blurred or larger, or cut by a twentieth at one side; labelled masks are changed with
-/// their pictures. The mean over all variants is less a matter of luck than the pictures as they are:
-/// compare indexes, networks and options by it where pictures are few. With --out, DIR gets
+/// their pictures. The mean over all variants is less a matter of luck than the pictures as they
+/// are: compare indexes, networks and options by it where pictures are few. With --out, DIR gets
 /// steadiness.csv (a line a picture and variant) and steadiness.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\

@@ -101,9 +101,9 @@ pub struct Point {
 
 impl Unknown {
     /// Sums up outcomes, of which those labelled [`OTHER`] are of no class, and the rows that could
-    /// not be read. `outcomes` are before any limit and before trust tempers a probability; `stated`
-    /// are those of the same pictures, in the same order, as the program states them, by these
-    /// limits, where it has any.
+    /// not be read. `outcomes` are before any limit and before trust tempers a probability;
+    /// `stated` are those of the same pictures, in the same order, as the program states them, by
+    /// these limits, where it has any.
     pub fn new(
         labels: String,
         outcomes: &[Outcome],
